@@ -108,8 +108,16 @@ impl Failure {
     }
 }
 
-impl From<std::io::Error> for Failure {
-    fn from(error: std::io::Error) -> Failure {
+/// The environment failed, unless a world says that the user stopped it.
+impl<E: std::error::Error + 'static> From<E> for Failure {
+    fn from(error: E) -> Failure {
+        #[cfg(feature = "runtime")]
+        {
+            let error: &dyn std::error::Error = &error;
+            if let Some(fab_world::WorldError::Interrupted) = error.downcast_ref() {
+                return Failure::interrupted();
+            }
+        }
         Failure::environment(error)
     }
 }

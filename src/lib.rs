@@ -16,6 +16,7 @@
 
 mod exit;
 mod io;
+mod report;
 mod shipped;
 mod snapshots;
 mod sources;

@@ -1,9 +1,8 @@
 //! Explains diagnostics. Each has an example that is compiled when it is shown.
 //!
-//! In: the table of codes and the files of `diag/examples`. Out: text for a terminal, and Markdown pages for the
-//! book. The caller writes the files.
+//! In: the table of codes and the files of `diag/examples`. Out: text for a terminal.
 
-use crate::diag::{self, CODES, Code, CodeEntry, Color, GROUPS};
+use crate::diag::{self, CODES, Code, CodeEntry, Color};
 use crate::{Listed, LoadError, Loader, Wanted};
 use fab_program::{Material, Trial};
 
@@ -14,7 +13,7 @@ const FILE: &str = "example.fab";
 pub const HALF: &str = include_str!("diag/examples/half.fab");
 
 /// The name of its file.
-const HALF_FILE: &str = "half.fab";
+pub const HALF_FILE: &str = "half.fab";
 
 /// A file with a diagnostic, and the same file corrected.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -75,61 +74,6 @@ pub fn list() -> String {
         format!("{code}  {severity:<7}  {}\n", entry.title)
     };
     CODES.iter().map(row).collect()
-}
-
-/// Returns the pages of the book: the name of each file, `index.md` first, and its text.
-pub fn pages() -> Vec<(String, String)> {
-    let mut pages = vec![("index.md".to_owned(), index())];
-    pages.extend(CODES.iter().map(|entry| (file_of(entry), page(entry))));
-    pages
-}
-
-fn file_of(entry: &CodeEntry) -> String {
-    format!("{}.md", entry.code.as_str())
-}
-
-fn index() -> String {
-    let mut text = "# Diagnostics\n\nWhat the compiler says, by its codes. `fabc explain CODE` shows the same in a \
-                    terminal. An *error* keeps a task\nfrom running; with a *warning* it runs, but probably not as intended; \
-                    a *note* is good to know.\n"
-        .to_owned();
-    for (prefix, about) in GROUPS {
-        text.push_str(&format!(
-            "\n## {prefix}: {about}\n\n| code | severity | what |\n|---|---|---|\n"
-        ));
-        for entry in CODES
-            .iter()
-            .filter(|it| it.code.as_str().starts_with(prefix))
-        {
-            let (code, file) = (entry.code.as_str(), file_of(entry));
-            let severity = entry.severity.as_str();
-            text.push_str(&format!(
-                "| [{code}]({file}) | {severity} | {} |\n",
-                entry.title
-            ));
-        }
-    }
-    text
-}
-
-fn page(entry: &CodeEntry) -> String {
-    let (code, severity) = (entry.code.as_str(), entry.severity.as_str());
-    let group = GROUPS.iter().find(|(prefix, _)| code.starts_with(prefix));
-    let about = group.map_or("", |(_, about)| *about);
-    let mut text = format!(
-        "# {code}: {}\n\n*{severity}*, {about}\n\n{}\n",
-        entry.title, entry.explanation
-    );
-    if let Some(Example { wrong, right }) = example(entry.code) {
-        let report = report_of(&wrong);
-        text.push_str(&format!(
-            "\n## Wrong\n\n```fab wrong\n{wrong}```\n\n```text\n{report}```\n\n## Right\n\n```fab\n{right}```\n"
-        ));
-        if wrong.contains(HALF_FILE) || right.contains(HALF_FILE) {
-            text.push_str("\n`half.fab` is [the first task of the language page](../language.md#a-whole-task).\n");
-        }
-    }
-    text
 }
 
 fn indented(text: &str) -> String {

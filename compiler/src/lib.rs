@@ -1,8 +1,8 @@
 //! Turns `.fab` text into [`Program`]s, and says what is wrong with it.
 //!
 //! ```text
-//! text ─load→ trees ─merge→ one task with what it inherits ─check, proof→ Program
-//!            └───────────────── Diagnostics ───────────────────┘
+//! text ─load→ trees ─merge→ one task with what it inherits ─check→ Program
+//!            └───────────────── Diagnostics ────────────┘
 //! ```
 //!
 //! In: the name of a file and a [`Loader`]. Out: the programs that the file defines, and diagnostics. The crate is
@@ -44,7 +44,6 @@ mod load;
 mod loader;
 mod merge;
 mod path;
-pub mod proof;
 mod syntax;
 
 pub use fab_grammar::is_keyword;
@@ -110,15 +109,13 @@ pub fn compile_for(
     let loaded = load::Loaded::of(&texts, loader);
     let checked = check::check(&loaded, grid, &mut report);
     let left_out = report.left_out();
-    let mut diagnostics = report.into_sorted();
-    diag::keep_spellings_only(&mut diagnostics, &texts.sources);
     Ok(Compiled {
         programs: checked.programs,
         broken_variants: checked.broken_variants,
         tests: checked.tests,
         materials: checked.materials,
         left_out,
-        diagnostics,
+        diagnostics: report.into_sorted(),
         sources: texts.sources,
     })
 }

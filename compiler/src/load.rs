@@ -4,12 +4,13 @@
 //! `use`. [`MAX_FILES`], [`MAX_USE_DEPTH`] and [`MAX_TOTAL_BYTES`] limit the work. No path may leave the entry's
 //! folder, except into a folder `lib` beside it.
 
-use crate::diag::{Code, Diagnostic, MAX_FINDINGS, Report, Reported, is_hidden, turns_writing};
+use crate::diag::{Code, Diagnostic, MAX_FINDINGS, Report, Reported};
 use crate::loader::{Listed, LoadError, Loader, Wanted};
 use crate::path;
 use crate::syntax;
 use fab_grammar::ast::{Experts, Material, Task};
 use fab_grammar::{FileId, Kind, Node, Sources, Span, Tree};
+use fab_program::invisible::{is_hidden, turns_writing};
 use fab_program::{self as program, Trial};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -36,12 +37,8 @@ struct Parsed {
     portable_name: String,
     /// Itself and the files that it uses, directly or through others.
     reach: BTreeSet<FileId>,
-    /// The proof that it has a syntax error, if it has one.
-    fault: Option<Reported>,
-    /// Whether its braces or quotes do not match.
-    is_torn: bool,
-    /// The proof that a file that it uses cannot be read, if so.
-    unread: Option<Reported>,
+    /// Whether something in it does not parse or is invisible, or a file that it uses cannot be read.
+    is_malformed: bool,
 }
 
 /// The views of one file.
@@ -50,10 +47,6 @@ pub(crate) struct LoadedFile<'a> {
     pub experts: Vec<Experts<'a>>,
     pub materials: Vec<Material<'a>>,
     pub tasks: Vec<Task<'a>>,
-    /// The words of everything that did not parse. An unknown name may be declared there.
-    pub unparsed_words: BTreeSet<&'a str>,
-    /// Whether a declaration that did not parse has no name. Any unknown name may be declared there.
-    has_lost_name: bool,
 }
 
 /// Every file of a compilation, and which files each one sees.
@@ -76,8 +69,6 @@ impl<'a> Loaded<'a> {
             let file = parsed.tree.view();
             LoadedFile {
                 id: file.span().file,
-                unparsed_words: file.unparsed_words(),
-                has_lost_name: file.has_lost_name(),
                 tasks: file.tasks().collect(),
                 experts: file.experts().collect(),
                 materials: file.materials().collect(),
@@ -157,11 +148,9 @@ impl<'a> Loaded<'a> {
         self.loader.refuses_cloth(material, spacing_m)
     }
 
-    /// Returns whether any file uses a constant, a keypoint or a material of this name, or may do so in text that did
-    /// not parse.
+    /// Returns whether any file uses a constant, a keypoint or a material of this name.
     pub fn is_used(&self, name: &str) -> bool {
-        let mut files = self.files.iter();
-        self.used.contains(name) || files.any(|file| file.unparsed_words.contains(name))
+        self.used.contains(name)
     }
 
     /// Returns the files whose declarations `file` sees, in the order in which they were read.
@@ -170,32 +159,21 @@ impl<'a> Loaded<'a> {
         seen.map(|seen| &self.files[seen.index()])
     }
 
+    /// Returns the files whose names and types are checked.
+    pub fn well_formed(&self) -> impl Iterator<Item = &LoadedFile<'a>> {
+        self.files.iter().filter(|file| !self.is_malformed(file.id))
+    }
+
     /// Returns the entry file.
     pub fn entry(&self) -> &LoadedFile<'a> {
         &self.files[0]
     }
 
-    /// Returns the proof that a file has a syntax error, if it has one.
-    pub fn fault(&self, file: FileId) -> Option<Reported> {
-        self.parsed(file).fault
-    }
-
-    /// Returns whether `file` sees a file whose braces or quotes do not match.
-    pub fn is_torn(&self, file: FileId) -> bool {
+    /// Returns whether `file` sees a file with an error of form, itself or another, or lacks one. Its names and types are
+    /// not checked.
+    pub fn is_malformed(&self, file: FileId) -> bool {
         let mut seen = self.parsed(file).reach.iter();
-        seen.any(|seen| self.parsed(*seen).is_torn)
-    }
-
-    /// Returns the proof of an error that may hide the declaration of a name from `file`: in the syntax, or in a `use`.
-    pub fn hidden(&self, file: FileId, name: &str) -> Option<Reported> {
-        let mut unread = self
-            .visible_from(file)
-            .filter_map(|seen| self.parsed(seen.id).unread);
-        let mut faults = self
-            .visible_from(file)
-            .filter(|seen| seen.has_lost_name || seen.unparsed_words.contains(name))
-            .filter_map(|seen| self.fault(seen.id));
-        unread.next().or_else(|| faults.next())
+        seen.any(|seen| self.parsed(*seen).is_malformed)
     }
 
     /// Returns the name and the text of every file; names are relative to the entry's folder.
@@ -300,14 +278,12 @@ impl Reading<'_> {
         let further = parsed.faults.len().saturating_sub(MAX_FINDINGS);
         self.report.count_further(further, file);
         hidden_characters(text, file, self.report);
-        let fault = self.report.error_in(file);
+        let is_malformed = self.report.error_in(file).is_some();
         self.texts.parsed.push(Parsed {
             tree: parsed.tree,
             portable_name,
             reach: BTreeSet::from([file]),
-            fault: fault.filter(|_| !parsed.faults.is_empty()),
-            is_torn: parsed.is_torn,
-            unread: None,
+            is_malformed,
         });
         file
     }
@@ -332,7 +308,7 @@ impl Reading<'_> {
                 Ok(target) => {
                     self.texts.parsed[file.index()].reach.insert(target);
                 }
-                Err(reported) => self.texts.parsed[file.index()].unread = Some(reported),
+                Err(_) => self.texts.parsed[file.index()].is_malformed = true,
             }
         }
         self.open.pop();

@@ -1,18 +1,15 @@
 //! Typed views of the tree: the contents of a file as written, unchecked.
 //!
 //! In: a [`Node`]. Out: a view, which wraps the node and gives access to its parts. A view owns nothing and is
-//! cheap to copy. Views leave out text that does not parse: no list contains a statement that is cut off by junk,
-//! and a node that lacks a required part, such as a task without a name, has no view. Names are not looked up
-//! and quantities are not checked here.
+//! cheap to copy. Text that does not parse has no view, nor does a node that lacks a required part, such as a task
+//! without a name. Names are not looked up and quantities are not checked here.
 //!
 //! Expressions are read through [`Expr`], which skips grammar levels with a single part. Recursion is bounded by
 //! [`MAX_NESTING`](crate::MAX_NESTING).
 
 use crate::source::Span;
 use crate::tree::{Kind, Node, Tree};
-use crate::vocabulary::{is_keyword, words as words_of};
 use std::borrow::Cow;
-use std::collections::BTreeSet;
 use std::ops;
 
 // ---- how views are made ------------------------------------------------------------------------
@@ -101,17 +98,6 @@ macro_rules! blocks {
                     let ops::Range { start, .. } = head.range();
                     Span::new(self.span().file, start..start + head.text().trim_end().len())
                 }
-
-                /// Returns whether something directly in it does not parse; a missing part may be there.
-                pub fn is_damaged(self) -> bool {
-                    self.node.children().any(|child| {
-                        let head = child.child(Kind::Head).filter(|_| child.kind().needs_name());
-                        child.kind().is_junk()
-                            || child.kind() == Kind::Head && child.child(Kind::Surplus).is_some()
-                            || matches!(child.kind(), Kind::NoOpen | Kind::NoClose)
-                            || head.is_some_and(|head| head.child(Kind::Name).is_none())
-                    })
-                }
             }
         )*
     };
@@ -146,18 +132,9 @@ fn head_name(node: Node<'_>) -> Option<Name<'_>> {
     below(node, Kind::Head)
 }
 
-/// Returns the complete statements of a kind; one that is cut off by junk is left out.
-fn whole<'t, T: View<'t>>(block: Node<'t>, kind: Kind) -> impl Iterator<Item = T> {
-    block
-        .all(kind)
-        .filter(|node| !is_half(*node))
-        .filter_map(T::cast)
-}
-
-/// Returns whether a statement is cut off by junk; a complete block before junk is kept.
-fn is_half(node: Node<'_>) -> bool {
-    let is_block = node.child(Kind::Close).is_some() && node.kind() != Kind::Check;
-    !is_block && node.is_cut()
+/// Returns the views of the children of a kind, where their type has several.
+fn of_kind<'t, T: View<'t>>(node: Node<'t>, kind: Kind) -> impl Iterator<Item = T> {
+    node.all(kind).filter_map(T::cast)
 }
 
 views! {
@@ -212,7 +189,7 @@ views! {
         name: Name<'t> = head_name,
     } {
         /// Returns its properties.
-        properties -> impl Iterator<Item = Property<'t>> = |node| whole(node, Kind::Property);
+        properties -> impl Iterator<Item = Property<'t>> = |node| all(node);
     }
 
     /// `NAME VALUE, … from "…"` of a material. Its values are the arguments of [`Property::call`].
@@ -231,7 +208,7 @@ views! {
     /// `sequence { … }` or `demonstrate { … }`.
     FoldBlock(Sequence | Demonstrate) {} {
         /// Returns the moves of all its folds.
-        moves -> impl Iterator<Item = Move<'t>> = |node| whole(node, Kind::Fold).flat_map(Fold::moves);
+        moves -> impl Iterator<Item = Move<'t>> = |node| all(node).flat_map(Fold::moves);
     }
 
     /// `fold A -> B, …`.
@@ -265,10 +242,10 @@ views! {
         /// Returns its variants.
         variants -> impl Iterator<Item = Variant<'t>> = |node| all(node);
         /// Returns the names of the components to ablate.
-        ablated -> impl Iterator<Item = Name<'t>> = |node| whole(node, Kind::Ablate).flat_map(Names::list);
+        ablated -> impl Iterator<Item = Name<'t>> = |node| of_kind(node, Kind::Ablate).flat_map(Names::list);
         /// Returns the names of the inherited variants that it leaves out.
         without_variants -> impl Iterator<Item = Name<'t>> = |node|
-            whole(node, Kind::WithoutVariant).flat_map(Names::list);
+            of_kind(node, Kind::WithoutVariant).flat_map(Names::list);
     }
 
     /// `variant NAME { … }`.
@@ -283,45 +260,43 @@ views! {
     /// The body of a task or a variant, between its braces.
     Body(Task | Variant) {} {
         /// Returns its constants.
-        constants -> impl Iterator<Item = NamedValue<'t>> = |node| whole(node, Kind::Constant);
+        constants -> impl Iterator<Item = NamedValue<'t>> = |node| all(node);
         /// Returns its statements of one value.
-        statements -> impl Iterator<Item = Statement<'t>> = |node| whole(node, Kind::Statement);
+        statements -> impl Iterator<Item = Statement<'t>> = |node| all(node);
         /// Returns its blocks of subgoals.
         subgoals -> impl Iterator<Item = Subgoals<'t>> = |node| all(node);
         /// Returns the lists of experts that it uses.
-        experts -> impl Iterator<Item = ExpertsUsed<'t>> = |node| whole(node, Kind::ExpertsUsed);
+        experts -> impl Iterator<Item = ExpertsUsed<'t>> = |node| all(node);
         /// Returns its files of demonstrations.
-        demos -> impl Iterator<Item = Demos<'t>> = |node| whole(node, Kind::Demos);
+        demos -> impl Iterator<Item = Demos<'t>> = |node| all(node);
         /// Returns its blocks of keypoints.
         keypoints -> impl Iterator<Item = Keypoints<'t>> = |node|
-            node.all(Kind::Keypoints).filter_map(Keypoints::cast);
+            of_kind(node, Kind::Keypoints);
         /// Returns its blocks of layers.
         annotate -> impl Iterator<Item = Keypoints<'t>> = |node|
-            node.all(Kind::Annotate).filter_map(Keypoints::cast);
+            of_kind(node, Kind::Annotate);
         /// Returns its blocks of actions.
         actions -> impl Iterator<Item = Actions<'t>> = |node| all(node);
         /// Returns its components, new and overriding ones in order.
-        components -> impl Iterator<Item = Component<'t>> = |node| {
-            all(node).filter(|component: &Component<'t>| !is_half(component.node))
-        };
+        components -> impl Iterator<Item = Component<'t>> = |node| all(node);
         /// Returns the names of the components that it removes.
-        without -> impl Iterator<Item = Name<'t>> = |node| whole(node, Kind::Without).flat_map(Names::list);
+        without -> impl Iterator<Item = Name<'t>> = |node| of_kind(node, Kind::Without).flat_map(Names::list);
         /// Returns its stages.
         stages -> impl Iterator<Item = Stage<'t>> = |node| all(node);
         /// Returns its rehearsals.
         rehearsals -> impl Iterator<Item = Rehearse<'t>> = |node| all(node);
         /// Returns what it adds to the texts of inherited stages.
-        added_sayings -> impl Iterator<Item = AddedSay<'t>> = |node| whole(node, Kind::AddedSay);
+        added_sayings -> impl Iterator<Item = AddedSay<'t>> = |node| all(node);
         /// Returns its blocks of checks.
         verify -> impl Iterator<Item = Verify<'t>> = |node| all(node);
         /// Returns the checks that it adds, outside of `verify`.
-        checks -> impl Iterator<Item = Check<'t>> = |node| whole(node, Kind::Check);
+        checks -> impl Iterator<Item = Check<'t>> = |node| all(node);
         /// Returns the checks with `override`.
         override_checks -> impl Iterator<Item = Check<'t>> = |node|
-            whole(node, Kind::OverrideCheck).map(OverrideCheck::check);
+            all(node).map(OverrideCheck::check);
         /// Returns the names of the checks that it removes.
         without_checks -> impl Iterator<Item = Name<'t>> = |node|
-            whole(node, Kind::WithoutCheck).flat_map(Names::list);
+            of_kind(node, Kind::WithoutCheck).flat_map(Names::list);
         /// Returns its tests.
         tests -> impl Iterator<Item = Test<'t>> = |node| all(node);
         /// Returns its length, bytes.
@@ -363,7 +338,7 @@ views! {
         /// Returns its demonstrations.
         demonstrations -> impl Iterator<Item = FoldBlock<'t>> = |node| all(node);
         /// Returns its pictures.
-        images -> impl Iterator<Item = Image<'t>> = |node| whole(node, Kind::Image);
+        images -> impl Iterator<Item = Image<'t>> = |node| all(node);
     }
 
     /// `image "…" arrow (…) -> (…)`.
@@ -375,13 +350,13 @@ views! {
     /// `keypoints { … }` or `annotate { … }`.
     Keypoints(Keypoints | Annotate) {} {
         /// Returns its keypoints or layers.
-        list -> impl Iterator<Item = NamedValue<'t>> = |node| whole(node, Kind::Keypoint);
+        list -> impl Iterator<Item = NamedValue<'t>> = |node| all(node);
     }
 
     /// `actions { … }`.
     Actions(Actions) {} {
         /// Returns its fields.
-        fields -> impl Iterator<Item = Field<'t>> = |node| whole(node, Kind::Field);
+        fields -> impl Iterator<Item = Field<'t>> = |node| all(node);
     }
 
     /// `NAME: one of …`, or `NAME: any of MASK`.
@@ -434,15 +409,15 @@ views! {
         name: Name<'t> = head_name,
     } {
         /// Returns its `model` lines.
-        model -> impl Iterator<Item = Model<'t>> = |node| whole(node, Kind::Model);
+        model -> impl Iterator<Item = Model<'t>> = |node| all(node);
         /// Returns its `show` lines.
-        show -> impl Iterator<Item = Show<'t>> = |node| whole(node, Kind::Show);
+        show -> impl Iterator<Item = Show<'t>> = |node| all(node);
         /// Returns its `say` lines.
-        say -> impl Iterator<Item = Sayings<'t>> = |node| whole(node, Kind::Say);
+        say -> impl Iterator<Item = Sayings<'t>> = |node| of_kind(node, Kind::Say);
         /// Returns its `system` lines.
-        system -> impl Iterator<Item = Sayings<'t>> = |node| whole(node, Kind::System);
+        system -> impl Iterator<Item = Sayings<'t>> = |node| of_kind(node, Kind::System);
         /// Returns its `read` lines.
-        read -> impl Iterator<Item = Read<'t>> = |node| whole(node, Kind::Read);
+        read -> impl Iterator<Item = Read<'t>> = |node| all(node);
         /// Returns its examples.
         examples -> impl Iterator<Item = Example<'t>> = |node| all(node);
     }
@@ -496,11 +471,11 @@ views! {
     /// `example { … }`.
     Example(Example) {} {
         /// Returns its `say` lines.
-        say -> impl Iterator<Item = Sayings<'t>> = |node| whole(node, Kind::Say);
+        say -> impl Iterator<Item = Sayings<'t>> = |node| of_kind(node, Kind::Say);
         /// Returns its pictures.
-        images -> impl Iterator<Item = Image<'t>> = |node| whole(node, Kind::Image);
+        images -> impl Iterator<Item = Image<'t>> = |node| all(node);
         /// Returns its replies.
-        replies -> impl Iterator<Item = Reply<'t>> = |node| whole(node, Kind::Reply);
+        replies -> impl Iterator<Item = Reply<'t>> = |node| all(node);
     }
 
     /// `reply "…"`, with or without a stage's name.
@@ -520,13 +495,13 @@ views! {
         stage: Name<'t> = head_name,
     } {
         /// Returns its `twin` lines.
-        twins -> impl Iterator<Item = Call<'t>> = |node| whole(node, Kind::Twin);
+        twins -> impl Iterator<Item = Call<'t>> = |node| all(node);
         /// Returns its `choose` lines.
-        choices -> impl Iterator<Item = Choose<'t>> = |node| whole(node, Kind::Choose);
+        choices -> impl Iterator<Item = Choose<'t>> = |node| all(node);
         /// Returns its `revise` lines.
-        revisions -> impl Iterator<Item = Revise<'t>> = |node| whole(node, Kind::Revise);
+        revisions -> impl Iterator<Item = Revise<'t>> = |node| all(node);
         /// Returns its `trust` lines.
-        trusts -> impl Iterator<Item = Trust<'t>> = |node| whole(node, Kind::Trust);
+        trusts -> impl Iterator<Item = Trust<'t>> = |node| all(node);
     }
 
     /// `choose most MEASURE`.
@@ -547,7 +522,7 @@ views! {
         above: Expr<'t> = first,
     } {
         /// Returns the phrase `else refuse`.
-        else_refuse -> Option<Phrase<'t>> = |node| node.child(Kind::ElseRefuse).and_then(Phrase::cast);
+        else_refuse -> Option<Phrase<'t>> = |node| of_kind(node, Kind::ElseRefuse).next();
     }
 
     // ---- checks --------------------------------------------------------------------------------
@@ -555,11 +530,11 @@ views! {
     /// `verify { … }`.
     Verify(Verify) {} {
         /// Returns its checks.
-        checks -> impl Iterator<Item = Check<'t>> = |node| whole(node, Kind::Check);
+        checks -> impl Iterator<Item = Check<'t>> = |node| all(node);
         /// Returns its `attempts` lines.
-        attempts -> impl Iterator<Item = Attempts<'t>> = |node| whole(node, Kind::Attempts);
+        attempts -> impl Iterator<Item = Attempts<'t>> = |node| all(node);
         /// Returns its `result` lines.
-        results -> impl Iterator<Item = ResultCheck<'t>> = |node| whole(node, Kind::Result);
+        results -> impl Iterator<Item = ResultCheck<'t>> = |node| all(node);
     }
 
     /// `check NAME { … } else "…"`.
@@ -587,11 +562,11 @@ views! {
         count: Expr<'t> = first,
     } {
         /// Returns the phrase `with picture`.
-        with_picture -> Option<Phrase<'t>> = |node| node.child(Kind::WithPicture).and_then(Phrase::cast);
+        with_picture -> Option<Phrase<'t>> = |node| of_kind(node, Kind::WithPicture).next();
         /// Returns the checks that `then without` removes.
         relaxed -> impl Iterator<Item = Name<'t>> = |node| all(node).flat_map(Names::list);
         /// Returns the phrase `else skip`.
-        else_skip -> Option<Phrase<'t>> = |node| node.child(Kind::ElseSkip).and_then(Phrase::cast);
+        else_skip -> Option<Phrase<'t>> = |node| of_kind(node, Kind::ElseSkip).next();
     }
 
     /// `with picture`, `else skip` or `else refuse`.
@@ -615,11 +590,11 @@ views! {
         /// Returns the name.
         name -> Option<Text<'t>> = |node| below(node, Kind::Head);
         /// Returns what is given.
-        given -> impl Iterator<Item = Given<'t>> = |node| whole(node, Kind::Given);
+        given -> impl Iterator<Item = Given<'t>> = |node| all(node);
         /// Returns the model's replies.
-        replies -> impl Iterator<Item = Reply<'t>> = |node| whole(node, Kind::Reply);
+        replies -> impl Iterator<Item = Reply<'t>> = |node| all(node);
         /// Returns what is expected.
-        expect -> impl Iterator<Item = Expect<'t>> = |node| whole(node, Kind::Expect);
+        expect -> impl Iterator<Item = Expect<'t>> = |node| all(node);
     }
 
     /// `given NAME = …`.
@@ -781,102 +756,6 @@ impl Tree {
     }
 }
 
-impl<'t> File<'t> {
-    /// Returns the words of all junk, and of the statements that junk cuts off.
-    ///
-    /// These may include a name's declaration, so such a name should not be reported as unknown.
-    pub fn unparsed_words(self) -> BTreeSet<&'t str> {
-        self.node
-            .tree()
-            .nodes()
-            .filter(|node| node.kind().is_junk() || is_half(*node))
-            .flat_map(|node| {
-                node.text()
-                    .split(|character: char| !character.is_alphanumeric() && character != '_')
-            })
-            .filter(|word| !word.is_empty())
-            .collect()
-    }
-}
-
-impl<'t> File<'t> {
-    /// Returns whether a declaration does not parse and its name cannot be found, or a `use` does not parse; any unknown
-    /// name may be declared there.
-    pub fn has_lost_name(self) -> bool {
-        self.node.tree().nodes().any(|node| match node.kind() {
-            Kind::Junk | Kind::JunkSection => lost_name(node),
-            Kind::Stray => {
-                let text = node.text().trim_start();
-                let uses = text
-                    .strip_prefix("use")
-                    .is_some_and(|rest| rest.starts_with([' ', '"']));
-                uses || text.starts_with('"')
-            }
-            Kind::Head => {
-                let parent = node.parent().map(Node::kind);
-                let is_named = matches!(
-                    parent,
-                    Some(Kind::Task | Kind::Experts | Kind::Material | Kind::Stage | Kind::Check)
-                );
-                is_named && node.child(Kind::Name).is_none()
-            }
-            _ => false,
-        })
-    }
-}
-
-/// Returns whether a line of junk is a declaration without a name.
-fn lost_name(junk: Node<'_>) -> bool {
-    let Some(block) = junk.parent() else {
-        return false;
-    };
-    let text = junk.tree().text();
-    let before = text[..junk.range().start].trim_end_matches([' ', '\t']);
-    if !before.ends_with(['\n', '\r', '{']) {
-        return false;
-    }
-    let mut words = junk.text().split_whitespace();
-    let is_name = |word: Option<&str>| {
-        word.is_some_and(|word| {
-            let end = word.find(|next: char| !next.is_alphanumeric() && next != '_');
-            let name = &word[..end.unwrap_or(word.len())];
-            !name.is_empty()
-                && !name.starts_with(|first: char| first.is_ascii_digit())
-                && !is_keyword(name)
-        })
-    };
-    // A block whose first word is lost.
-    if junk.kind() == Kind::JunkSection && junk.text().starts_with('{') {
-        return true;
-    }
-    if words_of(block.kind()).is_empty() {
-        return !is_name(words.next());
-    }
-    let first = words.find(|word| *word != "override").unwrap_or_default();
-    let declares = [
-        "const",
-        "component",
-        "experts",
-        "material",
-        "read",
-        "given",
-        "check",
-    ];
-    declares.contains(&first) && !is_name(words.next())
-}
-
-impl<'t> Task<'t> {
-    /// Returns whether its head does not parse, so that it may extend a task.
-    pub fn may_extend(self) -> bool {
-        let heads = self.node.children();
-        let mut heads = heads.filter(|part| matches!(part.kind(), Kind::Head | Kind::Extends));
-        heads.any(|head| {
-            head.child(Kind::Surplus).is_some()
-                || head.kind() == Kind::Extends && head.child(Kind::Name).is_none()
-        })
-    }
-}
-
 impl<'t> Image<'t> {
     /// Returns the arrow's tail and tip.
     pub fn arrow(self) -> Option<[[Expr<'t>; 2]; 2]> {
@@ -894,29 +773,7 @@ pub enum Declares {
     Override,
 }
 
-/// Returns whether a condition after `when` does not parse, or something stands where `when` may stand.
-fn has_broken_guard(node: Node<'_>) -> bool {
-    let is_empty = |guard: Node<'_>| first::<Expr<'_>>(guard).is_none();
-    let heads = || {
-        node.child(Kind::Head)
-            .and_then(|head| head.child(Kind::Surplus))
-    };
-    node.child(Kind::Guard).is_some_and(is_empty) || heads().is_some()
-}
-
-impl Check<'_> {
-    /// Returns whether it has a condition after `when` that does not parse.
-    pub fn has_broken_guard(self) -> bool {
-        has_broken_guard(self.node)
-    }
-}
-
 impl<'t> Component<'t> {
-    /// Returns whether it has a condition after `when` that does not parse.
-    pub fn has_broken_guard(self) -> bool {
-        has_broken_guard(self.node)
-    }
-
     /// Returns whether it is new or replaces one.
     pub fn declares(self) -> Declares {
         match self.node.kind() {
@@ -1266,87 +1123,4 @@ impl<'t> Pieces<'t> {
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
-mod tests {
-    use super::*;
-    use crate::{FileId, Tree, parse};
-
-    const EVERYTHING: &str = include_str!("../tests/everything.fab");
-
-    fn tree(text: &str) -> Tree {
-        let parsed = parse(FileId::FIRST, text);
-        assert_eq!(parsed.faults, []);
-        parsed.tree
-    }
-
-    #[test]
-    fn every_kind_of_node_has_a_view() {
-        let tree = tree(EVERYTHING);
-        let is_sign = |kind| matches!(kind, Kind::Token | Kind::Head | Kind::Open | Kind::Close);
-        // Their single part is read through the view of what they belong to.
-        let is_read_by_parent = |kind| {
-            use Kind::{AnyOf, Cited, Extends, Guard, Margin, Retries};
-            matches!(kind, AnyOf | Cited | Extends | Guard | Margin | Retries)
-        };
-        for node in tree.nodes() {
-            let kind = node.kind();
-            let exempt = kind.is_trivia() || is_sign(kind) || is_read_by_parent(kind);
-            assert!(exempt || has_view(node), "{node:?}");
-        }
-    }
-
-    #[test]
-    fn layers_that_say_nothing_are_passed_over() {
-        let shapes = [
-            ("(1mm)", "Quantity"),
-            ("not not a", "Name"),
-            ("not not not a", "Not"),
-            ("((a), b)", "Pair"),
-            ("a and (b or c)", "All"),
-            ("a < 1 or b", "Any"),
-            ("(a < b)", "Compare"),
-            ("a within 1px of b", "Within"),
-            ("1 to 2", "Range"),
-            ("from a to b", "Heading"),
-            ("a.b in px", "Converted"),
-            ("a.b", "Path"),
-            ("a(b: 1)", "Call"),
-            ("\"a\"", "Text"),
-        ];
-        for (text, shape) in shapes {
-            let tree = tree(&format!("task a {{ goal {text} }}"));
-            let task = tree.view().tasks().next().unwrap();
-            let value = task.body().statements().next().unwrap().value();
-            assert!(
-                format!("{value:?}").starts_with(&format!("{shape}(")),
-                "{text}: {value:?}"
-            );
-        }
-    }
-
-    #[test]
-    fn a_statement_that_is_cut_off_is_left_out() {
-        let text = "task a { horizon 10 ? more\n goal b }";
-        let tree = parse(FileId::FIRST, text).tree;
-        let body = tree.view().tasks().next().unwrap().body();
-        let words: Vec<&str> = body.statements().map(|part| part.word().text()).collect();
-        assert_eq!(words, ["goal"]);
-        assert!(body.is_damaged());
-        assert!(tree.view().unparsed_words().contains("more"));
-    }
-
-    #[test]
-    fn a_text_loses_the_indentation_that_its_lines_share() {
-        let text = "task a { component b \"\"\"\r\n    One {{ c }}\r\n      two\r\n    \"\"\" }";
-        let tree = tree(text);
-        let body = tree.view().tasks().next().unwrap().body();
-        let block = body.components().next().unwrap().text();
-        assert_eq!(&text[block.start()..block.start() + 3], "One");
-        let pieces = block.pieces();
-        assert!(matches!(
-            &pieces[..],
-            [Piece::Literal(one), Piece::Value(Expr::Name(_)), Piece::Literal(two)] if one == "One " && two == "\n  two"
-        ));
-        assert_eq!(block.plain(), None);
-        assert_eq!(block.literal_bytes(), "One \n  two".len());
-    }
-}
+mod tests;

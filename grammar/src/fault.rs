@@ -31,14 +31,19 @@ pub enum Problem {
         /// The limit, bytes.
         limit: usize,
     },
+    /// The markers of a merge that nobody has resolved.
+    MergeConflict {
+        /// The lines that begin with a marker, in order; the first is the fault's own.
+        markers: Vec<Span>,
+    },
     /// Something else belongs here.
     Unexpected {
         /// The text here; `None` at the end of the line.
         found: Option<String>,
         /// What would fit, in words for users; may be empty.
         expected: Vec<&'static str>,
-        /// Whether the text parses further without it.
-        is_surplus: bool,
+        /// The words of the language that would fit, for the nearest one to be suggested.
+        words: Vec<&'static str>,
     },
     /// A line begins with an unknown word.
     UnknownWord {
@@ -46,27 +51,20 @@ pub enum Problem {
         word: String,
         /// The words that may begin a line here.
         candidates: &'static [&'static str],
+        /// The words that may go on with the line before.
+        words: Vec<&'static str>,
         /// The keyword of the surrounding block; `None` for the file itself.
         block: Option<String>,
-    },
-    /// A word is not a keyword, but the text goes on as if it were one.
-    Misspelt {
-        /// The word.
-        word: String,
-        /// The keyword; if several fit equally well, all of them, the likeliest first.
-        meant: Vec<&'static str>,
     },
     /// A `{` is missing.
     MissingOpen {
         /// The block's keyword.
         block: String,
     },
-    /// A `}` is missing.
+    /// The `}` of this `{` is missing.
     MissingClose {
         /// The block's keyword.
         block: String,
-        /// Where the block opens.
-        opened: Span,
     },
     /// A block has no name.
     MissingName {

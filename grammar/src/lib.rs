@@ -36,12 +36,11 @@
 //! - No function of this crate fails or panics, whatever the text.
 
 pub mod ast;
+mod conflicts;
 mod fault;
 mod faults;
 mod limits;
 mod measure;
-mod misspelt;
-mod quotes;
 mod rules;
 mod source;
 mod tree;
@@ -63,37 +62,31 @@ pub struct Parsed {
     pub tree: Tree,
     /// The syntax faults in source order; empty if there are none.
     pub faults: Vec<Fault>,
-    /// Whether its braces or triple quotes do not match. Nobody knows then which part belongs to which block.
-    pub is_torn: bool,
 }
 
 /// Parses a text; never fails and never panics.
 ///
-/// Beyond [`MAX_BYTES`], [`MAX_NESTING`] or [`MAX_WORD_BYTES`] the tree is one piece of junk with one fault.
+/// Beyond [`MAX_BYTES`], [`MAX_NESTING`] or [`MAX_WORD_BYTES`], or with an unresolved merge, the tree is one piece of
+/// junk.
 pub fn parse(file: FileId, text: &str) -> Parsed {
+    let unparsed = |faults| Parsed {
+        tree: Tree::junk(file, text),
+        faults,
+    };
     if let Err(fault) = limits::check(file, text) {
-        return Parsed {
-            tree: Tree::junk(file, text),
-            faults: vec![fault],
-            is_torn: true,
-        };
+        return unparsed(vec![fault]);
+    }
+    let conflicts = conflicts::find(file, text);
+    if !conflicts.is_empty() {
+        return unparsed(conflicts);
     }
     match FabParser::parse(Rule::file, text) {
         Ok(pairs) => {
             let tree = Tree::from_pairs(file, text, pairs);
-            let (found, was_torn) = faults::collect(&tree);
-            let faults = quotes::mend(&tree, found);
-            Parsed {
-                is_torn: was_torn || faults::torn(&tree, &faults).is_some(),
-                tree,
-                faults,
-            }
+            let faults = faults::collect(&tree);
+            Parsed { tree, faults }
         }
         // The rule `file` accepts every text, so only pest's guard of the native stack can fail.
-        Err(_) => Parsed {
-            tree: Tree::junk(file, text),
-            faults: vec![limits::too_deep(Span::new(file, 0..text.len()))],
-            is_torn: true,
-        },
+        Err(_) => unparsed(vec![limits::too_deep(Span::new(file, 0..text.len()))]),
     }
 }

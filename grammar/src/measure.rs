@@ -19,28 +19,23 @@ pub(crate) fn measure(tree: &Tree, rule: Rule, span: Span) -> Option<Fault> {
     let ErrorVariant::ParsingError { positives, .. } = error.variant else {
         return None;
     };
-    let firm = positives.iter().any(|rule| {
-        !vocabulary::is_continuation(*rule) && vocabulary::expectation(*rule).is_some()
-    });
-    let mut expected = Vec::new();
-    for rule in positives
-        .into_iter()
-        .filter(|rule| firm && !vocabulary::is_continuation(*rule))
+    let words = positives.iter().filter_map(|rule| vocabulary::word(*rule));
+    let words: Vec<&str> = words.collect();
+    let is_needed = |rule: &Rule| !vocabulary::is_continuation(*rule);
+    let mut expected: Vec<&str> = Vec::new();
+    for needed in { positives.into_iter() }
+        .filter(is_needed)
+        .filter_map(vocabulary::expectation)
     {
-        if let Some(words) = vocabulary::expectation(rule)
-            && !expected.contains(&words)
-        {
-            expected.push(words);
+        if !expected.contains(&needed) {
+            expected.push(needed);
         }
     }
-    Some(unexpected(
-        tree,
-        Span {
-            start: span.start + offset,
-            ..span
-        },
-        expected,
-    ))
+    let mut fault = unexpected(tree, tree.span(span.start + offset..span.end), expected);
+    if let Problem::Unexpected { words: found, .. } = &mut fault.problem {
+        *found = words;
+    }
+    Some(fault)
 }
 
 /// Makes the fault for the token at the beginning of `span`, or for the end of the line if there is none.
@@ -50,9 +45,10 @@ pub(crate) fn unexpected(tree: &Tree, span: Span, expected: Vec<&'static str>) -
     let at = at + (text[at..].len() - text[at..].trim_start_matches([' ', '\t', '\u{a0}']).len());
     // Report the token on this line even if it belongs to what comes next. Look for the end of a text only within the
     // span; beyond it the search would take quadratic time.
-    let end = match text[at..].starts_with('"') {
-        true => span.end.max(at),
-        false => text.len(),
+    let end = if text[at..].starts_with('"') {
+        span.end.max(at)
+    } else {
+        text.len()
     };
     let found = token_at(text, at..end);
     if found.is_empty() || found.starts_with('#') {
@@ -63,7 +59,7 @@ pub(crate) fn unexpected(tree: &Tree, span: Span, expected: Vec<&'static str>) -
             problem: Problem::Unexpected {
                 found: None,
                 expected,
-                is_surplus: false,
+                words: Vec::new(),
             },
         };
     }
@@ -72,7 +68,7 @@ pub(crate) fn unexpected(tree: &Tree, span: Span, expected: Vec<&'static str>) -
         problem: Problem::Unexpected {
             found: Some(found.to_owned()),
             expected,
-            is_surplus: false,
+            words: Vec::new(),
         },
     }
 }

@@ -262,11 +262,6 @@ impl Tree {
         builder.tree
     }
 
-    /// Returns the file of the text.
-    pub fn file(&self) -> FileId {
-        self.file
-    }
-
     /// Returns the text.
     pub fn text(&self) -> &str {
         &self.text
@@ -418,25 +413,6 @@ impl<'t> Node<'t> {
     /// Returns its parent, the parent's parent and so on.
     pub fn ancestors(self) -> impl Iterator<Item = Node<'t>> {
         std::iter::successors(self.parent(), |node| node.parent())
-    }
-
-    /// Returns whether junk follows on the same line, so the node is probably incomplete.
-    pub fn is_cut(self) -> bool {
-        for entry in &self.tree.entries[self.entry().next()..] {
-            let ends_line =
-                entry.kind.is_trivia() && self.tree.text[entry.range()].contains(['\n', '\r']);
-            if ends_line || !entry.kind.is_trivia() {
-                return matches!(entry.kind, Kind::Junk | Kind::JunkSection);
-            }
-        }
-        false
-    }
-
-    /// Returns whether junk comes next, perhaps on a later line.
-    pub fn precedes_junk(self) -> bool {
-        let mut after = self.tree.entries[self.entry().next()..].iter();
-        let next = after.find(|entry| !entry.kind.is_trivia());
-        next.is_some_and(|entry| matches!(entry.kind, Kind::Junk | Kind::JunkSection))
     }
 
     /// Returns its children in source order, blanks and comments included.

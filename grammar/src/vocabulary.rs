@@ -9,17 +9,32 @@ use std::sync::LazyLock;
 
 const GRAMMAR: &str = include_str!("fab.pest");
 
+/// The rules of one keyword, each with its word in backticks.
+static WORDS: LazyLock<BTreeMap<Rule, String>> = LazyLock::new(|| {
+    let word = |rule: &Rule| {
+        let name = format!("{rule:?}");
+        Some((*rule, format!("`{}`", name.strip_suffix("_word")?)))
+    };
+    // These two stand for several words.
+    let is_one = |rule: &&Rule| !matches!(rule, Rule::statement_word | Rule::setting_word);
+    Rule::all_rules()
+        .iter()
+        .filter(is_one)
+        .filter_map(word)
+        .collect()
+});
+
+/// Returns the word of the language with which `rule` begins, if it is always the same.
+pub(crate) fn word(rule: Rule) -> Option<&'static str> {
+    let quoted = WORDS.get(&rule).map(String::as_str);
+    let word = quoted.or_else(|| expectation(rule))?.trim_matches('`');
+    word.bytes()
+        .all(|letter| letter.is_ascii_lowercase())
+        .then_some(word)
+}
+
 /// Returns a readable name for what `rule` matches; `None` if the rule does not help the reader.
 pub(crate) fn expectation(rule: Rule) -> Option<&'static str> {
-    static WORDS: LazyLock<BTreeMap<Rule, String>> = LazyLock::new(|| {
-        let word = |rule: &Rule| {
-            Some((
-                *rule,
-                format!("`{}`", format!("{rule:?}").strip_suffix("_word")?),
-            ))
-        };
-        Rule::all_rules().iter().filter_map(word).collect()
-    });
     let words = match rule {
         Rule::name | Rule::label | Rule::path => "a name",
         Rule::target => "a unit",
@@ -72,7 +87,7 @@ pub(crate) fn expectation(rule: Rule) -> Option<&'static str> {
         Rule::with_picture => return expectation(Rule::with_word),
         Rule::retries => return expectation(Rule::retries_word),
         // The other expected tokens are enough.
-        Rule::any_word | Rule::not_word | Rule::setting_word | Rule::statement_word => return None,
+        Rule::any_word | Rule::not_word => return None,
         _ => return WORDS.get(&rule).map(String::as_str),
     };
     Some(words)
@@ -259,44 +274,4 @@ fn signs(rule: &str) -> impl Iterator<Item = &str> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_words_of_blocks_are_read_from_the_grammar() {
-        assert_eq!(words(Kind::File), ["use", "task", "experts", "material"]);
-        assert_eq!(words(Kind::Verify), ["check", "attempts", "result"]);
-        assert_eq!(words(Kind::Experts), ["sequence"]);
-        assert_eq!(words(Kind::Keypoints), [""; 0]);
-        assert!(words(Kind::Task).starts_with(words(Kind::Variant)));
-        assert!(
-            words(Kind::Task).ends_with(&["say", "verify", "check", "test", "variant", "ablate"])
-        );
-        assert!(words(Kind::Task).starts_with(&["const", "cloth", "camera"]));
-    }
-
-    /// Pest needs some lists twice, to look ahead; they must agree.
-    #[test]
-    fn lists_of_words_agree() {
-        let sorted = |words: &[&'static str]| words.iter().copied().collect::<BTreeSet<_>>();
-        let mut sections = sorted(&first_words("section_word"));
-        sections.extend(["test", "say", "check", "rehearse"]);
-        assert_eq!(sections, sorted(words(Kind::Task)));
-        let mut listed = sorted(keywords());
-        listed.extend(first_words("soft_word"));
-        for rule in Rule::all_rules() {
-            for word in first_words(&format!("{rule:?}")) {
-                assert!(
-                    listed.contains(word),
-                    "`{word}` is neither a keyword nor a soft word"
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn keywords_name_nothing() {
-        assert!(is_keyword("goal") && is_keyword("None"));
-        assert!(!is_keyword("cloth") && !is_keyword("goals") && !is_keyword("_"));
-    }
-}
+mod tests;

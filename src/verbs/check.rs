@@ -70,10 +70,7 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
     for (file, found) in arguments.files.iter().zip(found) {
         let named = diag::visible(file);
         let beside = sources::folder_of(found.as_deref().unwrap_or(file));
-        let compiled = found.and_then(|file| match arguments.json {
-            true => fix::judged(&file),
-            false => sources::compile_looking(&file),
-        });
+        let compiled = found.and_then(|file| sources::compile_looking(&file));
         let (compiled, notes_on_pictures) = match compiled {
             Ok(compiled) => compiled,
             Err(failure) => {

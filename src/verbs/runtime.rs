@@ -61,7 +61,7 @@ super::verbs! {
 }
 
 impl Verb {
-    /// Returns the argument that names a task's file.
+    /// Returns the argument that names a task's file; a shipped task may be named instead.
     pub fn file(&mut self) -> Option<&mut String> {
         let task = match self {
             Verb::See(see) => &mut see.task,
@@ -69,7 +69,16 @@ impl Verb {
             Verb::Demos(demos) => &mut demos.task,
             Verb::Run(run) => &mut run.task,
             Verb::Best(best) => &mut best.task,
-            _ => return None,
+            Verb::Resume(_)
+            | Verb::Bench(_)
+            | Verb::Calibrate(_)
+            | Verb::Robot(_)
+            | Verb::Models(_)
+            | Verb::Doctor(_)
+            | Verb::Probe(_)
+            | Verb::Serve(_)
+            | Verb::Sim(_)
+            | Verb::World(_) => return None,
         };
         Some(&mut task.file)
     }

@@ -13,6 +13,9 @@ pub struct VocabularyArguments {
     pub json: bool,
 }
 
+/// The page that holds the tables; a test of the compiler writes them.
+const PAGE: &str = include_str!("../../docs/language.md");
+
 /// Prints the tables of the reference, or all of it as JSON.
 pub fn run(arguments: &VocabularyArguments, io: &Io) -> Result<Exit, Failure> {
     if arguments.json {
@@ -20,8 +23,13 @@ pub fn run(arguments: &VocabularyArguments, io: &Io) -> Result<Exit, Failure> {
         io.json(&json.map_err(|error| Failure::environment(error.to_string()))?);
         return Ok(Exit::Done);
     }
-    for (name, table) in lang::tables() {
-        io.data(&format!("{}\n\n{table}", name.replace('-', " ")));
+    for part in PAGE.split("<!-- table: ").skip(1) {
+        let table = part
+            .split_once("<!-- end -->")
+            .map_or(part, |(table, _)| table);
+        if let Some((name, table)) = table.split_once(" -->") {
+            io.data(&format!("{}\n\n{}\n", name.replace('-', " "), table.trim()));
+        }
     }
     Ok(Exit::Done)
 }

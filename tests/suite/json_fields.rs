@@ -85,9 +85,8 @@ demos taught.fab --variant in_context --count 1
 bench suite.toml --out suite
 models openai --on 2026-11-20
 doctor
-probe random:3
 robot check --robot robot.toml
-sim crumple --size 10 -o starts
+sim crumple --dims 10x10 -o starts
 sim export starts/crumpled_10x10_0.npy -o heap.obj
 sim record --size 24 --move -0.07,0.07:0.05,-0.05 -o fold.gif
 run small.fab --out filmed --video

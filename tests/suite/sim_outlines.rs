@@ -156,10 +156,7 @@ fn an_outline_without_gaps_is_the_whole_cloth() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     fs::write(here.join("full.txt"), "############\n".repeat(10)).unwrap();
-    let outlined = told(
-        here,
-        &["crumple", "--outline", "full.txt", "--dims", "12x10"],
-    );
+    let outlined = told(here, &["crumple", "--outline", "full.txt"]);
     let whole = told(here, &["crumple", "--dims", "12x10"]);
     assert_eq!(outlined, whole);
     assert_eq!(

@@ -81,21 +81,7 @@ fn crumpled_cloths_are_starts_and_the_same_again() {
         .map(|it| it["seed"].as_u64().unwrap())
         .collect();
     assert_eq!(seeds, [5, 6, 7]);
-    let covered: Vec<f64> = starts
-        .iter()
-        .map(|it| it["coverage"].as_f64().unwrap())
-        .collect();
-    let mean = covered.iter().sum::<f64>() / 3.0;
-    assert_eq!(value["coverage"]["mean"].as_f64(), Some(mean));
-    assert_eq!(
-        value["coverage"]["max"].as_f64(),
-        covered.iter().copied().reduce(f64::max)
-    );
     let truly = |start: &Value| start["true_coverage"].as_f64().unwrap();
-    assert_eq!(
-        value["true_coverage"]["min"].as_f64(),
-        starts.iter().map(truly).reduce(f64::min)
-    );
     // Loads like any start, with the description beside it.
     for start in starts {
         let read = Start::load(&here.join(start["file"].as_str().unwrap()), None).unwrap();
@@ -128,7 +114,7 @@ fn a_start_of_somebody_else_is_not_replaced() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     fs::write(here.join("crumpled_6x6_0.npy"), "mine").unwrap();
-    let said = said(here, &["crumple", "--size", "6", "-o", "."]);
+    let said = said(here, &["crumple", "--dims", "6x6", "-o", "."]);
     assert_eq!(said.code, 2, "{}", said.stdout);
     assert!(
         said.stderr.contains("crumpled_6x6_0.npy` is there already"),

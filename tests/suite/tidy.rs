@@ -38,7 +38,7 @@ const MEMBERS: [Member; 17] = [
         &["fab-compiler"],
     ),
     member("sim", "fab-sim", &[], &[]),
-    member("runtime/base", "fab-base", &[], &[]),
+    member("runtime/base", "fab-base", &["fab-program"], &[]),
     member(
         "runtime/picture",
         "fab-picture",
@@ -60,13 +60,7 @@ const MEMBERS: [Member; 17] = [
     member(
         "runtime/providers",
         "fab-providers",
-        &[
-            "fab-base",
-            "fab-compiler",
-            "fab-model",
-            "fab-picture",
-            "fab-program",
-        ],
+        &["fab-base", "fab-model", "fab-picture", "fab-program"],
         &[],
     ),
     member(

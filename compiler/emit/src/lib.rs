@@ -49,7 +49,7 @@
 //!         "tidy/program.json",
 //!     ]
 //! );
-//! assert!(files[3].text.contains("distance_squared(at(facts.action.pick), at(facts.action.place))"));
+//! assert!(files[3].text.contains("squared_distance(at(facts.action.pick), at(facts.action.place))"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -126,10 +126,10 @@ fn of_one(program: &Program, targets: &[Target]) -> Result<Vec<Artifact>, EmitEr
     };
     add("actions.schema.json", schema::emit(program));
     if targets.contains(&Target::Rust) {
-        add("verifier.rs", verifier::rust(program)?);
+        add("verifier.rs", verifier::emit(program, &verifier::RUST)?);
     }
     if targets.contains(&Target::Python) {
-        add("verifier.py", verifier::python(program)?);
+        add("verifier.py", verifier::emit(program, &verifier::PYTHON)?);
     }
     if targets.contains(&Target::Program) {
         let text = manifest::emit(program, &artifacts);

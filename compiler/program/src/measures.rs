@@ -2,8 +2,8 @@
 //!
 //! In: points of the picture and what the scene shows. Out: numbers. Verdicts depend on them, so they use only
 //! additions, multiplications and comparisons of 64-bit floats, in a fixed order; the emitted verifiers do the same
-//! in other languages. A length in pixels between points needs only a row of [`MEASURES`]; its helper functions in
-//! other languages are in the emitting crate.
+//! in other languages. A length in pixels between points needs only a row of [`MEASURES`], whose formula the emitting
+//! crate writes in these languages.
 
 use crate::data::actions::Direction;
 use crate::data::points::{Heading, Point};
@@ -23,33 +23,16 @@ pub const MEASURES: &[Call<Make>] = &[
         "distance",
         &[A, B],
         "how far apart two points are",
-        |points| {
-            let [du, dv] = apart(points);
-            du * du + dv * dv
-        },
+        Square::Sum(&Square::Apart(0), &Square::Apart(1)),
     ),
     length(
         "chebyshev",
         &[A, B],
         "the larger of two points' distances along the two axes",
-        |points| {
-            let [du, dv] = apart(points);
-            let (du, dv) = (du * du, dv * dv);
-            if du > dv { du } else { dv }
-        },
+        Square::Larger(&Square::Apart(0), &Square::Apart(1)),
     ),
-    length(
-        "x",
-        &[POINT],
-        "how far a point is from the left of the picture",
-        |points| points[0][0] * points[0][0].abs(),
-    ),
-    length(
-        "y",
-        &[POINT],
-        "how far a point is from the top of the picture",
-        |points| points[0][1] * points[0][1].abs(),
-    ),
+    COLUMN,
+    ROW,
     other(
         "angle_between",
         "an angle",
@@ -94,7 +77,7 @@ pub const MEASURES: &[Call<Make>] = &[
             })
         },
     ),
-    other(
+    Call::new(
         "mirror",
         "a point",
         &[
@@ -102,12 +85,10 @@ pub const MEASURES: &[Call<Make>] = &[
             Arg::positional("about", Kind::Point, "the point between the two"),
         ],
         "the point on the other side of another",
-        |args, _| {
-            Measure::Point(Point::Mirror {
-                of: Box::new(args.point("point")),
-                about: Box::new(args.point("about")),
-            })
-        },
+        Make::Point(|args| Point::Mirror {
+            of: Box::new(args.point("point")),
+            about: Box::new(args.point("about")),
+        }),
     ),
     other(
         "nearest",
@@ -137,6 +118,22 @@ pub const MEASURES: &[Call<Make>] = &[
     ),
 ];
 
+/// Where a point lies along the picture's columns.
+pub const COLUMN: Call<Make> = length(
+    "x",
+    &[POINT],
+    "how far a point is from the left of the picture",
+    Square::Coordinate(0),
+);
+
+/// Where a point lies along the picture's rows.
+pub const ROW: Call<Make> = length(
+    "y",
+    &[POINT],
+    "how far a point is from the top of the picture",
+    Square::Coordinate(1),
+);
+
 /// The words of `quadrant`: above the other point, then below it; each time left of it, then right.
 ///
 /// A point in the other's row is below it, and one in its column right of it, so each point has one word.
@@ -152,14 +149,45 @@ const POINT: Arg = Arg::positional("point", Kind::Point, "a point");
 pub enum Make {
     /// A length in the picture, from the points that are the call's arguments.
     Length(Square),
+    /// A point of the picture.
+    Point(fn(&Args) -> Point),
     /// Any other value, from the arguments and the number of pixels of the flat cloth.
     Other(fn(&Args, f64) -> Measure),
 }
 
-/// Computes a length's square from its points, `[column, row]`; negative if the length is.
+/// The square of a length as a formula over its points; negative if the length is.
 ///
-/// It is the square because verdicts compare squares, which need no root.
-pub type Square = fn(&[[f64; 2]]) -> f64;
+/// It is the square because verdicts compare squares, which need no root. It is a formula, not code, because the
+/// emitted verifiers write it in other languages. A coordinate is 0 for the column, 1 for the row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Square {
+    /// The square of the first point's coordinate, with its sign.
+    Coordinate(usize),
+    /// The square of the distance between the first two points along this coordinate.
+    Apart(usize),
+    /// The sum of two squares.
+    Sum(&'static Square, &'static Square),
+    /// The larger of two squares.
+    Larger(&'static Square, &'static Square),
+}
+
+impl Square {
+    /// Computes it from the points, `[column, row]`.
+    fn of(self, points: &[[f64; 2]]) -> f64 {
+        match self {
+            Square::Coordinate(axis) => points[0][axis] * points[0][axis].abs(),
+            Square::Apart(axis) => {
+                let apart = points[0][axis] - points[1][axis];
+                apart * apart
+            }
+            Square::Sum(one, other) => one.of(points) + other.of(points),
+            Square::Larger(one, other) => {
+                let (one, other) = (one.of(points), other.of(points));
+                if one > other { one } else { other }
+            }
+        }
+    }
+}
 
 /// The value of a call to a measure.
 #[derive(Clone, Debug, PartialEq)]
@@ -209,6 +237,7 @@ impl Call<Make> {
                     .map(|arg| args.point(arg.name))
                     .collect(),
             })),
+            Make::Point(make) => Measure::Point(make(args)),
             Make::Other(make) => make(args, flat_px),
         }
     }
@@ -257,7 +286,7 @@ impl PointMeasure {
                     points,
                 })
             }
-            _ => None,
+            Make::Length(_) | Make::Point(_) | Make::Other(_) => None,
         }
     }
 
@@ -273,7 +302,7 @@ impl PointMeasure {
 
     /// Returns the square of its value for these points, negative if the value is.
     pub fn square(&self, points: &[[f64; 2]]) -> f64 {
-        (self.square)(points)
+        self.square.of(points)
     }
 }
 
@@ -441,11 +470,6 @@ pub(crate) fn nearest_deg(choices: &[Direction], to: [f64; 2]) -> Option<f64> {
         }
     }
     best.map(|(_, deg)| deg)
-}
-
-fn apart(points: &[[f64; 2]]) -> [f64; 2] {
-    let (a, b) = (points[0], points[1]);
-    [a[0] - b[0], a[1] - b[1]]
 }
 
 fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {

@@ -84,14 +84,7 @@ pub const UNITS: &[Unit] = &[
         "metres",
     ),
     EDGE,
-    unit(
-        "px",
-        Dimension::Pixels,
-        1.0,
-        1,
-        &["pixel", "pixels"],
-        "pixels",
-    ),
+    PX,
     DEG,
     RAD,
     unit(
@@ -130,6 +123,16 @@ pub const EDGE: Unit = unit(
     3,
     &["edges"],
     "lengths of the cloth's longer side",
+);
+
+/// Pixels, the unit of lengths in the picture.
+pub const PX: Unit = unit(
+    "px",
+    Dimension::Pixels,
+    1.0,
+    1,
+    &["pixel", "pixels"],
+    "pixels",
 );
 
 /// Degrees, the unit of angles in programs.
@@ -214,6 +217,11 @@ impl LengthUnit {
     /// Returns a unit if it is one of length on the table, or of speed.
     pub fn of(unit: &'static Unit) -> Option<LengthUnit> {
         matches!(unit.dimension, Dimension::Length | Dimension::Speed).then_some(LengthUnit(unit))
+    }
+
+    /// Returns its row.
+    pub fn row(self) -> &'static Unit {
+        self.0
     }
 
     /// Returns the unit of length or speed with that name.

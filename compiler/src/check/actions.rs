@@ -3,17 +3,19 @@
 use super::context::{Context, Fields};
 use super::expressions::{Scope, fixed_deg, keypoint, wrong_shape};
 use super::names::Meaning;
-use super::quantity::{measured, out_of_range, quantity_of, unit as unit_of};
+use super::quantity::{beyond, measured, out_of_range, quantity_of, unit as unit_of};
 use crate::diag::{Code, Diagnostic, Reported, nearest};
 use crate::lang::actions::{ChoiceKind, FIELDS, FieldRow, field as moving_field};
-use crate::proof::MAX_FIELDS;
 use fab_grammar::Span;
 use fab_grammar::ast::{Actions, Expr, Field, Name};
 use fab_program::exact::vector_of;
-use fab_program::units::{self, Dimension};
+use fab_program::units::Dimension;
 use fab_program::vocabulary::Range;
 use fab_program::{ActionField, Choices, Direction, KeypointShape, LengthChoice, LengthUnit};
 use std::collections::BTreeMap;
+
+/// The most fields of an action.
+const MAX_FIELDS: usize = 16;
 
 /// The most choices that a field lists; one keypoint among them may be many points.
 const MAX_CHOICES: usize = 256;
@@ -41,7 +43,7 @@ pub(crate) fn check<'a>(part: Actions<'a>, context: &mut Context<'a, '_>) -> Fie
     let complete = right.and_then(|()| {
         let mut complete = Ok(());
         for fault in incomplete(part) {
-            complete = Err(context.missing(part.is_damaged(), part.span().file, fault));
+            complete = Err(context.error(fault));
         }
         complete
     });
@@ -124,7 +126,7 @@ fn listed<'a>(
     let Some(first) = list.first() else {
         let message = format!("`{}` offers nothing", name.text());
         let diagnostic = Diagnostic::new(Code::MissingField, name.span(), message);
-        return Err(context.missing(true, name.span().file, diagnostic));
+        return Err(context.error(diagnostic));
     };
     let kinds: Vec<ChoiceKind> = list
         .iter()
@@ -132,16 +134,6 @@ fn listed<'a>(
         .collect::<Result<_, _>>()?;
     let kind = kinds[0];
     if let Some(other) = kinds.iter().position(|other| *other != kind) {
-        let unit = match list[other] {
-            Expr::Name(name) if units::find(name.text()).is_some() => Some(name.text()),
-            _ => None,
-        };
-        if let Some(unit) = unit {
-            let message = format!("expected a number and its unit, found `{unit}` alone");
-            let diagnostic = Diagnostic::new(Code::MixedChoices, list[other].span(), message);
-            let help = format!("write a number before it, such as `1{unit}`");
-            return Err(context.error(diagnostic.help(help)));
-        }
         let message = format!(
             "`{}` offers {} and {}",
             name.text(),
@@ -275,9 +267,6 @@ fn points<'a>(
 
 /// Reports an unquoted choice that names no keypoint, in a field that may offer words.
 fn bare_word(name: Name<'_>, context: &mut Context<'_, '_>) -> Reported {
-    if let Err(reported) = context.may_be_hidden(name.text()) {
-        return reported;
-    }
     let message = format!("there is no keypoint `{}`", name.text());
     let diagnostic = Diagnostic::new(Code::UnknownName, name.span(), message);
     context.error(match nearest(name.text(), offerable(context)) {
@@ -348,8 +337,8 @@ fn length<'a>(
         let diagnostic = context.unexpected(Code::WrongForm, choice, EXPECTED);
         return Err(context.error(diagnostic));
     };
-    let Some(unit) = LengthUnit::find(found.unit) else {
-        let code = match found.dimension {
+    let Some(unit) = found.unit.and_then(LengthUnit::of) else {
+        let code = match found.dimension() {
             Dimension::Number => Code::MissingUnit,
             Dimension::ArealDensity => Code::WrongQuantity,
             Dimension::Length | Dimension::Pixels | Dimension::Angle | Dimension::Speed => {
@@ -357,14 +346,13 @@ fn length<'a>(
             }
         };
         let diagnostic = context.unexpected(code, choice, EXPECTED);
-        let diagnostic = diagnostic.label(format!("this is {}", found.dimension.noun()));
+        let diagnostic = diagnostic.label(format!("this is {}", found.dimension().noun()));
         let help = "the arm moves over the table: write, for example, `0.25edge` or `50mm`";
         return Err(context.error(diagnostic.help(help)));
     };
     if let Some(range) = range {
         if !range.contains(found.value) && !found.value.is_nan() {
-            let help = format!("expected {}", range.words());
-            return Err(out_of_range(choice, &help, context));
+            return Err(beyond(choice, range, context));
         }
     } else if found.number < LEAST_LENGTH || found.value > MOST_LENGTH_M {
         let help = format!(

@@ -6,7 +6,7 @@ use super::missing_action::needs_action;
 use crate::diag::{Code, Diagnostic, Reported};
 use crate::lang::annotate::{COLOR, MARKS, POINTS, rgb};
 use crate::merge::{Merged, unique};
-use fab_grammar::ast::{Expr, NamedValue};
+use fab_grammar::ast::NamedValue;
 use fab_program::Depends;
 use fab_program::vocabulary::{ArgValue, Args};
 use fab_program::{Layer, Spot};
@@ -43,17 +43,9 @@ fn layer<'a>(declared: NamedValue<'a>, context: &mut Context<'a, '_>) -> Result<
             Err(context.error(diagnostic.help(help)))
         }
     };
-    let Expr::Call(written) = declared.value() else {
-        let forms: Vec<String> = MARKS
-            .iter()
-            .map(|row| format!("`{}`", row.signature.form()))
-            .collect();
-        let message = "expected something to draw";
-        let diagnostic = Diagnostic::new(Code::WrongForm, declared.value().span(), message);
-        return Err(context.error(diagnostic.help(format!("write {}", forms.join(" or ")))));
-    };
     let signatures = MARKS.iter().map(|row| &row.signature);
-    let (row, args, bound) = call("mark", written, signatures, Scope::Everywhere, context)?;
+    let scope = Scope::Everywhere;
+    let (row, args, bound) = call("mark", declared.value(), signatures, scope, context)?;
     let mut is_known = Ok(());
     for ((_, value), (_, expr)) in args.0.iter().zip(&bound) {
         if let ArgValue::Point(point) = value

@@ -51,12 +51,10 @@ fn parameter(signature: &Signature, label: &str) -> Option<&'static Arg> {
 
 /// Binds each argument to its parameter, and reports every argument that fits none.
 ///
-/// - `forms`: how calls of this name are written, for advice.
-/// - `form`: how one of them is.
+/// - `form`: how a call is written, for advice.
 pub(crate) fn bind<'a>(
     call: Call<'a>,
     signature: &Signature,
-    forms: &dyn Fn() -> String,
     form: fn(&Signature) -> String,
     context: &mut Context<'a, '_>,
 ) -> Result<Bound<'a>, Reported> {
@@ -71,7 +69,7 @@ pub(crate) fn bind<'a>(
     for argument in call.arguments() {
         let arg = match argument.label() {
             Some(label) => parameter(signature, label.text())
-                .ok_or_else(|| unknown_label(call.name(), label, signature, forms)),
+                .ok_or_else(|| unknown_label(call.name(), label, signature, form)),
             None => match place {
                 Some(arg) => {
                     if arg.place == Place::Positional {
@@ -185,7 +183,7 @@ fn unknown_label(
     call: Name<'_>,
     label: Name<'_>,
     signature: &Signature,
-    forms: &dyn Fn() -> String,
+    form: fn(&Signature) -> String,
 ) -> Diagnostic {
     let message = format!("`{}` takes no `{}`", call.text(), label.text());
     let diagnostic = Diagnostic::new(Code::WrongArguments, label.span(), message);
@@ -195,7 +193,7 @@ fn unknown_label(
         .filter(|arg| arg.place == Place::Named);
     match nearest(label.text(), named.map(|arg| arg.name)) {
         Some(meant) => diagnostic.meant(label.span(), meant),
-        None => diagnostic.help(format!("write {}", forms())),
+        None => diagnostic.help(format!("write `{}`", form(signature))),
     }
 }
 

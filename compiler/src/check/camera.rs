@@ -1,11 +1,11 @@
 //! `camera top_down(height: 650mm, fov: 45deg, image: 224px)`: where the camera is, and what it sees.
 
 use super::context::Context;
-use super::expressions::{Scope, call, wrong_form};
+use super::expressions::{Scope, call};
 use crate::diag::{Code, Diagnostic, Reported};
 use crate::lang::calls::CAMERAS;
 use crate::merge::Merged;
-use fab_grammar::ast::{Expr, Statement};
+use fab_grammar::ast::Statement;
 use fab_program::exact::written;
 use fab_program::{Camera, Extractor, Keypoint, KeypointShape, RECORDED_HEIGHT_M};
 
@@ -15,15 +15,8 @@ pub(crate) fn check<'a>(
     context: &mut Context<'a, '_>,
 ) -> Result<Camera, Reported> {
     let signatures = CAMERAS.iter().map(|row| &row.signature);
-    let Expr::Call(written) = statement.value() else {
-        return Err(wrong_form(
-            statement.value(),
-            "a camera",
-            signatures,
-            context,
-        ));
-    };
-    let (row, args, _) = call("camera", written, signatures, Scope::Everywhere, context)?;
+    let scope = Scope::Everywhere;
+    let (row, args, _) = call("camera", statement.value(), signatures, scope, context)?;
     Ok((CAMERAS[row].make)(&args))
 }
 
@@ -83,38 +76,29 @@ pub(crate) fn masks_see_cloth(
     }
     let mm = |length_m: f64| written(length_m * 1000.0, 3);
     for (keypoint, below_m) in masks {
-        let Some(declared) = merged.keypoints.get(&keypoint.name) else {
+        let name = &keypoint.name;
+        let Some(declared) = merged.keypoints.get(name) else {
             continue;
         };
-        // What replaces an inherited mask may be in text that could not be read.
-        let hidden = context.names.hidden(&keypoint.name, context.loaded);
-        if hidden.is_some() {
-            continue;
-        }
         let message = format!(
-            "`{}` takes only depths below {}mm, and a flat cloth lies {}mm from the camera",
-            keypoint.name,
+            "`{name}` takes only depths below {}mm, and a flat cloth lies {}mm from the camera",
             mm(below_m),
             mm(flat_m)
+        );
+        let help = format!(
+            "write `{name} = mask(depth < {}mm)` in `keypoints`",
+            mm(height_m - CLEAR_OF_TABLE * cloth_m)
         );
         let (camera, mask) = (seen.value().span(), declared.value().span());
         // The cause is what this file says about an inherited mask or an inherited camera.
         let here = merged.task.name().span().file;
-        let ends = match camera.file != here && mask.file == here {
-            true => [(mask, "the mask"), (camera, "the camera")],
-            false => [(camera, "the camera"), (mask, "the mask")],
+        let (at, other, label) = if camera.file != here && mask.file == here {
+            (mask, camera, "the camera")
+        } else {
+            (camera, mask, "the mask")
         };
-        let diagnostic = Diagnostic::new(Code::MaskSeesNoCloth, ends[0].0, message);
-        let right = format!(
-            "write `{} = mask(depth < {}mm)`{}",
-            keypoint.name,
-            mm(height_m - CLEAR_OF_TABLE * cloth_m),
-            match mask.file == here {
-                true => String::new(),
-                false => format!(" in `keypoints` of `{}`", merged.task.name().text()),
-            }
-        );
-        context.remark(diagnostic.also(ends[1].0, ends[1].1).help(right));
+        let diagnostic = Diagnostic::new(Code::MaskSeesNoCloth, at, message);
+        context.remark(diagnostic.also(other, label).help(help));
     }
 }
 

@@ -1,88 +1,119 @@
 //! Warns of checks that can never pass or never fail, and of components whose condition never or always holds.
+//!
+//! In: a program. Every step and every count is tried, and what a point measures against itself is known. Everything else
+//! may hold or not.
 
-use crate::diag::{Code, Diagnostic};
+use crate::diag::{Code, Diagnostic, Report};
 use crate::merge::Merged;
-use crate::proof::certain::{never, reason};
 use fab_grammar::Span;
+use fab_grammar::ast::Body;
+use fab_program::exact::written;
+use fab_program::measures::{Length, Number, PointMeasure};
 use fab_program::{Condition, Program};
+use std::collections::BTreeSet;
+
+/// The most combinations of numbers that are tried for one condition.
+const MAX_CASES: usize = 10_000;
+
+/// A condition, and whether it holds.
+type Assumed<'p> = (&'p Condition, bool);
 
 /// Returns a warning for each condition of a program whose result is certain.
 pub(super) fn check(program: &Program, merged: &Merged<'_>) -> Vec<Diagnostic> {
+    let never = |assumed: &[Assumed<'_>]| is_impossible(assumed, program);
     let mut found = Vec::new();
     for check in &program.verify.checks {
         let Some(part) = merged.checks.get(&check.name) else {
             continue;
         };
-        let (when, holds) = (check.when.as_ref(), &check.holds);
-        let guard = part.when().map(|expr| expr.span());
-        let condition = part.condition().map(|expr| expr.span());
-        let both = |passes| -> Vec<(&Condition, bool)> {
-            let when = when.map(|when| (when, true));
-            when.into_iter().chain([(holds, passes)]).collect()
-        };
         let name = format!("the check `{}`", check.name);
-        match (when, guard, condition) {
-            (Some(when), Some(span), _) if never(&[(when, true)], program) => {
-                found.push(warning(
-                    format!("{name} never applies"),
-                    (when, true),
-                    span,
-                    "correct the condition after `when`, or remove the check",
-                    program,
-                ));
-            }
-            (_, _, Some(span)) if never(&both(true), program) => {
-                found.push(warning(
-                    format!("{name} can never pass"),
-                    (holds, true),
-                    span,
+        let when = check.when.as_ref().map(|when| (when, true));
+        let applies: Vec<Assumed<'_>> = when.into_iter().collect();
+        let result = |passes| [&applies[..], &[(&check.holds, passes)]].concat();
+        if let (Some((when, _)), Some(expr)) = (when, part.when())
+            && never(&applies)
+        {
+            let help = "correct the condition after `when`, or remove the check";
+            found.push(warning(
+                format!("{name} never applies"),
+                when,
+                expr.span(),
+                help,
+                program,
+            ));
+        } else if let Some(expr) = part.condition() {
+            let (what, help) = if never(&result(true)) {
+                (
+                    "pass",
                     "every answer would be refused; correct the condition, or remove the check",
-                    program,
-                ));
-            }
-            (_, _, Some(span)) if never(&both(false), program) => {
-                found.push(warning(
-                    format!("{name} can never fail"),
-                    (holds, false),
-                    span,
+                )
+            } else if never(&result(false)) {
+                (
+                    "fail",
                     "no answer would be refused; correct the condition, or remove the check",
-                    program,
-                ));
-            }
-            _ => {}
+                )
+            } else {
+                continue;
+            };
+            let message = format!("{name} can never {what}");
+            found.push(warning(message, &check.holds, expr.span(), help, program));
         }
     }
     for template in &program.templates {
         let component = merged.components.get(&template.name);
-        let guard = component.and_then(|component| component.when());
-        let (Some(when), Some(guard)) = (&template.when, guard) else {
+        let (Some(when), Some(expr)) = (&template.when, component.and_then(|it| it.when())) else {
             continue;
         };
-        let name = format!("the component `{}`", template.name);
-        if never(&[(when, true)], program) {
-            found.push(warning(
-                format!("{name} is never said"),
-                (when, true),
-                guard.span(),
-                "correct the condition, or remove the component",
-                program,
-            ));
-        } else if never(&[(when, false)], program) {
-            found.push(warning(
-                format!("{name} is always said"),
-                (when, false),
-                guard.span(),
+        let (often, help) = if never(&[(when, true)]) {
+            ("never", "correct the condition, or remove the component")
+        } else if never(&[(when, false)]) {
+            (
+                "always",
                 "correct the condition, or remove it together with `when`",
-                program,
-            ));
-        }
+            )
+        } else {
+            continue;
+        };
+        let message = format!("the component `{}` is {often} said", template.name);
+        found.push(warning(message, when, expr.span(), help, program));
     }
     found
 }
 
+/// Judges a variant: reports the certain conditions that it states itself, and forgets those of its task that are open in
+/// it.
+///
+/// - `of_task`: the warnings for the task.
+pub(super) fn in_variant(
+    program: &Program,
+    merged: &Merged<'_>,
+    of_task: &mut Vec<Diagnostic>,
+    report: &mut Report,
+) {
+    let found = check(program, merged);
+    let stated = stated(merged);
+    of_task
+        .retain(|it| !stated.contains(&it.span) || found.iter().any(|here| here.span == it.span));
+    let own = merged.own_body().map(Body::span);
+    for it in found {
+        if own.is_some_and(|own| own.contains(it.span)) {
+            report.remark(it);
+        }
+    }
+}
+
+/// Returns where the conditions of a task's checks and components are stated.
+fn stated(merged: &Merged<'_>) -> BTreeSet<Span> {
+    let checks = merged.checks.iter();
+    let checks = checks.flat_map(|check| [check.when(), check.condition()]);
+    let components = merged.components.iter().map(|component| component.when());
+    let all = checks.chain(components).flatten();
+    all.map(|expr| expr.span()).collect()
+}
+
 fn warning(
     what: String,
-    condition: (&Condition, bool),
+    condition: &Condition,
     span: Span,
     help: &str,
     program: &Program,
@@ -92,4 +123,160 @@ fn warning(
         None => what,
     };
     Diagnostic::new(Code::CertainCondition, span, message).help(help)
+}
+
+/// Says why the first part of a condition that is certain by itself is so: "`step` is 1 to 2".
+fn reason(condition: &Condition, program: &Program) -> Option<String> {
+    match condition {
+        Condition::All { of } | Condition::Any { of } => {
+            of.iter().find_map(|part| reason(part, program))
+        }
+        Condition::Not { of } => reason(of, program),
+        part if [true, false]
+            .iter()
+            .all(|holds| !is_impossible(&[(part, *holds)], program)) =>
+        {
+            None
+        }
+        Condition::Number { left, .. } => {
+            let [least, most] = ends(left, program)?;
+            Some(if least == most {
+                format!("`{left}` is always {least}")
+            } else {
+                format!("`{left}` is {least} to {most}")
+            })
+        }
+        Condition::Lengths { left, right, .. } => {
+            let measure = [left, right].into_iter().find_map(|side| match side {
+                Length::OfPoints(measure) => Some(measure),
+                Length::Constant { .. } | Length::Field { .. } => None,
+            })?;
+            let px = written(to_itself(measure)?.sqrt(), 1);
+            Some(format!("`{measure}` is always {px}px"))
+        }
+        Condition::Angle { a, b, .. } => {
+            Some(format!("the angle between `{a}` and `{b}` is always 0deg"))
+        }
+        _ => None,
+    }
+}
+
+// ---- cases ---------------------------------------------------------------------------------------
+
+/// What some numbers are.
+type Case<'p> = Vec<(&'p Number, f64)>;
+
+/// Returns whether conditions can never hold, or fail, together as assumed: no step and no counts allow it.
+fn is_impossible(assumed: &[Assumed<'_>], program: &Program) -> bool {
+    let mut numbers = Vec::new();
+    for (condition, _) in assumed {
+        add_numbers(condition, &mut numbers);
+    }
+    let mut cases: Vec<Case<'_>> = vec![Vec::new()];
+    for number in numbers {
+        let Some([least, most]) = ends(number, program) else {
+            continue;
+        };
+        if cases.len().saturating_mul((most - least) as usize) > MAX_CASES {
+            return false;
+        }
+        cases = (least..=most)
+            .map(|value| (number, f64::from(value)))
+            .flat_map(|value| cases.iter().map(move |case| [&case[..], &[value]].concat()))
+            .collect();
+    }
+    let may_be = |case: &Case<'_>| {
+        assumed
+            .iter()
+            .all(|(condition, holds)| decide(condition, case) != Some(!holds))
+    };
+    !cases.iter().any(may_be)
+}
+
+/// Collects the numbers that decide a condition.
+fn add_numbers<'p>(condition: &'p Condition, numbers: &mut Vec<&'p Number>) {
+    match condition {
+        Condition::All { of } | Condition::Any { of } => {
+            of.iter().for_each(|part| add_numbers(part, numbers));
+        }
+        Condition::Not { of } => add_numbers(of, numbers),
+        Condition::Number { left: number, .. } if !numbers.contains(&number) => {
+            numbers.push(number);
+        }
+        Condition::Last if !numbers.contains(&&Number::Step) => numbers.push(&Number::Step),
+        _ => {}
+    }
+}
+
+/// Returns the least and the most that a whole number can be; `None` if the picture alone decides.
+fn ends(number: &Number, program: &Program) -> Option<[u32; 2]> {
+    match number {
+        Number::Step => Some([1, program.horizon]),
+        // None may be seen, and those out of the arm's reach are left out.
+        Number::Count { keypoint } => {
+            let extractor = &program.keypoint(keypoint)?.extractor;
+            Some([0, extractor.most_points(&program.keypoints)?])
+        }
+        Number::Coverage { .. } => None,
+    }
+}
+
+/// Returns whether a condition holds in a case; `None` if that depends on the scene or the answer.
+fn decide(condition: &Condition, case: &Case<'_>) -> Option<bool> {
+    let value = |number: &Number| {
+        case.iter()
+            .find(|(it, _)| *it == number)
+            .map(|(_, value)| *value)
+    };
+    match condition {
+        Condition::All { of } => all(of.iter().map(|part| decide(part, case))),
+        Condition::Any { of } => {
+            let fails = of.iter().map(|part| decide(part, case).map(|it| !it));
+            all(fails).map(|it| !it)
+        }
+        Condition::Not { of } => decide(of, case).map(|it| !it),
+        Condition::Number { left, is, limit } => Some(is.holds(value(left)?, *limit)),
+        Condition::Lengths { left, is, right } => Some(is.holds(square(left)?, square(right)?)),
+        Condition::Angle {
+            a,
+            b,
+            is,
+            limit_deg,
+            ..
+        } => (a == b).then(|| is.holds(0.0, *limit_deg)),
+        // The first step has no action before it.
+        Condition::Last => (value(&Number::Step)? == 1.0).then_some(false),
+        Condition::Within { .. } | Condition::Word { .. } | Condition::Unreachable => None,
+    }
+}
+
+/// Returns whether every part holds.
+fn all(parts: impl Iterator<Item = Option<bool>>) -> Option<bool> {
+    let mut all = Some(true);
+    for part in parts {
+        match part {
+            Some(true) => {}
+            Some(false) => return Some(false),
+            None => all = None,
+        }
+    }
+    all
+}
+
+/// Returns the square of a length that is the same in every scene: a constant, or how far a point is from itself.
+fn square(length: &Length) -> Option<f64> {
+    match length {
+        Length::Constant { value } => Some(value * value),
+        Length::OfPoints(measure) => to_itself(measure),
+        Length::Field { .. } => None,
+    }
+}
+
+/// Returns the square of what a measure is between a point and itself, if it is the same for every point.
+fn to_itself(measure: &PointMeasure) -> Option<f64> {
+    let [a, b] = measure.points() else {
+        return None;
+    };
+    let [here, there] = [[0.0, 0.0], [7.0, 5.0]].map(|point| measure.square(&[point, point]));
+    (a == b && here == there).then_some(here)
 }

@@ -1,14 +1,14 @@
 //! `cloth grid(55, 44, material: towel)`: how large the cloth is, how it lies, and what it is made of.
 
 use super::context::Context;
-use super::expressions::{Scope, call, material_name, wrong_form};
+use super::expressions::{Scope, call, material_name, without_edge};
 use super::material;
 use crate::diag::{Code, Diagnostic, Reported};
-use crate::lang::calls::{CLOTHS, particle_limits};
+use crate::lang::calls::{CLOTHS, SPACING, particle_limits};
 use fab_grammar::Span;
-use fab_grammar::ast::{Expr, Statement};
+use fab_grammar::ast::Statement;
 use fab_program::exact::written;
-use fab_program::vocabulary::ArgValue;
+use fab_program::vocabulary::Kind;
 use fab_program::{Cloth, RECORDED_SPACING_M};
 
 /// Reads the cloth's size and how it lies at the start.
@@ -17,28 +17,18 @@ pub(crate) fn check<'a>(
     context: &mut Context<'a, '_>,
 ) -> Result<Cloth, Reported> {
     let signatures = CLOTHS.iter().map(|row| &row.signature);
-    let Expr::Call(written) = statement.value() else {
-        return Err(wrong_form(
-            statement.value(),
-            "a cloth",
-            signatures,
-            context,
-        ));
-    };
+    let written = statement.value();
     let (row, args, bound) = call("cloth", written, signatures, Scope::Everywhere, context)?;
-    for ((_, value), (_, expr)) in args.0.iter().zip(&bound) {
-        // `edge` is the only unit without a size before the cloth is known.
-        if matches!(value, ArgValue::Number(number) if number.is_nan()) {
-            let message = "a length of the cloth cannot be given in `edge`, the cloth's own side";
-            let diagnostic = Diagnostic::new(Code::WrongQuantity, expr.span(), message);
-            return Err(context.error(diagnostic.help("write a length such as `4mm` or `250mm`")));
-        }
-    }
+    let message = "a length of the cloth cannot be given in `edge`, the cloth's own side";
+    without_edge(&args, &bound, message, context)?;
     let mut cloth = (CLOTHS[row].make)(&args);
-    if let Some((_, expr)) = bound.iter().find(|(arg, _)| arg.name == "material") {
+    if let Some((_, expr)) = bound
+        .iter()
+        .find(|(arg, _)| matches!(arg.kind, Kind::Material))
+    {
         cloth.material = material::named(material_name(*expr, context)?, context)?;
     }
-    let spacing = bound.iter().find(|(arg, _)| arg.name == "spacing");
+    let spacing = bound.iter().find(|(arg, _)| arg.name == SPACING.name);
     if let Some((_, expr)) = spacing {
         check_spacing(&cloth, expr.span(), context)?;
     }
@@ -55,7 +45,6 @@ pub(crate) fn check<'a>(
     if let Some(grid) = context.grid {
         return replaced(cloth, grid, statement, context);
     }
-    rounded(&cloth, &args.0, statement, context);
     Ok(cloth)
 }
 
@@ -104,45 +93,6 @@ fn replaced(
     let diagnostic = Diagnostic::new(Code::OutOfRange, statement.value().span(), message);
     let help = format!("a side has {least} to {most} particles");
     Err(context.error(diagnostic.help(help)))
-}
-
-/// Notes that a cloth of whole particles cannot have exactly the stated size.
-fn rounded(
-    cloth: &Cloth,
-    args: &[(&str, ArgValue)],
-    statement: Statement<'_>,
-    context: &mut Context<'_, '_>,
-) {
-    let Cloth {
-        dimx,
-        dimy,
-        spacing_m,
-        ..
-    } = *cloth;
-    let side_mm = |n_particles: u32| mm(f64::from(n_particles - 1) * spacing_m);
-    let is_exact = |(name, value): &(&str, ArgValue)| match (*name, value) {
-        ("width", ArgValue::Number(m)) => (m * 1000.0 - side_mm(dimx)).abs() < 1e-6,
-        ("depth" | "side", ArgValue::Number(m)) => (m * 1000.0 - side_mm(dimy)).abs() < 1e-6,
-        _ => true,
-    };
-    let is_grid = matches!(statement.value(), Expr::Call(call) if call.name().text() == "grid");
-    if is_grid || args.iter().all(is_exact) {
-        return;
-    }
-    let message = format!(
-        "the cloth has {dimx} by {dimy} particles, so its sides are {}mm and {}mm",
-        written(side_mm(dimx), 3),
-        written(side_mm(dimy), 3)
-    );
-    let diagnostic = Diagnostic::new(Code::Rounded, statement.value().span(), message);
-    let spacing = match spacing_m == RECORDED_SPACING_M {
-        true => String::new(),
-        false => format!(", spacing: {}mm", written(mm(spacing_m), 3)),
-    };
-    let help = format!(
-        "`grid({dimx}, {dimy}{spacing})` states this size exactly, with the other arguments as they are"
-    );
-    context.remark(diagnostic.help(help));
 }
 
 fn mm(metres: f64) -> f64 {

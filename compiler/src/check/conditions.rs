@@ -1,16 +1,17 @@
 //! Conditions: comparisons, `POINT within N of MASK`, `last`, joined by `and`, `or`, `not`.
 
 use super::context::Context;
-use super::expressions::{
-    AsPercent, Frame, FramedLength, Operand, Scope, common_frame, keypoint, kind_of, operand, point,
-};
+use super::expressions::{AsPercent, FramedLength, Operand, Scope, keypoint, operand, point};
 use super::names::Meaning;
-use super::quantity::{no_unit, not_whole, out_of_range, read};
+use super::quantity::{beyond, no_unit, not_whole, read};
 use crate::diag::{Code, Diagnostic, Reported, among, nearest};
-use crate::lang::conditions::{ANGLE_BETWEEN, MARGIN, SIGNS, Sign, WORDS, sign as meaning};
+use crate::lang::conditions::{
+    ANGLE_BETWEEN, MARGIN, SIGNS, Sign, SignRow, WORDS, sign as meaning,
+};
 use fab_grammar::ast::{Compare, Expr, Name, Within};
 use fab_program::exact::cos_deg;
-use fab_program::measures::QUADRANTS;
+use fab_program::measures::{COLUMN, QUADRANTS, ROW};
+use fab_program::units::{Dimension, Unit};
 use fab_program::{
     Choices, Comparison, Condition, KeypointShape, Length, Number, Point, PointMeasure,
 };
@@ -37,18 +38,14 @@ pub(crate) fn check<'a>(
         Expr::Within(within) => self::within(within, context),
         _ => word(expr, context).ok_or_else(|| {
             let diagnostic = context.unexpected(Code::WrongExpression, expr, "a condition");
-            let found = context.written(expr.span()).to_lowercase();
             let conditions = WORDS.iter().filter(|row| row.condition.is_some());
             let meant = match expr {
                 Expr::Name(name) => nearest(name.text(), conditions.map(|row| row.name)),
                 _ => None,
             };
-            context.error(match (found.as_str(), meant) {
-                ("true" | "false" | "none", _) => {
-                    diagnostic.help("a condition compares values; remove it if it always holds")
-                }
-                (_, Some(meant)) => diagnostic.meant(expr.span(), meant),
-                _ => diagnostic.help(FORMS),
+            context.error(match meant {
+                Some(meant) => diagnostic.meant(expr.span(), meant),
+                None => diagnostic.help(FORMS),
             })
         }),
     }
@@ -115,7 +112,6 @@ fn compare<'a>(compare: Compare<'a>, context: &mut Context<'a, '_>) -> Result<Co
         && context.names.get(word.text()).is_none()
     {
         let (span, word) = (word.span(), word.text());
-        context.may_be_hidden(word)?;
         let left = context.written(compare.left().span());
         let message = format!("`{left}` is compared with `{word}`, which is not a text in quotes");
         let diagnostic = Diagnostic::new(Code::WrongExpression, span, message);
@@ -171,10 +167,7 @@ fn fixed<'a>(
             let accepted = ANGLE_BETWEEN
                 .contains(deg.to_radians())
                 .then_some(())
-                .ok_or_else(|| {
-                    let help = format!("expected {}", ANGLE_BETWEEN.words());
-                    out_of_range(limit.expr, &help, context)
-                });
+                .ok_or_else(|| beyond(limit.expr, &ANGLE_BETWEEN, context));
             accepted.and(is).map(|is| Condition::Angle {
                 a,
                 b,
@@ -220,38 +213,42 @@ fn lengths<'a>(
     context: &mut Context<'a, '_>,
 ) -> Result<Condition, Reported> {
     let is = order(compare.sign(), "lengths", context);
-    if (left.frame == Frame::Speed) != (right.frame == Frame::Speed) {
-        let noun = |length: &FramedLength| kind_of(&Operand::Length(length.clone()));
-        let message = format!("{} is compared with {}", noun(left), noun(right));
+    let [left_in, right_in] = [left, right].map(|length| length.unit.dimension);
+    if left_in != right_in {
+        let (left_noun, right_noun) = (left_in.noun(), right_in.noun());
+        let message = format!("{left_noun} is compared with {right_noun}");
         let diagnostic = Diagnostic::new(Code::MixedFrames, compare.right().span(), message)
-            .label(noun(right))
-            .also(compare.left().span(), noun(left))
-            .help("compare a speed with a speed such as `200mm/s`");
-        return Err(context.error(diagnostic));
-    }
-    if left.frame != right.frame {
-        let [left_words, right_words] = [compare.left(), compare.right()].map(|side| {
+            .label(right_noun)
+            .also(compare.left().span(), left_noun);
+        if [left_in, right_in].contains(&Dimension::Speed) {
+            let help = "compare a speed with a speed such as `200mm/s`";
+            return Err(context.error(diagnostic.help(help)));
+        }
+        let [a, b] = [compare.left(), compare.right()].map(|side| {
             let value = match side {
                 Expr::Converted(converted) => converted.value(),
                 _ => side,
             };
             context.written(value.span())
         });
-        let noun = |length: &FramedLength| kind_of(&Operand::Length(length.clone()));
-        let message = "a length in the picture is compared with a length on the table";
-        let diagnostic = Diagnostic::new(Code::MixedFrames, compare.right().span(), message)
-            .label(noun(right))
-            .also(compare.left().span(), noun(left))
-            .help(format!(
-                "write `{right_words} in {}`, or `{left_words} in {}`",
-                left.unit, right.unit
-            ));
-        return Err(context.error(diagnostic));
+        let help = format!(
+            "write `{b} in {}`, or `{a} in {}`",
+            left.unit.name, right.unit.name
+        );
+        return Err(context.error(diagnostic.help(help)));
     }
-    let frame = common_frame(&left.native, &right.native);
+    // In the picture if one is measured in it.
+    let is_picture = [left, right]
+        .iter()
+        .any(|it| it.native == Dimension::Pixels);
+    let frame = if is_picture {
+        Dimension::Pixels
+    } else {
+        left_in
+    };
     let (left, right) = (
-        left.native.in_frame(frame, context)?,
-        right.native.in_frame(frame, context)?,
+        left.in_frame(frame, context)?,
+        right.in_frame(frame, context)?,
     );
     if let (Length::Constant { .. }, Length::Constant { .. }) = (&left, &right) {
         let span = compare.span();
@@ -389,17 +386,16 @@ fn quadrants() -> impl Iterator<Item = (&'static str, [Comparison; 2])> + Clone 
 
 /// Returns the conditions under which the first point lies on these sides of the second.
 fn in_quadrant(sides: [Comparison; 2], points: [&Point; 2]) -> Vec<Condition> {
-    let along = |axis: &str, point: &Point| {
-        let measure = PointMeasure::new(axis, vec![point.clone()]);
-        Length::OfPoints(measure.expect("`x` and `y` measure one point"))
-    };
-    let [left, right] = points;
-    let side = |(axis, is)| Condition::Lengths {
-        left: along(axis, left),
-        is,
-        right: along(axis, right),
-    };
-    ["x", "y"].into_iter().zip(sides).map(side).collect()
+    let [left, right] = points.map(|point| {
+        [COLUMN, ROW].map(|axis| {
+            let measure = PointMeasure::new(axis.signature.name, vec![point.clone()]);
+            Length::OfPoints(measure.expect("a column and a row measure one point"))
+        })
+    });
+    let sides = left.into_iter().zip(right).zip(sides);
+    sides
+        .map(|((left, right), is)| Condition::Lengths { left, is, right })
+        .collect()
 }
 
 /// Returns whether a condition holds, or with `!=` that it does not; other signs do not compare words.
@@ -430,23 +426,18 @@ fn order(
     if let Some(Sign::Order(is)) = meaning(sign.text()) {
         return Ok(is);
     }
+    let misspelt = |row: &&SignRow| row.misspelling == Some(sign.text());
+    if let Some(row) = SIGNS.iter().find(misspelt) {
+        return Err(context.error(not_a_sign(sign, row.name)));
+    }
     let message = format!("{what} cannot be compared with `{}`", sign.text());
     let diagnostic = Diagnostic::new(Code::WrongExpression, sign.span(), message);
-    let meant = SIGNS
+    let orders = SIGNS
         .iter()
-        .find(|row| row.misspelling == Some(sign.text()));
-    Err(context.error(match meant {
-        Some(row) => not_a_sign(sign, row.name),
-        None => {
-            let orders = SIGNS
-                .iter()
-                .filter(|row| matches!(row.means, Sign::Order(_)));
-            let orders = among(orders.map(|row| row.name));
-            diagnostic.help(format!(
-                "measured values are hardly ever equal; write {orders}"
-            ))
-        }
-    }))
+        .filter(|row| matches!(row.means, Sign::Order(_)));
+    let orders = among(orders.map(|row| row.name));
+    let help = format!("measured values are hardly ever equal; write {orders}");
+    Err(context.error(diagnostic.help(help)))
 }
 
 /// Reports a sign that people write for another one, such as `≤` for `<=`.
@@ -464,83 +455,72 @@ fn unlike(
     right: &Side<'_>,
     context: &Context<'_, '_>,
 ) -> Diagnostic {
-    let [left_kind, right_kind] = [left, right].map(|side| kind_of(&side.value));
-    let [left_words, right_words] = [left, right].map(|side| context.written(side.expr.span()));
-    let new = |code, span, message: String| Diagnostic::new(code, span, message);
-    if left_kind == right_kind {
-        let both = format!("`{left_words}` and `{right_words}`");
-        let order = match compare.sign().text() {
-            sign @ ("<" | "<=" | ">" | ">=") => sign,
-            // What differs is apart.
-            "!=" => ">",
-            _ => "<",
-        };
-        let (message, help) = match (&left.value, &right.value) {
-            (Operand::Point(_), _) => (
-                format!("{both} are points, which cannot be compared"),
-                format!("write, for example, `distance({left_words}, {right_words}) {order} 10px`"),
-            ),
-            (Operand::Heading, _) => (
-                format!("{both} are directions, which cannot be compared"),
-                format!(
-                    "write, for example, `angle_between({left_words}, {right_words}) {order} 45deg`"
-                ),
-            ),
-            (a, b) if a.is_constant() && b.is_constant() => {
-                (format!("{both} are both constants"), FORMS.to_owned())
-            }
-            _ => (
-                format!("{both} cannot be compared, because neither is a constant"),
-                "one side must be a constant: a number, an angle such as `45deg`, or a word in quotes"
-                    .to_owned(),
-            ),
-        };
-        return new(Code::WrongExpression, compare.span(), message).help(help);
-    }
-    let has_unit = |side: &Side<'_>| {
-        matches!(
-            side.value,
-            Operand::Length(_) | Operand::Angle { .. } | Operand::Between { .. }
-        )
-    };
-    let diagnostic = match (&left.value, &right.value) {
-        (_, Operand::Number(_)) if has_unit(left) => {
-            return without_unit(right, left, left_kind, context);
-        }
-        (Operand::Number(_), _) if has_unit(right) => {
-            return without_unit(left, right, right_kind, context);
-        }
-        _ => {
-            let message = format!("{left_kind} is compared with {right_kind}");
-            new(Code::WrongQuantity, right.expr.span(), message)
-        }
-    };
     match (&left.value, &right.value) {
-        (Operand::Heading, _) | (_, Operand::Heading) => {
-            diagnostic.help("write `angle_between(direction, from center to pick) < 45deg`")
+        (measured, Operand::Number(_)) if let Some(unit) = measured.unit() => {
+            return without_unit(right, left, unit, context);
         }
-        _ => diagnostic
-            .label(format!("expected {left_kind}"))
-            .also(left.expr.span(), format!("this is {left_kind}")),
+        (Operand::Number(_), measured) if let Some(unit) = measured.unit() => {
+            return without_unit(left, right, unit, context);
+        }
+        _ => {}
     }
+    let [left_kind, right_kind] = [left, right].map(|side| side.value.noun());
+    if left_kind != right_kind {
+        let message = format!("{left_kind} is compared with {right_kind}");
+        let diagnostic = Diagnostic::new(Code::WrongQuantity, right.expr.span(), message)
+            .label(format!("expected {left_kind}"))
+            .also(left.expr.span(), format!("this is {left_kind}"));
+        return match (&left.value, &right.value) {
+            (Operand::Heading, _) | (_, Operand::Heading) => {
+                diagnostic.help("write `angle_between(direction, from center to pick) < 45deg`")
+            }
+            _ => diagnostic,
+        };
+    }
+    let [a, b] = [left, right].map(|side| context.written(side.expr.span()));
+    let both = format!("`{a}` and `{b}`");
+    let sign = if compare.sign().text() == "!=" {
+        ">"
+    } else {
+        "<"
+    };
+    let (why, help) = match &left.value {
+        Operand::Point(_) => (
+            "are points, which cannot be compared",
+            format!("write, for example, `distance({a}, {b}) {sign} 10px`"),
+        ),
+        Operand::Heading => (
+            "are directions, which cannot be compared",
+            format!("write, for example, `angle_between({a}, {b}) {sign} 45deg`"),
+        ),
+        left if left.is_constant() && right.value.is_constant() => {
+            ("are both constants", FORMS.to_owned())
+        }
+        _ => (
+            "cannot be compared, because neither is a constant",
+            "one side must be a constant: a number, an angle such as `45deg`, or a word in quotes"
+                .to_owned(),
+        ),
+    };
+    let message = format!("{both} {why}");
+    Diagnostic::new(Code::WrongExpression, compare.span(), message).help(help)
 }
 
 /// Reports a number without a unit beside a value that has one.
 fn without_unit(
     number: &Side<'_>,
     measured: &Side<'_>,
-    kind: &str,
+    unit: &Unit,
     context: &Context<'_, '_>,
 ) -> Diagnostic {
+    let kind = measured.value.noun();
     let diagnostic = no_unit(number.expr, kind, context);
     let diagnostic = diagnostic.also(measured.expr.span(), format!("this is {kind}"));
-    let unit = match &measured.value {
-        Operand::Length(length) => length.unit,
-        _ => "deg",
-    };
-    let written = context.written(number.expr.span());
     match number.expr {
-        Expr::Quantity(_) => diagnostic.help(format!("write `{written}{unit}`")),
+        Expr::Quantity(_) => {
+            let written = context.written(number.expr.span());
+            diagnostic.help(format!("write `{written}{}`", unit.name))
+        }
         _ => diagnostic,
     }
 }

@@ -4,8 +4,8 @@ use super::names::Names;
 use super::variables::Variables;
 use crate::diag::{Code, Diagnostic, Report, Reported};
 use crate::load::Loaded;
+use fab_grammar::Span;
 use fab_grammar::ast::{Expr, Name, Quantity};
-use fab_grammar::{FileId, Span};
 use fab_program::vocabulary::Word;
 use fab_program::{ActionField, Camera, Cloth, Layer, Material, Sequence};
 use std::collections::BTreeMap;
@@ -76,7 +76,7 @@ impl<'a, 'r> Context<'a, 'r> {
         Context {
             report,
             outside,
-            names: Names::none(loaded.entry().id),
+            names: Names::none(),
             constants: BTreeMap::new(),
             cloth: Ok(None),
             grid: None,
@@ -145,14 +145,6 @@ impl<'a, 'r> Context<'a, 'r> {
         self.report.absorb_within(place, found);
     }
 
-    /// Reports that something is missing, unless it may be in a part of the block that did not parse.
-    pub fn missing(&mut self, is_damaged: bool, file: FileId, diagnostic: Diagnostic) -> Reported {
-        match self.loaded.fault(file).filter(|_| is_damaged) {
-            Some(reported) => reported,
-            None => self.error(diagnostic),
-        }
-    }
-
     /// Makes the diagnostic for an expression that is not `expected`.
     pub fn unexpected(&mut self, code: Code, expr: Expr<'_>, expected: &str) -> Diagnostic {
         let found = self.written(expr.span());
@@ -167,7 +159,7 @@ impl<'a, 'r> Context<'a, 'r> {
         }
     }
 
-    /// Reports an unknown name of `kind`, unless it may be declared in a part that did not parse.
+    /// Reports an unknown name of `kind`.
     pub fn unknown<'c>(
         &mut self,
         kind: &str,
@@ -185,9 +177,6 @@ impl<'a, 'r> Context<'a, 'r> {
         span: Span,
         candidates: impl IntoIterator<Item = &'c str>,
     ) -> Reported {
-        if let Err(reported) = self.may_be_hidden(text) {
-            return reported;
-        }
         let mut candidates: Vec<&str> = candidates.into_iter().collect();
         // A word with several forms has several rows, one after the other.
         candidates.dedup();
@@ -195,14 +184,6 @@ impl<'a, 'r> Context<'a, 'r> {
         let diagnostic = Diagnostic::new(Code::UnknownName, span, message).about(text);
         let none = "declare it, or write `use` with the file that declares it";
         self.error(diagnostic.suggest(text, candidates, none))
-    }
-
-    /// Returns the proof of an error if it may hide the declaration of an undeclared name.
-    pub fn may_be_hidden(&self, name: &str) -> Result<(), Reported> {
-        match self.names.get(name) {
-            Some(_) => Ok(()),
-            None => self.names.hidden(name, self.loaded).map_or(Ok(()), Err),
-        }
     }
 
     /// Finds a word of a closed set of `kind`.

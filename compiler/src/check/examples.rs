@@ -96,7 +96,7 @@ fn required<T>(
         let message = format!("the example has no `{what}`");
         let diagnostic = Diagnostic::new(Code::BadExample, span, message);
         let diagnostic = diagnostic.help(format!("write `{what} \"…\"`"));
-        context.missing(example.is_damaged(), span.file, diagnostic)
+        context.error(diagnostic)
     })
 }
 

@@ -27,7 +27,7 @@ pub(crate) fn check<'a>(
         let message = format!("`{}` has no sequence", name.text());
         let diagnostic = Diagnostic::new(Code::NoFolds, name.span(), message)
             .help("write one such as `sequence { fold corner(back_left) -> center }`");
-        return Err(context.missing(list.is_damaged(), name.span().file, diagnostic));
+        return Err(context.error(diagnostic));
     }
     sequences.into_iter().collect()
 }
@@ -76,7 +76,7 @@ pub(crate) fn unused(loaded: &Loaded<'_>, report: &mut Report) {
     let named: BTreeSet<&str> = named.map(|it| it.name().text()).collect();
     for list in &entry.experts {
         let word = list.name().text();
-        if named.contains(word) || entry.unparsed_words.contains(word) {
+        if named.contains(word) {
             continue;
         }
         let message = format!("no task names the experts `{word}`");

@@ -7,8 +7,8 @@ use super::arguments::{Bound, bind, form};
 use super::context::Context;
 use super::names::Meaning;
 use super::quantity::{
-    measured, no_conversion, no_unit, not_whole, out_of_range, quantity_of, read, read_whole,
-    units_of,
+    beyond, measured, no_conversion, no_unit, not_whole, out_of_range, quantity_of, read,
+    read_whole, units_of,
 };
 use super::short_text::colour_name;
 use super::{files, missing_action};
@@ -18,8 +18,8 @@ use crate::loader::Wanted;
 use fab_grammar::ast::{Call, Expr, Name};
 use fab_program::Depends;
 use fab_program::exact::{normalised_deg, vector_of};
-use fab_program::measures::{MEASURES, Measure};
-use fab_program::units::{self, Dimension};
+use fab_program::measures::{MEASURES, Make, Measure};
+use fab_program::units::{self, Dimension, Unit};
 use fab_program::vocabulary::{ArgValue, Args, Default, Kind, Place, Range, Signature, Word};
 use fab_program::{
     ActionField, Choices, ClothPoint, Colour, End, Face, Heading, KeypointShape, Length, Number,
@@ -42,22 +42,46 @@ pub(crate) enum Scope {
 /// - `rows`: the signatures of all calls of this kind, such as `extractor`.
 pub(crate) fn call<'a>(
     kind: &str,
-    call: Call<'a>,
+    expr: Expr<'a>,
     rows: impl Iterator<Item = &'static Signature> + Clone,
     scope: Scope,
     context: &mut Context<'a, '_>,
 ) -> Result<(usize, Args, Bound<'a>), Reported> {
+    let Expr::Call(call) = expr else {
+        let article = if kind.starts_with(['a', 'e', 'o']) {
+            "an"
+        } else {
+            "a"
+        };
+        let forms: Vec<String> = rows.map(Signature::form).collect();
+        let message = format!("expected {article} {kind}");
+        let diagnostic = Diagnostic::new(Code::WrongForm, expr.span(), message);
+        let help = format!("write {}", among(forms.iter().map(String::as_str)));
+        return Err(context.error(diagnostic.help(help)));
+    };
     let Some((row, signature)) = form(call, rows.clone()) else {
         return Err(context.unknown(kind, call.name(), rows.map(|row| row.name)));
     };
-    let forms = || {
-        let same_name = rows.clone().filter(|row| row.name == signature.name);
-        let forms: Vec<String> = same_name.map(Signature::form).collect();
-        among(forms.iter().map(String::as_str))
-    };
-    let bound = bind(call, signature, &forms, Signature::form, context)?;
+    let bound = bind(call, signature, Signature::form, context)?;
     let values = self::values(&bound, signature, scope, context)?;
     Ok((row, values, bound))
+}
+
+/// Reports a length in `edge`, the only unit without a size where there is no cloth yet.
+pub(super) fn without_edge(
+    args: &Args,
+    bound: &Bound<'_>,
+    message: &str,
+    context: &mut Context<'_, '_>,
+) -> Result<(), Reported> {
+    let mut given = args.0.iter().zip(bound);
+    let in_edge =
+        given.find(|((_, value), _)| matches!(value, ArgValue::Number(it) if it.is_nan()));
+    let Some((_, (_, expr))) = in_edge else {
+        return Ok(());
+    };
+    let diagnostic = Diagnostic::new(Code::WrongQuantity, expr.span(), message);
+    Err(context.error(diagnostic.help("write a length such as `4mm` or `250mm`")))
 }
 
 /// Reads the expressions of bound arguments, and adds the defaults.
@@ -102,19 +126,6 @@ fn by_default(default: Default, context: &Context<'_, '_>) -> Result<ArgValue, R
     })
 }
 
-/// Reports a value that is not a call of any of these rows.
-pub(super) fn wrong_form(
-    value: Expr<'_>,
-    expected: &str,
-    rows: impl Iterator<Item = &'static Signature>,
-    context: &mut Context<'_, '_>,
-) -> Reported {
-    let forms: Vec<String> = rows.map(Signature::form).collect();
-    let message = format!("expected {expected}");
-    let diagnostic = Diagnostic::new(Code::WrongForm, value.span(), message);
-    context.error(diagnostic.help(format!("write {}", among(forms.iter().map(String::as_str)))))
-}
-
 /// Reads one argument by its kind.
 pub(super) fn argument<'a>(
     expr: Expr<'a>,
@@ -128,11 +139,7 @@ pub(super) fn argument<'a>(
         Kind::Odd(range) => {
             let number = read_whole(expr, &range, context)?;
             if number % 2.0 != 1.0 {
-                return Err(out_of_range(
-                    expr,
-                    &format!("expected {}", range.words()),
-                    context,
-                ));
+                return Err(beyond(expr, &range, context));
             }
             ArgValue::Number(number)
         }
@@ -253,12 +260,11 @@ fn word_or_count<'a>(
     (range, unit): (&Range, &'static str),
     context: &mut Context<'a, '_>,
 ) -> Result<ArgValue, Reported> {
-    let listed = among(names(words));
+    let expected = format!("{}, or a number of {unit}", among(names(words)));
     let quantity = match expr {
         Expr::Name(name) => return Ok(ArgValue::Word(context.word(noun, name, words)?)),
         Expr::Quantity(quantity) => quantity,
         _ => {
-            let expected = format!("{listed}, or a number of {unit}");
             let diagnostic = context.unexpected(Code::WrongForm, expr, &expected);
             return Err(context.error(diagnostic));
         }
@@ -268,17 +274,16 @@ fn word_or_count<'a>(
         Some(written) if written.text() == unit => {}
         Some(written) => return Err(context.unknown("unit", written, [unit])),
         None => {
-            let diagnostic = no_unit(expr, &format!("a number of {unit}"), context);
-            let help = format!("write `{number} {unit}`, or {listed}");
-            return Err(context.error(diagnostic.help(help)));
+            let diagnostic = no_unit(expr, &expected, context);
+            return Err(context.error(diagnostic.help(format!("write `{number} {unit}`"))));
         }
     }
-    let expected = format!("expected {}", range.words());
     if number.fract() != 0.0 {
-        return Err(not_whole(expr, &expected, context));
+        let help = format!("expected {}", range.words());
+        return Err(not_whole(expr, &help, context));
     }
     if !range.contains(number) {
-        return Err(out_of_range(expr, &expected, context));
+        return Err(beyond(expr, range, context));
     }
     Ok(ArgValue::Number(number))
 }
@@ -471,60 +476,36 @@ pub(super) fn cloth_point<'a>(
     expr: Expr<'a>,
     context: &mut Context<'a, '_>,
 ) -> Result<ClothPoint, Reported> {
-    let forms = || {
-        let forms: Vec<String> = CLOTH_POINTS
-            .iter()
-            .map(|row| row.signature.form())
-            .collect();
-        let forms = std::iter::once("center").chain(forms.iter().map(String::as_str));
-        format!("write {}", among(forms))
+    let rows = CLOTH_POINTS.iter().map(|row| &row.signature);
+    let unknown = match expr {
+        Expr::Name(name) if name.text() == "center" => return Ok(ClothPoint::Center),
+        Expr::Name(name) => Some(name),
+        Expr::Call(call) => Some(call.name()).filter(|_| form(call, rows.clone()).is_none()),
+        _ => None,
     };
-    match expr {
-        Expr::Name(name) if name.text() == "center" => Ok(ClothPoint::Center),
-        Expr::Call(call) => {
-            let signatures = CLOTH_POINTS.iter().map(|row| &row.signature);
-            let Some(_) = form(call, signatures.clone()) else {
-                let name = call.name();
-                let message = format!("`{}` is not a point of the cloth", name.text());
-                let diagnostic = Diagnostic::new(Code::WrongForm, name.span(), message);
-                let near = nearest(name.text(), signatures.map(|row| row.name));
-                return Err(context.error(match near {
-                    Some(meant) => diagnostic.meant(name.span(), meant),
-                    None => diagnostic.help(forms()),
-                }));
-            };
-            turned_name(call, context)?;
-            let (row, args, bound) = self::call(
-                "point of the cloth",
-                call,
-                signatures,
-                Scope::Everywhere,
-                context,
-            )?;
-            let is_center = |value: &ArgValue| *value == ArgValue::ClothPoint(ClothPoint::Center);
-            let center = args
-                .0
-                .iter()
-                .zip(&bound)
-                .find(|((_, value), _)| is_center(value));
-            if let Some((_, (_, expr))) = center {
-                let message = "`center` is a point of the table, not of the cloth";
-                let diagnostic = Diagnostic::new(Code::WrongForm, expr.span(), message);
-                return Err(context.error(
-                    diagnostic.help("write `point(0.5, 0.5)` for the middle of the cloth"),
-                ));
-            }
-            Ok((CLOTH_POINTS[row].make)(&args))
-        }
-        _ => {
-            let diagnostic = context.unexpected(Code::WrongForm, expr, "a point of the cloth");
-            let found = context.written(expr.span());
-            Err(context.error(match nearest(&found, ["center"]) {
-                Some(meant) => diagnostic.meant(expr.span(), meant),
-                None => diagnostic.help(forms()),
-            }))
-        }
+    if let Some(name) = unknown {
+        let message = format!("`{}` is not a point of the cloth", name.text());
+        let diagnostic = Diagnostic::new(Code::WrongForm, name.span(), message);
+        let known = || rows.clone().map(|row| row.name).chain(["center"]);
+        return Err(context.error(match nearest(name.text(), known()) {
+            Some(meant) => diagnostic.meant(name.span(), meant),
+            None => diagnostic.help(format!("there is {}", among(known()))),
+        }));
     }
+    if let Expr::Call(call) = expr {
+        turned_name(call, context)?;
+    }
+    let scope = Scope::Everywhere;
+    let (row, args, bound) = call("point of the cloth", expr, rows, scope, context)?;
+    let mut given = args.0.iter().zip(&bound);
+    let center = ArgValue::ClothPoint(ClothPoint::Center);
+    if let Some((_, (_, expr))) = given.find(|((_, value), _)| *value == center) {
+        let message = "`center` is a point of the table, not of the cloth";
+        let diagnostic = Diagnostic::new(Code::WrongForm, expr.span(), message);
+        let help = "write `point(0.5, 0.5)` for the middle of the cloth";
+        return Err(context.error(diagnostic.help(help)));
+    }
+    Ok((CLOTH_POINTS[row].make)(&args))
 }
 
 /// Reports `corner(top_left)`: the top of the picture is called the back of the cloth here.
@@ -592,7 +573,6 @@ fn last_field<'c>(
     let Some(name) = text.strip_prefix("last.") else {
         return Ok(None);
     };
-    context.may_be_hidden(name)?;
     context.actions.get(name)
 }
 
@@ -729,19 +709,11 @@ pub(crate) fn heading<'a>(
             if let Expr::Name(name) = expr {
                 // A broken field is reported at its declaration.
                 context.actions.get(name.text())?;
-                context.may_be_hidden(name.text())?;
             }
             if let Expr::Path(path) = expr {
                 last_field(path.text(), context)?;
             }
             let diagnostic = context.unexpected(Code::WrongExpression, expr, "a direction");
-            if let Expr::Path(path) = expr
-                && let Some((before, field)) = path.text().split_once('.')
-                && is_direction(field, context)
-                && nearest(before, ["last"]).is_some()
-            {
-                return Err(context.error(diagnostic.meant(expr.span(), &format!("last.{field}"))));
-            }
             Err(context.error(diagnostic.help("write `from center to pick`, an angle such as `45deg`, or a field of the action that is a direction")))
         }
     }
@@ -755,7 +727,7 @@ pub(crate) fn fixed_deg<'a>(
     match constant(expr, context)? {
         Operand::Angle { deg, .. } => Ok(normalised_deg(deg)),
         other => {
-            let message = format!("expected a direction, found {}", kind_of(&other));
+            let message = format!("expected a direction, found {}", other.noun());
             let diagnostic = Diagnostic::new(Code::WrongQuantity, expr.span(), message);
             Err(context.error(
                 diagnostic.help(
@@ -772,34 +744,19 @@ fn direction_field(expr: Expr<'_>, context: &mut Context<'_, '_>) -> Result<Stri
             return Ok(name.text().to_owned());
         }
         context.actions.get(name.text())?;
-        context.may_be_hidden(name.text())?;
     }
     let diagnostic = context.unexpected(Code::WrongExpression, expr, "a field that is a direction");
     let fields = context.actions.right();
     let fields = fields.filter(|it| matches!(it.choices, Choices::Directions { .. }));
-    let fields: Vec<String> = fields.map(|it| it.name.clone()).collect();
-    let fields = || fields.iter().map(String::as_str);
-    let meant = match expr {
-        Expr::Name(name) => nearest(name.text(), fields()),
-        _ => None,
+    let fields: Vec<&str> = fields.map(|it| it.name.as_str()).collect();
+    let help = match fields.as_slice() {
+        [] => "no field of this task is a direction".to_owned(),
+        fields => format!("there is {}", among(fields.iter().copied())),
     };
-    Err(context.error(match (meant, fields().next()) {
-        (Some(meant), _) => diagnostic.meant(expr.span(), meant),
-        (None, Some(_)) => diagnostic.help(format!("there is {}", among(fields()))),
-        (None, None) => diagnostic.help("no field of this task is a direction"),
-    }))
+    Err(context.error(diagnostic.help(help)))
 }
 
 // ---- values --------------------------------------------------------------------------------------
-
-/// Where a length is measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Frame {
-    Picture,
-    Table,
-    /// Nowhere: it is a speed, a length per second.
-    Speed,
-}
 
 /// A value.
 // Only one exists at a time, so its size does not matter.
@@ -810,12 +767,12 @@ pub(crate) enum Operand {
     /// A constant angle, degrees, and the unit that it is written in.
     Angle {
         deg: f64,
-        unit: &'static str,
+        unit: &'static Unit,
     },
     Between {
         a: Heading,
         b: Heading,
-        unit: &'static str,
+        unit: &'static Unit,
     },
     Number(f64),
     Counted {
@@ -842,6 +799,28 @@ impl Operand {
             Operand::Angle { .. } | Operand::Number(_) | Operand::Word(_)
         )
     }
+
+    /// Returns the unit that it is written in, if it has one.
+    pub fn unit(&self) -> Option<&'static Unit> {
+        match self {
+            Operand::Length(length) => Some(length.unit),
+            Operand::Angle { unit, .. } | Operand::Between { unit, .. } => Some(unit),
+            _ => None,
+        }
+    }
+
+    /// Returns a noun for its kind.
+    pub fn noun(&self) -> &'static str {
+        match self {
+            Operand::Length(FramedLength { unit, .. })
+            | Operand::Angle { unit, .. }
+            | Operand::Between { unit, .. } => unit.dimension.noun(),
+            Operand::Number(_) | Operand::Counted { .. } => "a number",
+            Operand::Point(_) => "a point",
+            Operand::Heading => "a direction",
+            Operand::WordField(_) | Operand::Quadrant { .. } | Operand::Word(_) => "a word",
+        }
+    }
 }
 
 /// Whether a fraction is written as a percentage.
@@ -851,62 +830,41 @@ pub(crate) enum AsPercent {
     No,
 }
 
-/// A length and the frame that it is compared in.
+/// A length. It is compared where its unit measures: in the picture, on the table, or as a speed.
 #[derive(Clone, Debug)]
 pub(crate) struct FramedLength {
-    pub native: NativeLength,
-    pub frame: Frame,
+    /// Pixels, metres, or metres per second.
+    pub length: Length,
+    /// What the length measures where it comes from.
+    pub native: Dimension,
     /// The unit that it is written in.
-    pub unit: &'static str,
+    pub unit: &'static Unit,
 }
 
-/// A length, by where it comes from.
-#[derive(Clone, Debug)]
-pub(crate) enum NativeLength {
-    /// Pixels.
-    Picture(f64),
-    /// Metres, or metres per second.
-    Table(f64),
-    /// A measure of the picture, pixels.
-    Measured(Length),
-    /// A field that is a length on the table, or a speed.
-    Field(String),
-}
-
-impl NativeLength {
-    fn is_table(&self) -> bool {
-        matches!(self, NativeLength::Table(_) | NativeLength::Field(_))
-    }
-
-    /// Returns the length in pixels or in metres.
-    pub fn in_frame(&self, frame: Frame, context: &Context<'_, '_>) -> Result<Length, Reported> {
-        let constant = |value: f64| Length::Constant { value };
-        Ok(match (self, frame) {
-            (NativeLength::Picture(px), Frame::Picture) => constant(*px),
-            (NativeLength::Picture(px), Frame::Table | Frame::Speed) => {
-                constant(px / context.px_per_m()?)
-            }
-            (NativeLength::Table(m), Frame::Table | Frame::Speed) => constant(*m),
-            (NativeLength::Table(m), Frame::Picture) => constant(m * context.px_per_m()?),
-            (NativeLength::Measured(length), _) => length.clone(),
-            (NativeLength::Field(field), frame) => Length::Field {
-                field: field.clone(),
-                scale: if frame == Frame::Picture {
-                    context.px_per_m()?
-                } else {
-                    1.0
-                },
+impl FramedLength {
+    /// Returns the length in pixels or in metres. A measure of the picture stays in pixels.
+    pub fn in_frame(
+        &self,
+        frame: Dimension,
+        context: &Context<'_, '_>,
+    ) -> Result<Length, Reported> {
+        let [from_picture, to_picture] = [self.native, frame].map(|it| it == Dimension::Pixels);
+        if from_picture == to_picture {
+            return Ok(self.length.clone());
+        }
+        Ok(match &self.length {
+            Length::Constant { value } if from_picture => Length::Constant {
+                value: value / context.px_per_m()?,
             },
+            Length::Constant { value } => Length::Constant {
+                value: value * context.px_per_m()?,
+            },
+            Length::Field { field, .. } => Length::Field {
+                field: field.clone(),
+                scale: context.px_per_m()?,
+            },
+            Length::OfPoints(_) => self.length.clone(),
         })
-    }
-}
-
-/// Returns the frame in which two lengths can be compared: the picture if one is measured in it.
-pub(crate) fn common_frame(a: &NativeLength, b: &NativeLength) -> Frame {
-    if a.is_table() && b.is_table() {
-        Frame::Table
-    } else {
-        Frame::Picture
     }
 }
 
@@ -918,10 +876,6 @@ pub(crate) fn operand<'a>(
     match expr {
         Expr::Converted(converted) => {
             let value = operand(converted.value(), context)?;
-            if let (Operand::Number(_), Expr::Name(_)) = (&value, converted.value()) {
-                let diagnostic = no_unit(converted.value(), "a length or an angle", context);
-                return Err(context.error(diagnostic));
-            }
             convert(value, converted.target(), context)
         }
         _ if quantity_of(expr, context)?.is_some() => constant(expr, context),
@@ -936,11 +890,15 @@ pub(crate) fn operand<'a>(
         }),
         Expr::Call(call) => Ok(match measure(call, context)? {
             Measure::Length(length) => Operand::Length(FramedLength {
-                native: NativeLength::Measured(length),
-                frame: Frame::Picture,
-                unit: "px",
+                length,
+                native: Dimension::Pixels,
+                unit: &units::PX,
             }),
-            Measure::Angle { a, b } => Operand::Between { a, b, unit: "deg" },
+            Measure::Angle { a, b } => Operand::Between {
+                a,
+                b,
+                unit: &units::DEG,
+            },
             Measure::Number(number) => Operand::Counted {
                 number,
                 as_percent: AsPercent::No,
@@ -964,8 +922,8 @@ pub(crate) fn operand<'a>(
 }
 
 fn is_measure_of_point(call: Call<'_>) -> bool {
-    let mut rows = MEASURES.iter().map(|row| row.signature);
-    rows.any(|row| row.name == call.name().text() && row.gives == "a point")
+    let mut rows = MEASURES.iter();
+    rows.any(|row| row.signature.name == call.name().text() && matches!(row.make, Make::Point(_)))
 }
 
 /// Reads a measure: `distance(pick, place)`.
@@ -974,7 +932,8 @@ pub(super) fn measure<'a>(
     context: &mut Context<'a, '_>,
 ) -> Result<Measure, Reported> {
     let signatures = MEASURES.iter().map(|row| &row.signature);
-    let (row, args, _) = self::call("measure", call, signatures, Scope::Everywhere, context)?;
+    let scope = Scope::Everywhere;
+    let (row, args, _) = self::call("measure", Expr::Call(call), signatures, scope, context)?;
     let px_per_m = context.px_per_m();
     let flat_px = context
         .area_m2()
@@ -993,42 +952,37 @@ fn constant<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Operand
         let help = "write at most a million pixels, metres, metres per second or degrees";
         return Err(out_of_range(expr, help, context));
     }
-    let is_length = matches!(
-        found.dimension,
-        Dimension::Length | Dimension::Pixels | Dimension::Speed
-    );
-    if is_length && found.value < 0.0 {
-        let help = match found.dimension {
-            Dimension::Speed => "a speed is never negative",
-            _ => "a length is never negative",
-        };
-        return Err(out_of_range(expr, help, context));
-    }
-    let unit = found.unit;
-    let length = |native, frame| {
-        Operand::Length(FramedLength {
-            native,
-            frame,
-            unit,
-        })
+    let Some(unit) = found.unit else {
+        return Ok(Operand::Number(found.value));
     };
-    Ok(match found.dimension {
-        Dimension::Pixels => length(NativeLength::Picture(found.value), Frame::Picture),
-        Dimension::Length => length(NativeLength::Table(found.value), Frame::Table),
-        Dimension::Speed => length(NativeLength::Table(found.value), Frame::Speed),
+    match unit.dimension {
+        Dimension::Pixels | Dimension::Length | Dimension::Speed if found.value < 0.0 => {
+            let help = format!("{} is never negative", unit.dimension.noun());
+            Err(out_of_range(expr, &help, context))
+        }
+        Dimension::Pixels | Dimension::Length | Dimension::Speed => {
+            Ok(Operand::Length(FramedLength {
+                length: Length::Constant { value: found.value },
+                native: unit.dimension,
+                unit,
+            }))
+        }
         // Converting through radians would make whole degrees inexact.
-        Dimension::Angle => Operand::Angle {
-            deg: found.deg(),
+        Dimension::Angle if *unit == units::DEG => Ok(Operand::Angle {
+            deg: found.number,
             unit,
-        },
+        }),
+        Dimension::Angle | Dimension::Number => Ok(Operand::Angle {
+            deg: found.value.to_degrees(),
+            unit,
+        }),
         Dimension::ArealDensity => {
             let message = "nothing in a task weighs anything";
             let diagnostic = Diagnostic::new(Code::WrongExpression, expr.span(), message);
             let help = "only a `material` states a mass per area";
-            return Err(context.error(diagnostic.help(help)));
+            Err(context.error(diagnostic.help(help)))
         }
-        Dimension::Number => Operand::Number(found.value),
-    })
+    }
 }
 
 fn named<'a>(
@@ -1040,12 +994,12 @@ fn named<'a>(
     match context.names.get(text) {
         Some(Meaning::Field) => match context.actions.get(text)?.map(|field| &field.choices) {
             Some(Choices::Lengths { unit, .. }) => Ok(Operand::Length(FramedLength {
-                native: NativeLength::Field(text.to_owned()),
-                frame: match unit.dimension {
-                    Dimension::Speed => Frame::Speed,
-                    _ => Frame::Table,
+                length: Length::Field {
+                    field: text.to_owned(),
+                    scale: 1.0,
                 },
-                unit: unit.name,
+                native: unit.dimension,
+                unit: unit.row(),
             })),
             Some(Choices::Directions { .. }) => Ok(Operand::Heading),
             Some(Choices::Words { .. }) => Ok(Operand::WordField(text.to_owned())),
@@ -1069,29 +1023,17 @@ fn convert(
     target: Name<'_>,
     context: &mut Context<'_, '_>,
 ) -> Result<Operand, Reported> {
-    let found = units::find(target.text());
-    let unit = found.map_or("", |unit| unit.name);
-    let is_speed = matches!(&value, Operand::Length(length) if length.frame == Frame::Speed);
-    Ok(match (value, found.map(|unit| unit.dimension)) {
-        (Operand::Length(length), Some(Dimension::Speed)) if is_speed => {
-            Operand::Length(FramedLength { unit, ..length })
-        }
-        (Operand::Length(length), Some(Dimension::Pixels)) if !is_speed => {
-            Operand::Length(FramedLength {
-                frame: Frame::Picture,
-                unit,
-                ..length
-            })
-        }
-        (Operand::Length(length), Some(Dimension::Length)) if !is_speed => {
-            Operand::Length(FramedLength {
-                frame: Frame::Table,
-                unit,
-                ..length
-            })
-        }
-        (Operand::Angle { deg, .. }, Some(Dimension::Angle)) => Operand::Angle { deg, unit },
-        (Operand::Between { a, b, .. }, Some(Dimension::Angle)) => Operand::Between { a, b, unit },
+    let dimensions: &[Dimension] = match value.unit().map(|unit| unit.dimension) {
+        Some(Dimension::Length | Dimension::Pixels) => &[Dimension::Length, Dimension::Pixels],
+        Some(Dimension::Speed) => &[Dimension::Speed],
+        Some(Dimension::Angle) => &[Dimension::Angle],
+        Some(Dimension::ArealDensity | Dimension::Number) | None => &[],
+    };
+    let unit = units::find(target.text()).filter(|unit| dimensions.contains(&unit.dimension));
+    Ok(match (value, unit) {
+        (Operand::Length(length), Some(unit)) => Operand::Length(FramedLength { unit, ..length }),
+        (Operand::Angle { deg, .. }, Some(unit)) => Operand::Angle { deg, unit },
+        (Operand::Between { a, b, .. }, Some(unit)) => Operand::Between { a, b, unit },
         (Operand::Counted { number, .. }, None)
             if target.text() == "percent" && !number.is_whole() =>
         {
@@ -1101,39 +1043,11 @@ fn convert(
             }
         }
         (value, _) => {
-            let message = format!(
-                "{} cannot be converted to `{}`",
-                kind_of(&value),
-                target.text()
-            );
             let fitting = match &value {
-                Operand::Length(_) if is_speed => units_of(&[Dimension::Speed]),
-                Operand::Length(_) => units_of(&[Dimension::Length, Dimension::Pixels]),
-                Operand::Angle { .. } | Operand::Between { .. } => units_of(&[Dimension::Angle]),
                 Operand::Counted { number, .. } if !number.is_whole() => vec!["percent"],
-                _ => Vec::new(),
+                _ => units_of(dimensions),
             };
-            return Err(no_conversion(target, message, fitting, context));
+            return Err(no_conversion(target, value.noun(), fitting, context));
         }
     })
-}
-
-/// Returns a noun for the kind of a value.
-pub(crate) fn kind_of(value: &Operand) -> &'static str {
-    match value {
-        Operand::Length(FramedLength {
-            frame: Frame::Picture,
-            ..
-        }) => "a length in the picture",
-        Operand::Length(FramedLength {
-            frame: Frame::Speed,
-            ..
-        }) => "a speed",
-        Operand::Length(_) => "a length on the table",
-        Operand::Angle { .. } | Operand::Between { .. } => "an angle",
-        Operand::Number(_) | Operand::Counted { .. } => "a number",
-        Operand::Point(_) => "a point",
-        Operand::Heading => "a direction",
-        Operand::WordField(_) | Operand::Quadrant { .. } | Operand::Word(_) => "a word",
-    }
 }

@@ -21,7 +21,7 @@ pub(super) fn check<'a>(
         let span = block.head_span();
         let diagnostic = Diagnostic::new(Code::NoFolds, span, "there is no fold here")
             .help("write one such as `fold corner(back_left) -> corner(front_left)`");
-        return Err(context.missing(block.is_damaged(), span.file, diagnostic));
+        return Err(context.error(diagnostic));
     }
     context.bounded(moves.get(MAX_FOLDS).map(|beyond| beyond.span()), || {
         format!(

@@ -18,12 +18,12 @@ pub(crate) fn check<'a>(
         .map(|it| it.as_ref().map(|it| it.steps() as u32));
     let Some(statement) = merged.statement("horizon") else {
         let is_meant_to_run = merged.statement("cloth").is_some() && !merged.stages.is_empty();
-        if merged.subgoals().is_none() && is_meant_to_run && merged.missing_base.is_none() {
+        if merged.subgoals().is_none() && is_meant_to_run {
             let name = merged.task.name();
             let message = format!("`{}` has neither subgoals nor a `horizon`", name.text());
             let diagnostic = Diagnostic::new(Code::NoHorizon, name.span(), message)
                 .help("write `horizon 10` for at most ten actions, or show `subgoals`");
-            return Err(context.missing(merged.is_damaged, name.span().file, diagnostic));
+            return Err(context.error(diagnostic));
         }
         return n_shown.map_err(|reported| *reported);
     };

@@ -101,14 +101,9 @@ fn keypoint_of<'a>(
         named = Err(context
             .error(diagnostic.also(constant.name().span(), "this constant has the same name")));
     }
-    let Expr::Call(written) = keypoint.value() else {
-        let message = "expected an extractor";
-        let diagnostic = Diagnostic::new(Code::WrongForm, keypoint.value().span(), message);
-        return Err(context.error(diagnostic.help("write `mask(depth < 646mm)`, `harris(MASK, …)`, `shi_tomasi(MASK, …)` or `centroid(MASK)`")));
-    };
     let signatures = EXTRACTORS.iter().map(|row| &row.call.signature);
     let scope = Scope::Above(merged.keypoints.place(name.text()).unwrap_or_default());
-    let (row, args, _) = call("extractor", written, signatures, scope, context)?;
+    let (row, args, _) = call("extractor", keypoint.value(), signatures, scope, context)?;
     named?;
     Ok(Keypoint {
         name: name.text().to_owned(),

@@ -2,15 +2,14 @@
 
 use super::arguments::{bind, form};
 use super::context::Context;
-use super::expressions::{Scope, values};
+use super::expressions::{Scope, values, without_edge};
 use super::short_text::line;
-use crate::diag::{Code, Diagnostic, Report, Reported, among, nearest};
+use crate::diag::{Code, Diagnostic, Report, Reported, among};
 use crate::lang::material::{self, PROPERTIES};
 use crate::load::Loaded;
 use crate::merge::repeated;
-use fab_grammar::ast::{self, Expr, Name, Text};
+use fab_grammar::ast::{self, Name, Text};
 use fab_program::data::material::{Directions, RECORDED, Source};
-use fab_program::vocabulary::ArgValue;
 use fab_program::{Colour, Face, Material};
 use std::collections::BTreeMap;
 
@@ -49,28 +48,8 @@ pub(crate) fn check<'a>(
         sources: Vec::new(),
     };
     let mut given: BTreeMap<&str, Name<'_>> = BTreeMap::new();
-    let mut properties = declared.properties().peekable();
-    while let Some(property) = properties.next() {
+    for property in declared.properties() {
         let word = property.name();
-        if let Some(written) = misspelt_from(property, properties.peek().copied()) {
-            let message = format!("expected `from`, found `{}`", written.text());
-            let diagnostic = Diagnostic::new(Code::Unexpected, written.span(), message);
-            all = Err(context.error(diagnostic.meant(written.span(), "from")));
-            properties.next_if(|next| next.name().span() == written.span());
-            given.entry(word.text()).or_insert(word);
-            continue;
-        }
-        if let Some(rest) = second_word(property, properties.peek().copied()) {
-            let message = format!("the color of `{}` has more than one word", word.text());
-            let diagnostic = Diagnostic::new(Code::WrongForm, rest.name().span(), message);
-            all = Err(context.error(diagnostic.help(format!(
-                "write its name in quotes, such as `{} \"light blue\" \"#7fa8d9\"`",
-                word.text()
-            ))));
-            properties.next();
-            given.entry(word.text()).or_insert(word);
-            continue;
-        }
         let first = *given.entry(word.text()).or_insert(word);
         if first.span() != word.span() {
             let diagnostic = repeated(word.text(), first.span(), word.span());
@@ -92,45 +71,9 @@ pub(crate) fn check<'a>(
         let form = first.map_or_else(String::new, |row| material::form(&row.call.signature));
         let diagnostic = Diagnostic::new(Code::MaterialIncomplete, name.span(), message)
             .help(format!("write `{form}`"));
-        all = Err(context.missing(declared.is_damaged(), name.span().file, diagnostic));
+        all = Err(context.error(diagnostic));
     }
     all.map(|()| material)
-}
-
-/// Returns the word before a source if it is a misspelt `from`: it looks like a unit, or like the next property.
-fn misspelt_from<'a>(
-    property: ast::Property<'a>,
-    next: Option<ast::Property<'a>>,
-) -> Option<Name<'a>> {
-    let is_from = |word: &Name<'_>| nearest(word.text(), ["from"]).is_some();
-    if property.cited().is_some() {
-        return None;
-    }
-    if property.text().is_some() {
-        let last = property.call()?.arguments().last()?;
-        let Expr::Quantity(quantity) = last.value() else {
-            return None;
-        };
-        return quantity.unit().filter(is_from);
-    }
-    let mut rows = PROPERTIES.iter();
-    let next = next?.name();
-    let is_known = rows.any(|row| row.call.signature.name == next.text());
-    Some(next).filter(|word| !is_known && is_from(word))
-}
-
-/// Returns the next word of a color's name that is not in quotes: `upper light blue "#7fa8d9"`.
-fn second_word<'a>(
-    property: ast::Property<'a>,
-    next: Option<ast::Property<'a>>,
-) -> Option<ast::Property<'a>> {
-    let is_known = |word: &str| {
-        let mut rows = PROPERTIES.iter();
-        rows.find(|row| row.call.signature.name == word)
-    };
-    let colors = is_known(property.name().text())?.face.is_some();
-    let next = next.filter(|next| is_known(next.name().text()).is_none())?;
-    (colors && property.text().is_none()).then_some(next)
 }
 
 /// Reads one property into a material.
@@ -149,22 +92,10 @@ fn set<'a>(
     };
     let row = &PROPERTIES[index];
     let written = material::form(signature);
-    let bound = bind(
-        call,
-        signature,
-        &|| format!("`{written}`"),
-        material::form,
-        context,
-    )?;
+    let bound = bind(call, signature, material::form, context)?;
     let args = values(&bound, signature, Scope::Everywhere, context)?;
-    for ((_, value), (_, expr)) in args.0.iter().zip(&bound) {
-        // `edge` is the only unit without a size outside of a task.
-        if matches!(value, ArgValue::Number(number) if number.is_nan()) {
-            let message = "a material has no `edge`: cloths of many sizes are made of it";
-            let diagnostic = Diagnostic::new(Code::WrongQuantity, expr.span(), message);
-            return Err(context.error(diagnostic.help("write a length such as `2mm`")));
-        }
-    }
+    let message = "a material has no `edge`: cloths of many sizes are made of it";
+    without_edge(&args, &bound, message, context)?;
     (row.call.make)(material, &args);
     match (row.face, property.text(), property.cited()) {
         (Some(face), Some(text), _) => {
@@ -234,7 +165,6 @@ pub(super) fn named<'a>(
             .clone()
             .map(Some);
     }
-    context.may_be_hidden(name.text())?;
     let seen = context.loaded.visible_from(file);
     let seen = seen.flat_map(|file| &file.materials);
     let names = seen.map(|material| material.name().text());

@@ -10,6 +10,7 @@ mod annotate;
 mod arguments;
 mod camera;
 mod certainty;
+mod choices;
 mod cloth;
 mod conditions;
 mod context;
@@ -36,13 +37,12 @@ mod subgoals;
 mod task;
 mod test;
 mod unspoken;
-mod untouched_score;
 mod unused;
 mod variables;
 mod verify;
 
 use crate::diag::{Code, Diagnostic, Report, Reported};
-use crate::load::Loaded;
+use crate::load::{Loaded, LoadedFile};
 use crate::merge::{self, Bodies, Merged, Site, VariantChange};
 use context::{Context, Outside};
 use fab_grammar::Span;
@@ -69,12 +69,12 @@ pub(crate) struct Checked {
 pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Report) -> Checked {
     let outside = outside_of_tasks(loaded, report);
     // Only an error outside of tasks counts against every task that sees the file.
-    let forms = loaded.files.iter().map(|file| {
+    let forms = loaded.well_formed().map(|file| {
         let mut seen = loaded.visible_from(file.id);
         let wrong = seen.find_map(|seen| report.error_in(seen.id));
-        wrong.map_or(Ok(()), Err)
+        (file, wrong.map_or(Ok(()), Err))
     });
-    let forms: Vec<Result<(), Reported>> = forms.collect();
+    let forms: Vec<(&LoadedFile<'_>, Result<(), Reported>)> = forms.collect();
     let bodies = Bodies::of(loaded, report);
     let mut tasks = Tasks {
         loaded,
@@ -83,6 +83,7 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
         stamps: task::stamps(loaded),
         grid,
         running: BTreeSet::new(),
+        certain: Vec::new(),
         idle: Vec::new(),
         checked: Checked {
             materials: outside.materials.values().flatten().cloned().collect(),
@@ -90,7 +91,7 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
         },
         report,
     };
-    for (file, form) in loaded.files.iter().zip(forms) {
+    for (file, form) in forms {
         for task in &file.tasks {
             tasks.check(*task, form);
         }
@@ -108,7 +109,9 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
             report.remark(diagnostic);
         }
     }
-    material::unused(loaded, report);
+    if !loaded.is_malformed(loaded.entry().id) {
+        material::unused(loaded, report);
+    }
     // Otherwise an error may be why.
     if report.has_errors().is_ok() {
         experts::unused(loaded, report);
@@ -118,10 +121,14 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
 
 /// Checks what files declare outside of tasks, even lists and materials that no task names.
 fn outside_of_tasks(loaded: &Loaded<'_>, report: &mut Report) -> Outside {
-    let whole = || loaded.files.iter().filter(|file| !loaded.is_torn(file.id));
-    let tasks = || whole().flat_map(|file| &file.tasks).map(|it| it.name());
-    let lists = || whole().flat_map(|file| &file.experts);
-    let materials = || whole().flat_map(|file| &file.materials);
+    let tasks = || {
+        loaded
+            .well_formed()
+            .flat_map(|file| &file.tasks)
+            .map(|it| it.name())
+    };
+    let lists = || loaded.well_formed().flat_map(|file| &file.experts);
+    let materials = || loaded.well_formed().flat_map(|file| &file.materials);
     let distinct = [
         merge::unique(tasks(), "task", report),
         merge::unique(lists().map(|it| it.name()), "list of experts", report),
@@ -170,6 +177,8 @@ struct Tasks<'a, 'r> {
     grid: Option<[u32; 2]>,
     /// The bodies of tasks and variants that can run.
     running: BTreeSet<Span>,
+    /// The conditions of the current task whose result is certain.
+    certain: Vec<Diagnostic>,
     /// The variants that change nothing, each with its body.
     idle: Vec<(Option<Span>, Diagnostic)>,
     checked: Checked,
@@ -180,13 +189,10 @@ impl<'a> Tasks<'a, '_> {
     /// Checks a task and, in the entry, its variants; those of other files are checked when these are compiled.
     fn check(&mut self, task: Task<'a>, form: Result<(), Reported>) {
         let file = task.name().span().file;
-        // Its lines may be in the wrong blocks.
-        if self.loaded.is_torn(file) {
-            merge::find_bases(task, self.loaded, self.report);
-            return;
-        }
         let whole = self.checked.programs.len();
-        let merged = self.one(task, None, form);
+        let Some(merged) = self.one(task, None, form) else {
+            return;
+        };
         if file != self.loaded.entry().id {
             return;
         }
@@ -200,6 +206,9 @@ impl<'a> Tasks<'a, '_> {
         for variant in merged.applicable_variants() {
             self.one(task, Some((variant, is_whole.then_some(whole))), form);
         }
+        for certain in std::mem::take(&mut self.certain) {
+            self.report.remark(certain);
+        }
     }
 
     /// Checks a task, or one of its variants.
@@ -210,18 +219,26 @@ impl<'a> Tasks<'a, '_> {
         task: Task<'a>,
         variant: Option<(Site<'a, VariantChange<'a>>, Option<usize>)>,
         form: Result<(), Reported>,
-    ) -> Merged<'a> {
+    ) -> Option<Merged<'a>> {
         let (variant, whole) = variant.map_or((None, None), |(it, whole)| (Some(it), whole));
         // Each has its own report: an inherited error counts against every task that inherits it, but is shown once.
         let mut own = Report::default();
-        let merged = merge::merge(task, variant, self.bodies, self.loaded, &mut own);
         let loaded = self.loaded;
+        let Ok(merged) = merge::merge(task, variant, self.bodies, loaded, &mut own) else {
+            self.report.absorb(own);
+            return None;
+        };
         let mut context = Context::new(loaded, self.outside, &mut own);
         context.grid = self.grid;
         let built = task::check(&merged, &self.stamps, form, &mut context);
         let is_entry = task.name().span().file == loaded.entry().id;
         match (built, &merged.variant) {
             (Ok(Some((program, tests))), variant) if is_entry => {
+                if variant.is_none() {
+                    self.certain = certainty::check(&program, &merged);
+                } else {
+                    certainty::in_variant(&program, &merged, &mut self.certain, &mut own);
+                }
                 let change = merged.own_body().map(Body::span);
                 if let (Some(variant), Some(whole)) = (variant, whole)
                     && program.runs_as(&self.checked.programs[whole])
@@ -238,25 +255,9 @@ impl<'a> Tasks<'a, '_> {
             }
             _ => {}
         }
-        match broken_change(&merged) {
-            Some(place) => self.report.absorb_within(place, own),
-            None => self.report.absorb(own),
-        }
-        merged
+        self.report.absorb(own);
+        Some(merged)
     }
-}
-
-/// Returns the place of a variant, or of a task that extends another, if a line of it did not parse.
-///
-/// What is wrong outside of it may only be a consequence: the line may have left out or replaced just that. The tasks
-/// that it changes are checked by themselves.
-fn broken_change(merged: &Merged<'_>) -> Option<Span> {
-    let task = merged.task.body();
-    if merged.variant.is_none() && merged.task.extends().is_none() {
-        return None;
-    }
-    let change = merged.own_body()?;
-    (change.is_damaged() || task.is_damaged()).then(|| change.span())
 }
 
 /// Makes the warning for a variant whose program is that of its task.

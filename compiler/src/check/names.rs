@@ -3,10 +3,7 @@
 //! Keypoints, texts that stages read, and action fields share one namespace: all can be used in a text.
 
 use crate::diag::{Report, Reported};
-use crate::lang::actions::field as moving_field;
-use crate::load::Loaded;
 use crate::merge::{Merged, declared_twice};
-use fab_grammar::FileId;
 use fab_grammar::ast::{Expr, Name};
 use fab_program::{EXTRACTORS, KeypointShape};
 use std::collections::{BTreeMap, BTreeSet};
@@ -27,11 +24,6 @@ pub(crate) enum Meaning {
 /// Every name of a task.
 pub(crate) struct Names<'a> {
     meanings: BTreeMap<&'a str, Meaning>,
-    seen_from: FileId,
-    /// The proof of an error that may hide the declaration of any name, such as a missing task.
-    lacking: Option<Reported>,
-    /// Whether the block of actions may be in text that did not parse.
-    may_have_fields: bool,
 }
 
 impl<'a> Names<'a> {
@@ -70,21 +62,13 @@ impl<'a> Names<'a> {
                 meanings.entry(field).or_insert(Meaning::Field);
             }
         }
-        Names {
-            meanings,
-            seen_from: merged.task.name().span().file,
-            lacking: merged.missing_base,
-            may_have_fields: merged.actions().is_none() && merged.is_damaged,
-        }
+        Names { meanings }
     }
 
     /// Makes the empty set of names for checks outside of tasks.
-    pub fn none(seen_from: FileId) -> Names<'a> {
+    pub fn none() -> Names<'a> {
         Names {
             meanings: BTreeMap::new(),
-            seen_from,
-            lacking: None,
-            may_have_fields: false,
         }
     }
 
@@ -109,22 +93,6 @@ impl<'a> Names<'a> {
         some.filter(|(_, meaning)| fits(**meaning))
             .map(|(name, _)| *name)
             .collect()
-    }
-
-    /// Records an error that may hide the declaration of any name.
-    pub fn may_lack(&mut self, reported: Reported) {
-        self.lacking = Some(reported);
-    }
-
-    /// Returns the proof of an error that may hide the declaration of an unknown name: a missing task, or a part that
-    /// did not parse.
-    pub fn hidden(&self, name: &str, loaded: &Loaded<'_>) -> Option<Reported> {
-        let is_field = self.may_have_fields && moving_field(name).is_some();
-        let in_actions = || loaded.fault(self.seen_from).filter(|_| is_field);
-        let parts = || name.split('.');
-        self.lacking
-            .or_else(in_actions)
-            .or_else(|| parts().find_map(|part| loaded.hidden(self.seen_from, part)))
     }
 }
 

@@ -13,8 +13,9 @@ pub(crate) fn check<'a>(
     statement: Statement<'a>,
     context: &mut Context<'a, '_>,
 ) -> Result<(Picker, Manner), Reported> {
-    let Expr::Call(written) = statement.value() else {
-        let name = name_of(statement.value(), "picker", Picker::WORDS, context)?;
+    let written = statement.value();
+    let Expr::Call(_) = written else {
+        let name = name_of(written, "picker", Picker::WORDS, context)?;
         return Ok((
             Picker::from_word(name).unwrap_or_default(),
             Manner::default(),

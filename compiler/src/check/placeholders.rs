@@ -5,11 +5,10 @@
 //! `{` that Jinja would interpret is escaped.
 
 use super::context::Context;
-use super::expressions::{
-    AsPercent, Frame, FramedLength, NativeLength, Operand, measure, operand, wrong_shape,
-};
+use super::expressions::{AsPercent, FramedLength, Operand, measure, operand, wrong_shape};
 use super::missing_action::{needs_action, needs_last};
 use super::names::Meaning;
+use super::quantity::size;
 use crate::diag::{Code, Diagnostic, Reported};
 use crate::lang::conditions::UNREACHABLE;
 use fab_grammar::Span;
@@ -18,7 +17,7 @@ use fab_program::Depends;
 use fab_program::measures::{MEASURES, Measure};
 use fab_program::render::Jinja;
 use fab_program::space::{self, DECIMALS};
-use fab_program::units::{self, Unit};
+use fab_program::units::{self, Dimension, Unit};
 use fab_program::{
     Choices, Colour, Condition, Face, KeypointShape, Length, NumberFormat, OVERLAP, Placeholder,
     Point, Template, Variable, exact,
@@ -132,48 +131,44 @@ fn single_braces(text: Text<'_>, context: &mut Context<'_, '_>) {
     let span = text.span();
     let source = context.loaded.written(span);
     for (at, _) in source.match_indices('{') {
-        let rest = &source[at + 1..];
-        let mut bytes = rest.bytes().take(LONGEST);
-        let Some(length) = bytes.position(|byte| matches!(byte, b'}' | b'\n')) else {
+        let inside = &source[at + 1..];
+        // After two braces the quotes are wrong, or one is missing at the end, and that was reported already.
+        let (Some(length), false) = (inside.find(['}', '\n']), source[..at].ends_with('{')) else {
             continue;
         };
-        let value = rest[..length].trim_matches(' ');
-        let closing = rest[length..]
-            .bytes()
-            .take(2)
-            .take_while(|byte| *byte == b'}')
-            .count();
-        // After two braces the quotes are wrong, or one is missing at the end, and that was reported already.
-        let is_double = source[..at].ends_with('{');
-        if closing == 0 || is_double || !may_be_value(value, context) {
+        let value = inside[..length].trim_matches(' ');
+        if !inside[length..].starts_with('}') || length > LONGEST || !is_value(value, context) {
             continue;
         }
-        let range = at..at + 1 + length + closing;
-        let written = &source[range.clone()];
-        let message = format!("`{written}` is literal text, not the value `{value}`");
-        let span = Span::new(span.file, span.start + range.start..span.start + range.end);
+        let n_closing = if inside[length..].starts_with("}}") {
+            2
+        } else {
+            1
+        };
+        let end = at + 1 + length + n_closing;
+        let message = format!(
+            "`{}` is literal text, not the value `{value}`",
+            &source[at..end]
+        );
+        let span = Span::new(span.file, span.start + at..span.start + end);
         let diagnostic = Diagnostic::new(Code::SingleBraces, span, message);
         context.remark(diagnostic.help(format!("write `{{{{ {value} }}}}` for the value")));
     }
 }
 
-/// Returns whether a text looks like what a placeholder may have: a name or a measure, and perhaps its unit.
-fn may_be_value(text: &str, context: &Context<'_, '_>) -> bool {
-    let is_part = |letter: char| letter.is_ascii_alphanumeric() || "_.".contains(letter);
-    let end = text.find(|letter| !is_part(letter)).unwrap_or(text.len());
-    let (word, rest) = text.split_at(end);
-    if rest.starts_with('(') {
+/// Returns whether a text is a name that has a value, or a measure.
+fn is_value(text: &str, context: &Context<'_, '_>) -> bool {
+    if let Some((word, _)) = text.split_once('(') {
         return MEASURES.iter().any(|row| row.signature.name == word);
     }
     let is_field = |name: &str| context.names.get(name) == Some(Meaning::Field);
-    let is_value = context.names.get(word).is_some()
-        || context.constants.contains_key(word)
-        || context.layers.contains_key(word)
-        || [FORMAT, POINTS, UNREACHABLE, "step"].contains(&word)
-        || FACES.iter().any(|(face, _)| *face == word)
-        || word.strip_prefix("last.").is_some_and(is_field)
-        || word.strip_suffix(".choices").is_some_and(is_field);
-    is_value && (rest.is_empty() || rest.starts_with(" in "))
+    context.names.get(text).is_some()
+        || context.constants.contains_key(text)
+        || context.layers.contains_key(text)
+        || [FORMAT, POINTS, UNREACHABLE, "step"].contains(&text)
+        || FACES.iter().any(|(face, _)| *face == text)
+        || text.strip_prefix("last.").is_some_and(is_field)
+        || text.strip_suffix(".choices").is_some_and(is_field)
 }
 
 // ---- placeholders --------------------------------------------------------------------------------
@@ -395,10 +390,6 @@ fn written<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Resolved
     })
 }
 
-fn unit(name: &str) -> &'static Unit {
-    units::find(name).expect("the unit of a value is one of the units")
-}
-
 /// Returns the format of a number in a unit.
 ///
 /// - `factor`: converts the number to the unit.
@@ -411,28 +402,21 @@ fn in_unit(unit: &Unit, factor: f64) -> NumberFormat {
 }
 
 /// Returns the format of degrees in a unit of angles.
-fn of_degrees(name: &str) -> NumberFormat {
-    let unit = unit(name);
-    in_unit(unit, units::base((1.0, "deg")) / unit.size)
+fn of_degrees(unit: &Unit) -> NumberFormat {
+    in_unit(unit, units::DEG.size / unit.size)
 }
 
 fn length(length: &FramedLength, context: &Context<'_, '_>) -> Result<Resolved, Reported> {
-    let unit = unit(length.unit);
-    let size = if unit.size.is_nan() {
-        context.edge_m()?
-    } else {
-        unit.size
-    };
+    let frame = length.unit.dimension;
     // A measure of the picture stays in pixels, even if it is written as a length on the table.
-    let is_measured = matches!(length.native, NativeLength::Measured(_));
-    let base = match length.frame {
-        Frame::Table if is_measured => context.px_per_m()?,
-        Frame::Table | Frame::Picture | Frame::Speed => 1.0,
+    let base = match &length.length {
+        Length::OfPoints(_) if frame == Dimension::Length => context.px_per_m()?,
+        _ => 1.0,
     };
-    let written = in_unit(unit, 1.0 / size / base);
-    Ok(match length.native.in_frame(length.frame, context)? {
+    let written = in_unit(length.unit, 1.0 / size(length.unit, context)? / base);
+    Ok(match length.in_frame(frame, context)? {
         // A pixel's size depends on the picture that is sent to the model, which is not known yet.
-        Length::Constant { value } if length.frame != Frame::Picture => {
+        Length::Constant { value } if frame != Dimension::Pixels => {
             Resolved::Words(number(value, &written))
         }
         length => later(Placeholder::Length { length, written }),

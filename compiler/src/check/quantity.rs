@@ -4,7 +4,7 @@ use super::context::Context;
 use crate::diag::{Code, Diagnostic, Reported, among, nearest};
 use fab_grammar::ast::{Expr, Name, Quantity};
 use fab_program::exact::written;
-use fab_program::units::{self, Dimension, UNITS};
+use fab_program::units::{self, Dimension, UNITS, Unit};
 use fab_program::vocabulary::Range;
 
 /// A number with its unit.
@@ -12,22 +12,15 @@ use fab_program::vocabulary::Range;
 pub(crate) struct Measured {
     /// In base units; NaN if the unit is `edge` and the task, a base, has no cloth.
     pub value: f64,
-    pub dimension: Dimension,
     /// The number as written.
     pub number: f64,
-    /// The unit as written; empty for a plain number.
-    pub unit: &'static str,
+    /// The unit; `None` for a plain number.
+    pub unit: Option<&'static Unit>,
 }
 
 impl Measured {
-    /// Returns an angle in degrees; whole degrees stay exact because they are not converted through radians.
-    pub fn deg(&self) -> f64 {
-        let is_degrees = units::base((1.0, self.unit)).to_degrees() == 1.0;
-        if is_degrees {
-            self.number
-        } else {
-            self.value.to_degrees()
-        }
+    pub fn dimension(&self) -> Dimension {
+        self.unit.map_or(Dimension::Number, |unit| unit.dimension)
     }
 }
 
@@ -45,7 +38,7 @@ fn example(dimension: Dimension) -> String {
 }
 
 /// Returns the unit that advice uses for a dimension.
-fn usual_unit(dimension: Dimension) -> &'static str {
+pub(super) fn usual_unit(dimension: Dimension) -> &'static str {
     let mut rows = UNITS.iter();
     rows.find(|unit| unit.dimension == dimension)
         .map_or("", |unit| unit.name)
@@ -61,7 +54,7 @@ pub(crate) fn quantity_of<'a>(
         Expr::Name(name) => match context.constants.get(name.text()) {
             Some(Ok(quantity)) => Ok(Some(*quantity)),
             Some(Err(reported)) => Err(*reported),
-            None => context.may_be_hidden(name.text()).map(|()| None),
+            None => Ok(None),
         },
         _ => Ok(None),
     }
@@ -77,26 +70,26 @@ pub(crate) fn measured<'a>(
     };
     let number = quantity.value();
     let Some(name) = quantity.unit() else {
-        let dimension = Dimension::Number;
         return Ok(Some(Measured {
             value: number,
-            dimension,
             number,
-            unit: "",
+            unit: None,
         }));
     };
     let unit = unit(quantity, name, context)?;
-    let size = if unit.size.is_nan() {
-        context.edge_m()?
-    } else {
-        unit.size
-    };
     Ok(Some(Measured {
-        value: number * size,
-        dimension: unit.dimension,
+        value: number * size(unit, context)?,
         number,
-        unit: unit.name,
+        unit: Some(unit),
     }))
+}
+
+/// Returns the size of a unit in base units.
+pub(super) fn size(unit: &Unit, context: &Context<'_, '_>) -> Result<f64, Reported> {
+    if *unit == units::EDGE {
+        return context.edge_m();
+    }
+    Ok(unit.size)
 }
 
 /// Reads a number in a range, in base units. NaN, for `edge` in a base without a cloth, passes every range.
@@ -105,15 +98,11 @@ pub(crate) fn read<'a>(
     range: &Range,
     context: &mut Context<'a, '_>,
 ) -> Result<f64, Reported> {
-    let value = in_dimension(expr, range.dimension(), Precision::Any, context)?;
+    let value = in_dimension(expr, range.dimension(), context)?;
     if range.contains(value) || value.is_nan() {
         return Ok(value);
     }
-    Err(out_of_range(
-        expr,
-        &format!("expected {}", range.words()),
-        context,
-    ))
+    Err(beyond(expr, range, context))
 }
 
 /// Reads a whole number in a range.
@@ -122,12 +111,12 @@ pub(crate) fn read_whole<'a>(
     range: &Range,
     context: &mut Context<'a, '_>,
 ) -> Result<f64, Reported> {
-    let value = in_dimension(expr, range.dimension(), Precision::Whole, context)?;
-    if value.fract() == 0.0 {
-        return read(expr, range, context);
+    let value = in_dimension(expr, range.dimension(), context)?;
+    if value.fract() != 0.0 {
+        let help = format!("expected {}", range.words());
+        return Err(not_whole(expr, &help, context));
     }
-    let help = format!("expected {}", range.words());
-    Err(not_whole(expr, &help, context))
+    read(expr, range, context)
 }
 
 /// Reports a number that is not whole.
@@ -137,7 +126,12 @@ pub(super) fn not_whole(expr: Expr<'_>, help: &str, context: &mut Context<'_, '_
     context.error(Diagnostic::new(Code::NotWhole, expr.span(), message).help(help))
 }
 
-/// Reports a number outside of its range.
+/// Reports a number outside of a range.
+pub(super) fn beyond(expr: Expr<'_>, range: &Range, context: &mut Context<'_, '_>) -> Reported {
+    out_of_range(expr, &format!("expected {}", range.words()), context)
+}
+
+/// Reports a number that is too large or too small.
 pub(super) fn out_of_range(expr: Expr<'_>, help: &str, context: &mut Context<'_, '_>) -> Reported {
     let written = context.written(expr.span());
     let stated = match expr {
@@ -154,70 +148,76 @@ pub(super) fn out_of_range(expr: Expr<'_>, help: &str, context: &mut Context<'_,
     context.error(diagnostic.also(place, "stated here").help(help))
 }
 
-/// Which numbers are accepted. A length on the table is hardly ever a whole number of pixels.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Precision {
-    Any,
-    Whole,
-}
-
 fn in_dimension<'a>(
     expr: Expr<'a>,
     expected: Dimension,
-    precision: Precision,
     context: &mut Context<'a, '_>,
 ) -> Result<f64, Reported> {
-    if let Expr::Converted(converted) = expr {
-        return self::converted(converted.value(), converted.target(), expected, context);
-    }
-    let Some(found) = measured(expr, context)? else {
-        let diagnostic = context.unexpected(Code::WrongForm, expr, &example(expected));
+    let (stated, target) = match expr {
+        Expr::Converted(converted) => (converted.value(), Some(converted.target())),
+        _ => (expr, None),
+    };
+    let Some(found) = measured(stated, context)? else {
+        let diagnostic = context.unexpected(Code::WrongForm, stated, &example(expected));
         return Err(context.error(diagnostic));
     };
-    if found.dimension == expected {
-        return Ok(found.value);
+    let (value, dimension) = match target {
+        Some(target) => converted(&found, target, context)?,
+        None => (found.value, found.dimension()),
+    };
+    if dimension == expected {
+        return Ok(value);
     }
     let written = context.written(expr.span());
-    let (expected_noun, found_noun) = (expected.noun(), found.dimension.noun());
+    let (expected_noun, found_noun) = (expected.noun(), dimension.noun());
+    let message = format!("expected {expected_noun}, found {found_noun}");
     let new = |code, message: String| Diagnostic::new(code, expr.span(), message);
-    let mixed = || {
-        new(
-            Code::MixedFrames,
-            format!("expected {expected_noun}, found {found_noun}"),
-        )
-    };
     let help = format!("write {}", example(expected));
-    let diagnostic = match (expected, found.dimension) {
-        (_, Dimension::Number) => {
-            let help = match expr {
-                Expr::Name(_) => format!("give the constant a unit: {}", example(expected)),
-                _ => format!("write `{written}{}`", usual_unit(expected)),
-            };
-            no_unit(expr, expected_noun, context).help(help)
-        }
+    Err(context.error(match (expected, dimension) {
+        (_, Dimension::Number) => no_unit(expr, expected_noun, context).help(match expr {
+            Expr::Name(_) => format!("give the constant a unit: {}", example(expected)),
+            _ => format!("write `{written}{}`", usual_unit(expected)),
+        }),
         (Dimension::Number, _) => new(
             Code::WrongQuantity,
             format!("expected a number without a unit, found `{written}`"),
         )
         .label(format!("this is {found_noun}")),
-        (Dimension::Pixels, Dimension::Length)
-            if precision == Precision::Any && matches!(context.camera, Ok(Some(_))) =>
-        {
-            mixed().help(format!(
-                "write `{written} in px` for its length in the picture, or {help}"
-            ))
+        (Dimension::Pixels, Dimension::Length) if matches!(context.camera, Ok(Some(_))) => {
+            let in_px = format!("write `{written} in px` for its length in the picture, or {help}");
+            new(Code::MixedFrames, message).help(in_px)
         }
         (Dimension::Length, Dimension::Pixels) | (Dimension::Pixels, Dimension::Length) => {
-            mixed().help(help)
+            new(Code::MixedFrames, message).help(help)
         }
-        _ => new(
-            Code::WrongQuantity,
-            format!("expected {expected_noun}, found {found_noun}"),
-        )
-        .label(format!("`{written}` is {found_noun}"))
-        .help(help),
-    };
-    Err(context.error(diagnostic))
+        _ => new(Code::WrongQuantity, message)
+            .label(format!("`{written}` is {found_noun}"))
+            .help(help),
+    }))
+}
+
+/// Converts a value, as `VALUE in UNIT` asks; returns it in base units with its dimension.
+fn converted(
+    found: &Measured,
+    target: Name<'_>,
+    context: &mut Context<'_, '_>,
+) -> Result<(f64, Dimension), Reported> {
+    let from = found.dimension();
+    match (from, units::find(target.text()).map(|unit| unit.dimension)) {
+        (from, Some(to)) if from == to => Ok((found.value, to)),
+        (Dimension::Length, Some(to @ Dimension::Pixels)) => {
+            Ok((found.value * context.px_per_m()?, to))
+        }
+        (Dimension::Pixels, Some(to @ Dimension::Length)) => {
+            Ok((found.value / context.px_per_m()?, to))
+        }
+        _ => Err(no_conversion(
+            target,
+            from.noun(),
+            units_of(&[from]),
+            context,
+        )),
+    }
 }
 
 /// Makes the diagnostic for a number without a unit. A constant is reported where it is declared, once for all uses.
@@ -235,49 +235,6 @@ pub(super) fn no_unit(expr: Expr<'_>, expected: &str, context: &Context<'_, '_>)
     }
 }
 
-/// Reads `VALUE in UNIT` in the expected dimension.
-fn converted<'a>(
-    value: Expr<'a>,
-    target: Name<'a>,
-    expected: Dimension,
-    context: &mut Context<'a, '_>,
-) -> Result<f64, Reported> {
-    if units::find(target.text()).map(|unit| unit.dimension) != Some(expected) {
-        let message = format!(
-            "expected {}, found a value in `{}`",
-            expected.noun(),
-            target.text()
-        );
-        let units = units_of(&[expected]);
-        return Err(no_conversion(target, message, units, context));
-    }
-    let Some(from) = measured(value, context)? else {
-        let diagnostic = context.unexpected(Code::WrongForm, value, &example(expected));
-        return Err(context.error(diagnostic));
-    };
-    match (from.dimension, expected) {
-        (from_dimension, to) if from_dimension == to => Ok(from.value),
-        (Dimension::Length, Dimension::Pixels) => Ok(from.value * context.px_per_m()?),
-        (Dimension::Pixels, Dimension::Length) => Ok(from.value / context.px_per_m()?),
-        (dimension, _) => {
-            if let (Dimension::Number, Expr::Name(_)) = (dimension, value) {
-                return Err(context.error(no_unit(value, expected.noun(), context)));
-            }
-            let message = format!(
-                "{} cannot be converted to `{}`",
-                dimension.noun(),
-                target.text()
-            );
-            Err(no_conversion(
-                target,
-                message,
-                units_of(&[dimension]),
-                context,
-            ))
-        }
-    }
-}
-
 /// Returns the names of the units of these dimensions.
 pub(super) fn units_of(dimensions: &[Dimension]) -> Vec<&'static str> {
     let units = UNITS.iter();
@@ -287,40 +244,35 @@ pub(super) fn units_of(dimensions: &[Dimension]) -> Vec<&'static str> {
 
 /// Reports a conversion that makes no sense.
 ///
+/// - `what`: the kind of the value.
 /// - `fitting`: the units that would fit.
 pub(super) fn no_conversion(
     target: Name<'_>,
-    message: String,
+    what: &str,
     fitting: Vec<&'static str>,
     context: &mut Context<'_, '_>,
 ) -> Reported {
-    let lengths = among(units_of(&[Dimension::Length, Dimension::Pixels]));
-    let angles = among(units_of(&[Dimension::Angle]));
+    let word = target.text();
+    let message = format!("{what} cannot be converted to `{word}`");
     let diagnostic = Diagnostic::new(Code::NoConversion, target.span(), message);
-    let is_spelled = |unit: &&units::Unit| {
-        fitting.contains(&unit.name) && unit.spellings.contains(&target.text())
-    };
-    let spelled = UNITS.iter().find(is_spelled).map(|unit| unit.name);
-    let meant = match units::find(target.text()) {
-        None => spelled.or_else(|| nearest(target.text(), fitting.iter().copied())),
-        Some(_) => None,
-    };
-    context.error(match meant {
-        Some(meant) => diagnostic.meant(target.span(), meant),
-        None if fitting == units_of(&[Dimension::Speed]) => {
-            diagnostic.help(format!("after `in`, write {} for speeds", among(fitting)))
-        }
-        None => diagnostic.help(format!(
-            "after `in`, write {lengths} for lengths, {angles} for angles, `percent` for fractions"
-        )),
-    })
+    let spelled = UNITS.iter().find(|unit| unit.spellings.contains(&word));
+    let spelled = spelled
+        .map(|unit| unit.name)
+        .filter(|name| fitting.contains(name));
+    context.error(
+        match spelled.or_else(|| nearest(word, fitting.iter().copied())) {
+            Some(meant) if units::find(word).is_none() => diagnostic.meant(target.span(), meant),
+            _ if fitting.is_empty() => diagnostic.help("remove the conversion"),
+            _ => diagnostic.help(format!("after `in`, write {}", among(fitting))),
+        },
+    )
 }
 
 pub(super) fn unit(
     quantity: Quantity<'_>,
     name: Name<'_>,
     context: &mut Context<'_, '_>,
-) -> Result<&'static units::Unit, Reported> {
+) -> Result<&'static Unit, Reported> {
     let word = name.text();
     if let Some(unit) = units::find(word) {
         return Ok(unit);

@@ -6,13 +6,12 @@ use super::material;
 use super::quantity::{read, read_whole};
 use super::stage::{Prompts, number_of};
 use crate::diag::{Code, Diagnostic, Reported, among};
-use crate::lang::goal::METRICS;
 use crate::lang::rehearse::{REVISIONS, TRUST, TWINS};
-use crate::merge::{Merged, VariantChange, once};
-use fab_grammar::ast::{self, Call, Choose, Name, Rehearse, Revise, Setting, Trust};
+use crate::merge::{Merged, once};
+use fab_grammar::ast::{self, Call, Choose, Expr, Name, Rehearse, Revise, Trust};
+use fab_program::vocabulary::Kind;
 use fab_program::{
-    Cloth, ClothStart, Distrusted, Material, Metric, ModelRole, Read, Rehearsal, RehearsalMeasure,
-    Stage, TwinRanges,
+    Cloth, Distrusted, Material, ModelRole, Read, Rehearsal, RehearsalMeasure, Stage, TwinRanges,
 };
 
 /// Builds the rehearsal of a stage; `None` in a base without stages.
@@ -48,10 +47,6 @@ pub(crate) fn check<'a>(
         .first
         .map(|it| read(it.above(), &TRUST.range, context))
         .transpose();
-    if let (Some(Ok(twin)), Ok(Some(above)), Some(line)) = (&twin, &trust_above, trusts.first) {
-        never_trusted(twin, *above, line, context);
-    }
-    crumpled_start(part, merged, context);
     let refuses = trusts.first.and_then(Trust::else_refuse).is_some();
     lines.into_iter().collect::<Result<(), _>>()?;
     lacks?;
@@ -66,9 +61,10 @@ pub(crate) fn check<'a>(
         choose,
         revisions: revisions.unwrap_or(0),
         trust_above,
-        distrusted: match refuses {
-            true => Distrusted::Refuses,
-            false => Distrusted::StandsAside,
+        distrusted: if refuses {
+            Distrusted::Refuses
+        } else {
+            Distrusted::StandsAside
         },
     }))
 }
@@ -108,7 +104,7 @@ fn lacking(
     let message = format!("the rehearsal of `{}` has no {words}", stage.text());
     let diagnostic = Diagnostic::new(Code::RehearsalIncomplete, stage.span(), message);
     let diagnostic = lacks.iter().fold(diagnostic, |it, (_, how)| it.help(*how));
-    Err(context.missing(part.is_damaged(), stage.span().file, diagnostic))
+    Err(context.error(diagnostic))
 }
 
 /// Returns the stage that is rehearsed; `None` in a base without stages.
@@ -136,9 +132,13 @@ fn stage<'p>(
 /// Reads what the twins are made of.
 fn twin<'a>(line: Call<'a>, context: &mut Context<'a, '_>) -> Result<TwinRanges, Reported> {
     let signatures = TWINS.iter().map(|row| &row.signature);
-    let (row, args, bound) = call("twin", line, signatures, Scope::Everywhere, context)?;
+    let scope = Scope::Everywhere;
+    let (row, args, bound) = call("twin", Expr::Call(line), signatures, scope, context)?;
     let mut twin = (TWINS[row].make)(&args);
-    if let Some((_, expr)) = bound.iter().find(|(arg, _)| arg.name == "material") {
+    if let Some((_, expr)) = bound
+        .iter()
+        .find(|(arg, _)| matches!(arg.kind, Kind::Material))
+    {
         let name = material_name(*expr, context)?;
         twin.material = material::named(name, context)?;
         if let Ok(Some(cloth)) = &context.cloth
@@ -150,60 +150,8 @@ fn twin<'a>(line: Call<'a>, context: &mut Context<'a, '_>) -> Result<TwinRanges,
             }
             own_material(name, context);
         }
-        too_stiff(&twin, line, context);
     }
     Ok(twin)
-}
-
-/// Warns of twins of which the smallest cannot be laid in the simulator.
-fn too_stiff(twin: &TwinRanges, line: Call<'_>, context: &mut Context<'_, '_>) {
-    if let (Some(material), Ok(Some(cloth))) = (&twin.material, &context.cloth)
-        && let Some(why) = context
-            .loaded
-            .refuses_cloth(material, twin.least_spacing_m(cloth))
-    {
-        let message = format!("the smallest twin cannot be laid in the simulator: {why}");
-        let diagnostic = Diagnostic::new(Code::TwinTooStiff, line.span(), message);
-        let help = "let `size` begin higher, or state a larger `spacing` of the cloth, which the twins share";
-        context.remark(diagnostic.help(help));
-    }
-}
-
-/// Warns of a cloth that starts crumpled. Where it lies at the start of a file is seen when it runs.
-fn crumpled_start(part: Rehearse<'_>, merged: &Merged<'_>, context: &mut Context<'_, '_>) {
-    let (Ok(Some(cloth)), Some(laid)) = (&context.cloth, merged.statement("cloth")) else {
-        return;
-    };
-    if cloth.start != ClothStart::Crumpled {
-        return;
-    }
-    let (laid, stage) = (laid.value().span(), part.stage().span());
-    let ends = match merged.task.span().contains(stage) {
-        true => [(stage, "the rehearsal"), (laid, "the cloth")],
-        // The cause is what this task says about an inherited rehearsal.
-        false => [(laid, "the cloth"), (stage, "the rehearsal")],
-    };
-    let message = "the cloth starts crumpled, and only a flat cloth has a twin";
-    let diagnostic = Diagnostic::new(Code::CrumpledStartRehearsed, ends[0].0, message);
-    let help = "no step of such a start is rehearsed: let it start flat, or leave out `rehearse`";
-    context.remark(diagnostic.also(ends[1].0, ends[1].1).help(help));
-}
-
-/// Warns of twins that are so much larger or smaller than the cloth that none is trusted where both lie flat.
-///
-/// Two silhouettes overlap by at most the ratio of their areas.
-fn never_trusted(twin: &TwinRanges, above: f64, line: Trust<'_>, context: &mut Context<'_, '_>) {
-    let [low, high] = twin.size;
-    let closest = 1.0_f64.clamp(low, high);
-    let most = closest.min(1.0 / closest).powi(2);
-    if most <= above {
-        let message = format!(
-            "twins of {low} to {high} of the cloth's size overlap the flat cloth by at most {most:.2}, and are trusted above {above}"
-        );
-        let diagnostic = Diagnostic::new(Code::TwinNeverTrusted, line.span(), message);
-        let help = "let the range of sizes contain 1, or trust a smaller overlap";
-        context.remark(diagnostic.help(help));
-    }
 }
 
 /// Returns whether a twin is made of what the cloth is made of. Name and colours do not count, nor does the friction on
@@ -251,36 +199,19 @@ fn choose<'a>(
     context: &mut Context<'a, '_>,
 ) -> Result<RehearsalMeasure, Reported> {
     let name = line.measure();
-    let known = || RehearsalMeasure::WORDS.iter().map(|word| word.name);
-    let Some(measure) = RehearsalMeasure::from_word(name.text()) else {
-        let mut goals = METRICS.iter().map(|row| row.metric);
-        let Some(goal) = goals.find(|it| it.as_str() == name.text()) else {
-            return Err(context.unknown("rehearsal measure", name, known()));
-        };
-        let message = format!("`{}` cannot be measured on a twin", name.text());
-        let diagnostic = Diagnostic::new(Code::NotMeasuredOnTwin, name.span(), message);
-        let why = match goal {
-            Metric::ParticleDistance => {
-                "it is the distance from an expert's result, which nobody has before the world moves"
-            }
-            Metric::Coverage | Metric::NormalizedImprovement => {
-                "it needs the coverage of the start, and a twin's start lies flat"
-            }
-        };
-        let help = format!("{why}; there is {}", among(known()));
-        return Err(context.error(diagnostic.help(help)));
-    };
+    let known = RehearsalMeasure::WORDS.iter().map(|word| word.name);
+    let measure = RehearsalMeasure::from_word(name.text())
+        .ok_or_else(|| context.unknown("rehearsal measure", name, known))?;
     if measure == RehearsalMeasure::Overlap
         && merged.subgoals().is_none()
         // Without a cloth, the task is there for others to extend, which may have subgoals.
         && merged.statement("cloth").is_some()
-        && merged.missing_base.is_none()
         && !merged.stages.is_empty()
     {
         let message = "`overlap` needs a subgoal to compare with, and the task has none";
         let diagnostic = Diagnostic::new(Code::NotMeasuredOnTwin, name.span(), message);
         let help = "show `subgoals`, or write `choose most coverage`";
-        return Err(context.missing(merged.is_damaged, name.span().file, diagnostic.help(help)));
+        return Err(context.error(diagnostic.help(help)));
     }
     if let (RehearsalMeasure::Coverage, Some(subgoals)) = (measure, merged.subgoals()) {
         let message =
@@ -319,70 +250,29 @@ fn revisions_of<'a>(
     Ok(count as u32)
 }
 
-/// Reports candidates that would all be alike, and warns of those among which nothing chooses.
-///
-/// - `rehearsal`: the task's own, if it has one. One with an error may have been meant to choose.
-pub(crate) fn candidates<'a>(
-    merged: &Merged<'a>,
+/// Reports candidates that would all be alike.
+pub(crate) fn candidates(
+    merged: &Merged<'_>,
     prompts: &Prompts,
-    rehearsal: Option<&Declared<Rehearsal>>,
-    context: &mut Context<'a, '_>,
+    context: &mut Context<'_, '_>,
 ) -> Result<(), Reported> {
     let mut all = Ok(());
     for (declared, stage) in merged.stages.iter().zip(&prompts.stages) {
-        let Ok(stage) = stage else {
+        let mut settings = declared.model().flat_map(ast::Model::settings);
+        let (Ok(stage), Some(setting)) =
+            (stage, settings.find(|it| it.name().text() == "candidates"))
+        else {
             continue;
         };
-        let settings = declared.model().flat_map(ast::Model::settings);
-        let mut settings = settings.filter(|it| it.name().text() == "candidates");
-        let Some(setting) = settings.next() else {
-            continue;
+        let at = match stage.temperature {
+            Some(temperature) if temperature > 0.0 => continue,
+            Some(_) => "at temperature 0",
+            None => "without a temperature",
         };
-        if stage
-            .temperature
-            .is_none_or(|temperature| temperature <= 0.0)
-        {
-            let at = match stage.temperature {
-                Some(_) => "at temperature 0",
-                None => "without a temperature",
-            };
-            let message = format!("{} candidates are asked for {at}", stage.candidates());
-            let diagnostic = Diagnostic::new(Code::CandidatesAlike, setting.span(), message);
-            let help = "write a temperature above 0, such as `temperature 0.7`: equal questions would get equal answers";
-            all = Err(context.error(diagnostic.help(help)));
-        }
-        let names = |part: &Rehearse<'_>| part.stage().text() == stage.name;
-        let is_rehearsed = merged.rehearse().is_some_and(|part| names(&part));
-        let chooses = |part: &Rehearse<'_>| {
-            let chooses = part.choices().next().is_some() || part.is_damaged();
-            // Without a rehearsal of the task's own, each variant's is judged where that variant is checked.
-            match is_rehearsed {
-                true => names(part) && chooses,
-                // A name that no stage has is reported as that.
-                false => names(part) || merged.stages.get(part.stage().text()).is_none(),
-            }
-        };
-        // A variant may rehearse, so that runs with and without can be compared.
-        let bodies = merged.variants.iter().filter_map(|change| match change {
-            VariantChange::Body(body) => Some(body),
-            VariantChange::Without(_) => None,
-        });
-        let in_variants = bodies.flat_map(|body| body.rehearsals());
-        let mut rehearsals = merged.rehearse().into_iter().chain(in_variants);
-        let is_wrong = matches!(rehearsal, Some(Err(_)));
-        if !is_wrong && !rehearsals.any(|part| chooses(&part)) && !merged.is_damaged {
-            unchosen(setting, stage, context);
-        }
+        let message = format!("{} candidates are asked for {at}", stage.candidates());
+        let diagnostic = Diagnostic::new(Code::CandidatesAlike, setting.span(), message);
+        let help = "write a temperature above 0, such as `temperature 0.7`: equal questions would get equal answers";
+        all = Err(context.error(diagnostic.help(help)));
     }
     all
-}
-
-fn unchosen(setting: Setting<'_>, stage: &Stage, context: &mut Context<'_, '_>) {
-    let message = format!("nothing chooses among the candidates of `{}`", stage.name);
-    let diagnostic = Diagnostic::new(Code::CandidatesUnchosen, setting.span(), message);
-    let help = format!(
-        "one answer is asked for all the same; write `rehearse {} {{ … choose most overlap … }}`, or leave `candidates` out",
-        stage.name
-    );
-    context.remark(diagnostic.help(help));
 }

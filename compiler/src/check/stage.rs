@@ -59,11 +59,8 @@ pub(crate) fn check<'a>(merged: &Merged<'a>, context: &mut Context<'a, '_>) -> P
         .collect();
     let readers = action_readers(merged, context);
     let shown = builder.named_layers_are_shown(&stages, context);
-    // A stage that is wrong, or in text that did not parse, may say less than its author meant.
-    let says_all = !stages.is_empty()
-        && stages.iter().all(Result::is_ok)
-        && !merged.is_damaged
-        && !merged.stages.iter().any(ast::Stage::is_damaged);
+    // A stage that is wrong may say less than its author meant.
+    let says_all = !stages.is_empty() && stages.iter().all(Result::is_ok);
     let mut named = Ok(());
     if says_all {
         named = builder.shown_layers_are_named(context);
@@ -123,8 +120,7 @@ fn action_readers(merged: &Merged<'_>, context: &mut Context<'_, '_>) -> Result<
         .help("write `read NAME from \"…{NAME}\"`"),
         (None, ..) => return Ok(()),
     };
-    let is_damaged = merged.is_damaged || last.is_damaged();
-    Err(context.missing(is_damaged, last.span().file, diagnostic))
+    Err(context.error(diagnostic))
 }
 
 /// Builds the condition on which a component is used.
@@ -148,19 +144,8 @@ fn component_guard<'a>(
     component: ast::Component<'a>,
     context: &mut Context<'a, '_>,
 ) -> Declared<Condition> {
-    match (
-        component.when(),
-        context.loaded.fault(component.span().file),
-    ) {
-        (Some(expr), _) => guard(expr, context).map(Some),
-        (None, Some(reported)) if component.has_broken_guard() => Err(reported),
-        (None, _) => Ok(None),
-    }
-}
-
-/// Returns a line of a stage that was checked for completeness.
-fn present<T>(line: Option<T>, complete: Result<(), Reported>) -> Result<T, Reported> {
-    line.ok_or_else(|| complete.expect_err("a missing line is reported"))
+    let when = component.when().map(|expr| guard(expr, context));
+    when.transpose()
 }
 
 struct Builder<'m, 'a> {
@@ -191,34 +176,32 @@ impl<'a> Builder<'_, 'a> {
         let system = once(stage.system(), "system", Sayings::span, context.report);
         let read = once(stage.read(), "read", ast::Read::span, context.report);
         let lines = [model.alone, show.alone, say.alone, system.alone, read.alone];
-        let complete = self.complete(stage, context);
-        let model = present(model.first, complete);
-        let say = present(say.first, complete);
-        let read = present(read.first, complete);
-
-        let (role, settings) = match model {
-            Ok(line) => self::model(line, context),
-            Err(reported) => (Err(reported), Err(reported)),
+        let (Some(model), Some(say), Some(read)) = (model.first, say.first, read.first) else {
+            return Err(self.incomplete(stage, context));
         };
+        let (role, settings) = self::model(model, context);
         let pictures = show
             .first
             .map_or(Vec::new(), |line| self::pictures(line, context));
         let showable = show.first.map_or(Ok(()), |line| {
-            let role = role.and_then(|role| Ok((role, model?)));
-            self.showable(stage, line, role, &pictures, context)
+            self.showable(
+                stage,
+                line,
+                role.map(|role| (role, model)),
+                &pictures,
+                context,
+            )
         });
 
         let name = stage.name().text();
-        let mut sayings = |line, part: Option<Sayings<'a>>| {
+        let mut sayings = |line, part: Sayings<'a>| {
             let said = self.merged.said.get(name).into_iter();
             let list = said.flat_map(|said| said.line(line)).collect();
-            part.map_or(Ok(Vec::new()), |part| {
-                self.sayings(number, stage, line, part, list, context)
-            })
+            self.sayings(number, stage, line, part, list, context)
         };
-        let system = sayings(Line::System, system.first);
-        let say = say.and_then(|part| sayings(Line::Say, Some(part)));
-        let read = read.and_then(|line| self::read(line, context));
+        let system = system.first.map(|part| sayings(Line::System, part));
+        let say = sayings(Line::Say, say);
+        let read = self::read(read, context);
         let examples = examples::check(stage, role, read.as_ref().map_err(|it| *it), context);
         showable?;
         lines.into_iter().collect::<Result<(), _>>()?;
@@ -239,7 +222,7 @@ impl<'a> Builder<'_, 'a> {
                 _ => None,
             },
             candidates: number("candidates").map(|count| count as u32),
-            system: system?,
+            system: system.transpose()?.unwrap_or_default(),
             examples: examples.into_iter().collect::<Result<_, _>>()?,
             say: say?,
             show: pictures.into_iter().collect::<Result<_, _>>()?,
@@ -248,11 +231,7 @@ impl<'a> Builder<'_, 'a> {
     }
 
     /// Reports the lines that a stage must have and does not, all in one error.
-    fn complete(
-        &self,
-        stage: ast::Stage<'a>,
-        context: &mut Context<'a, '_>,
-    ) -> Result<(), Reported> {
+    fn incomplete(&self, stage: ast::Stage<'a>, context: &mut Context<'a, '_>) -> Reported {
         let lacks_model = stage.model().next().is_none();
         let lacks_read = stage.read().next().is_none();
         let lines = [
@@ -269,9 +248,6 @@ impl<'a> Builder<'_, 'a> {
             ),
         ];
         let lacks = || lines.iter().filter(|(_, is_missing, _)| *is_missing);
-        if lacks().next().is_none() {
-            return Ok(());
-        }
         let name = stage.name();
         let words = among(lacks().map(|(word, ..)| *word));
         let message = format!("the stage `{}` has no {words}", name.text());
@@ -286,11 +262,7 @@ impl<'a> Builder<'_, 'a> {
         } else {
             lacks().fold(diagnostic, |it, (.., how)| it.help(*how))
         };
-        let reported = context.missing(stage.is_damaged(), name.span().file, diagnostic);
-        if lacks_read {
-            context.names.may_lack(reported);
-        }
-        Err(reported)
+        context.error(diagnostic)
     }
 
     /// Reports pictures for a model that takes none, and annotations if no layers are declared.
@@ -316,8 +288,7 @@ impl<'a> Builder<'_, 'a> {
             let message = "no annotations are declared";
             let diagnostic = Diagnostic::new(Code::NothingToDraw, show.span(), message);
             let help = "add `annotate { … }`, or write `show scene`";
-            let file = show.span().file;
-            all = Err(context.missing(self.merged.is_damaged, file, diagnostic.help(help)));
+            all = Err(context.error(diagnostic.help(help)));
         }
         all
     }
@@ -372,7 +343,7 @@ impl<'a> Builder<'_, 'a> {
             let span = self.merged.task.name().span();
             let diagnostic = Diagnostic::new(Code::StageIncomplete, span, message);
             let diagnostic = diagnostic.also(part.span(), "all of these components are left out");
-            return Err(context.missing(stage.is_damaged(), part.span().file, diagnostic));
+            return Err(context.error(diagnostic));
         }
         Ok(names)
     }
@@ -493,9 +464,7 @@ impl<'a> Builder<'_, 'a> {
             let others = others.iter().filter(|(other, _)| other != layer);
             let diagnostic =
                 others.fold(diagnostic, |it, (_, span)| it.also(*span, "nor this one"));
-            let part = self.merged.stages.get(&stage.name);
-            let is_damaged = part.is_some_and(ast::Stage::is_damaged);
-            all = Err(context.missing(is_damaged, span.file, diagnostic));
+            all = Err(context.error(diagnostic));
         }
         all
     }
@@ -524,8 +493,7 @@ impl<'a> Builder<'_, 'a> {
                 "write `{{{{ {name} }}}}` in a text of a stage with `show scene with annotations`"
             ));
         let diagnostic = unnamed.fold(diagnostic, |it, name| it.also(name.span(), "nor this one"));
-        // A placeholder that did not parse may name it.
-        Err(context.missing(true, first.span().file, diagnostic))
+        Err(context.error(diagnostic))
     }
 }
 
@@ -533,9 +501,6 @@ impl<'a> Builder<'_, 'a> {
 fn said_nowhere(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
     let variants = || merged.task.variants().map(|variant| variant.body());
     let bodies = || variants().chain([merged.task.body()]);
-    if merged.missing_base.is_some() || variants().any(ast::Body::is_damaged) {
-        return;
-    }
     let inherited = merged.said.values().flat_map(Said::names);
     let stated = variants().flat_map(ast::Body::stages);
     let stated = stated.flat_map(|stage| Said::of(stage).names().collect::<Vec<&str>>());
@@ -592,7 +557,7 @@ fn model<'a>(
     let mut list = line.settings();
     let Some(kind) = list.next() else {
         let diagnostic = Diagnostic::new(Code::WrongForm, line.span(), "expected a kind of model");
-        let reported = context.missing(true, line.span().file, diagnostic);
+        let reported = context.error(diagnostic);
         return (Err(reported), Err(reported));
     };
     let word = kind.name().text();

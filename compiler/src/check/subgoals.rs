@@ -37,7 +37,7 @@ pub(crate) fn check<'a>(
             let span = part.head_span();
             let diagnostic = Diagnostic::new(Code::NoFolds, span, "there are no subgoals here")
                 .help("write `demonstrate { fold … }`, or list images");
-            Err(context.missing(part.is_damaged(), span.file, diagnostic))
+            Err(context.error(diagnostic))
         }
     };
     demonstrated.alone.and(subgoals)
@@ -55,7 +55,7 @@ fn images<'a>(
             "one image does not show a step",
         )
         .help("add the picture after the step");
-        return Err(context.missing(part.is_damaged(), only.span().file, diagnostic));
+        return Err(context.error(diagnostic));
     }
     context.bounded(images.get(MAX_IMAGES).map(|beyond| beyond.span()), || {
         format!(

@@ -6,14 +6,13 @@
 use super::context::{Context, Declared};
 use super::names::Names;
 use super::{
-    actions, annotate, camera, certainty, cloth, demos, effect, experts, goal, horizon, keypoints,
+    actions, annotate, camera, choices, cloth, demos, effect, experts, goal, horizon, keypoints,
     picker, rehearse, stage, subgoals, test, unspoken, unused, verify,
 };
 use crate::diag::{Code, Diagnostic, Report, Reported, among};
 use crate::lang::sections::{RequiredFor, SECTIONS};
 use crate::load::Loaded;
 use crate::merge::Merged;
-use crate::proof;
 use fab_grammar::ast::{Expr, Statement};
 use fab_program::{ActionField, PROGRAM_FORMAT, Program, SourceStamp, Test, hex};
 use sha2::{Digest, Sha256};
@@ -79,7 +78,7 @@ pub(super) fn check<'a>(
     let rehearsal = merged
         .rehearse()
         .map(|part| rehearse::check(part, merged, &prompts, context));
-    let candidates = rehearse::candidates(merged, &prompts, rehearsal.as_ref(), context);
+    let candidates = rehearse::candidates(merged, &prompts, context);
     let bounds = test::Bounds {
         keypoints: keypoints.as_deref().unwrap_or_default(),
         horizon: horizon.unwrap_or_default(),
@@ -138,12 +137,8 @@ pub(super) fn check<'a>(
         goal: goal?,
         rehearsal: rehearsal.transpose()?.flatten(),
     };
-    contradictions(&program, merged, context.report)?;
+    choices::check(&program.actions, merged, context.report)?;
     effect::check(&program, merged, context);
-    if merged.variant.is_none() && merged.task.name().span().file == loaded.entry().id {
-        let certain = certainty::check(&program, merged);
-        certain.into_iter().for_each(|it| context.remark(it));
-    }
     let unsaid = |context: &mut Context<'_, '_>| {
         unspoken::check(&program, merged, context);
         unused::fields(&program, merged, context);
@@ -187,26 +182,6 @@ fn about(statement: Statement<'_>, context: &mut Context<'_, '_>) -> Result<Stri
     Ok(about)
 }
 
-/// Reports the contradictions in the action space.
-fn contradictions(
-    program: &Program,
-    merged: &Merged<'_>,
-    report: &mut Report,
-) -> Result<(), Reported> {
-    let Some(part) = merged.actions() else {
-        return Ok(());
-    };
-    let mut all = Ok(());
-    for flaw in proof::flaws(program) {
-        let field = part
-            .fields()
-            .find(|field| field.name().text() == flaw.field);
-        let span = field.map_or(part.head_span(), |field| field.name().span());
-        all = Err(report.error(Diagnostic::new(Code::Contradiction, span, flaw.message)));
-    }
-    all
-}
-
 /// Returns the name and hash of every source.
 pub(super) fn stamps(loaded: &Loaded<'_>) -> Vec<SourceStamp> {
     let stamp = |(name, text): (&str, &str)| SourceStamp {
@@ -238,13 +213,7 @@ fn completeness(
     if own.is_empty() && shared.is_empty() {
         return Ok(true);
     }
-    if let Some(reported) = merged.missing_base {
-        return Err(reported);
-    }
     let name = merged.task.name();
-    if merged.is_damaged {
-        return form.map(|()| false);
-    }
     if own.is_empty() {
         let mut all = Ok(false);
         for section in shared {
@@ -276,6 +245,6 @@ fn is_there(word: &str, merged: &Merged<'_>) -> bool {
         "subgoals" => merged.subgoals().is_some() || !merged.needs_subgoals(),
         "stage" => !merged.stages.is_empty(),
         "keypoints" => !merged.keypoints.is_empty(),
-        word => merged.has(word),
+        word => merged.section(word).is_some(),
     }
 }

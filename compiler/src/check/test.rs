@@ -9,7 +9,6 @@ use super::stage::{Prompts, number_of};
 use crate::diag::{Code, Diagnostic, Reported};
 use crate::lang::test::{EXPECTATIONS, GIVEN, STEP};
 use crate::merge::{Merged, declared_twice, once, repeated};
-use crate::proof::certain::most_points;
 use fab_grammar::ast::{self, Body, Expr, Name, Reply};
 use fab_program::verify::OFFERED;
 use fab_program::{Expect, Given, Keypoint, KeypointShape, PixelPoint, Read, Stage, Test};
@@ -123,7 +122,7 @@ fn required<T>(
         let message = format!("the test lacks {what}");
         let diagnostic = Diagnostic::new(Code::TestIncomplete, span, message);
         let help = "write `test \"what it shows\" { given NAME = … reply \"…\" expect accept }`";
-        context.missing(test.is_damaged(), span.file, diagnostic.help(help))
+        context.error(diagnostic.help(help))
     })
 }
 
@@ -189,7 +188,7 @@ fn given<'a>(
             if names.any(|name| name.contains('.') && !name.starts_with("last.")) {
                 all?;
             }
-            return Err(context.missing(test.is_damaged(), test.head_span().file, diagnostic));
+            return Err(context.error(diagnostic));
         }
     };
     all.map(|()| given)
@@ -225,12 +224,12 @@ fn give<'a>(
             given.texts.push((text, plain(text_given, context)?));
         }
         (_, Some(Meaning::Keypoint(Some(Points)))) => {
-            let most = most_points(&text, bounds.keypoints);
-            let mut values = part.values().enumerate();
-            let beyond = values.find(|(before, _)| *before as f64 >= most);
-            context.bounded(beyond.map(|(_, value)| value.span()), || {
-                format!("`{text}` has at most {most} points")
-            })?;
+            let keypoint = bounds.keypoints.iter().find(|it| it.name == text);
+            let most = keypoint.and_then(|it| it.extractor.most_points(bounds.keypoints));
+            if let Some(most) = most {
+                let beyond = part.values().nth(most as usize).map(|value| value.span());
+                context.bounded(beyond, || format!("`{text}` has at most {most} points"))?;
+            }
             given.points.push((text, points(part, context)?));
         }
         (_, Some(Meaning::Keypoint(Some(Point)))) => {

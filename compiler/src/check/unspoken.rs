@@ -9,9 +9,7 @@ use crate::merge::Merged;
 use fab_grammar::Span;
 use fab_grammar::ast;
 use fab_program::space;
-use fab_program::{
-    Choices, Condition, Depends, Layers, Picture, Placeholder, Program, Read, Stage, Template,
-};
+use fab_program::{Choices, Depends, Layers, Picture, Placeholder, Program, Read, Stage, Template};
 use std::collections::BTreeSet;
 
 /// Warns of everything that the prompts of a task leave unspoken.
@@ -25,10 +23,7 @@ pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Contex
         };
         match &stage.read {
             Read::Action => format(program, stage, line, context),
-            Read::Text { name, before, .. } => {
-                instruction(program, name, line, context);
-                prefix(program, stage, before, line, context);
-            }
+            Read::Text { name, .. } => instruction(program, name, line, context),
         }
     }
     points(program, merged, context);
@@ -53,76 +48,30 @@ fn shown(program: &Program) -> impl Iterator<Item = &Placeholder> {
     texts.flat_map(|text| text.variables.iter().map(|variable| &variable.value))
 }
 
-/// Returns a text in lower case, with one blank between its words and without quotes and emphasis.
-fn plain(text: &str) -> String {
-    let text = text.replace(['`', '"', '\'', '*', '_'], "");
-    let words: Vec<String> = text.split_whitespace().map(str::to_lowercase).collect();
-    words.join(" ")
-}
-
-/// Returns whether a stage's texts or examples have these words.
-fn says(program: &Program, stage: &Stage, wanted: &str) -> bool {
-    let wanted = plain(wanted);
-    let examples = stage.examples.iter().map(|example| &example.reply.text);
-    let texts = texts(program, stage).map(|text| &text.text);
-    let mut all = texts.chain(examples);
-    // A prefix of signs alone, such as `>>`, is in no sentence. With words, its signs count: who says "give
-    // instructions" does not ask for `Instructions:`.
-    !wanted.contains(char::is_alphanumeric)
-        || all.any(|text| {
-            let text = plain(text);
-            let mut found = text.match_indices(&wanted);
-            found.any(|(at, _)| !text[..at].ends_with(char::is_alphanumeric))
-        })
-}
-
 // ---- what is read --------------------------------------------------------------------------------
 
 /// Warns if no prompt says in which format the action is to be answered.
 fn format(program: &Program, stage: &Stage, line: ast::Read<'_>, context: &mut Context<'_, '_>) {
-    let has_demos = program
-        .demos
-        .as_ref()
-        .is_some_and(|demos| demos.stage == stage.name);
-    let all: Vec<&Template> = texts(program, stage).collect();
-    if has_demos || has_format(&all, program, stage) && has_format(&first(&all), program, stage) {
+    let demos = program.demos.as_ref();
+    if demos.is_some_and(|demos| demos.stage == stage.name) || has_format(program, stage) {
         return;
     }
-    let (when, help) = match has_format(&all, program, stage) {
-        true => (
-            " in the first step",
-            "the text that says it is only said `when last`; write `{{ actions.format }}` in another one",
-        ),
-        false => ("", "write `{{ actions.format }}` in one of them"),
-    };
     let message = format!(
-        "no text of the stage `{}` says in which format to answer{when}",
+        "no text of the stage `{}` says in which format to answer",
         stage.name
     );
-    warn(
-        Code::FormatNeverSaid,
-        line.span(),
-        message,
-        help.to_owned(),
-        context,
-    );
+    let help = "write `{{ actions.format }}` in one of them".to_owned();
+    warn(Code::FormatNeverSaid, line.span(), message, help, context);
 }
 
-/// Returns the texts that may be said in the first step, when there is no last action.
-fn first<'p>(texts: &[&'p Template]) -> Vec<&'p Template> {
-    let needs_last = |text: &Template| text.when.as_ref().is_some_and(Condition::implies_last);
-    let texts = texts.iter().copied();
-    texts.filter(|text| !needs_last(text)).collect()
-}
-
-/// Returns whether texts, or a stage's examples, say in which format the action is to be answered.
-fn has_format(texts: &[&Template], program: &Program, stage: &Stage) -> bool {
-    let mut values = texts.iter().flat_map(|text| &text.variables);
+/// Returns whether a stage's texts or examples say in which format the action is to be answered.
+fn has_format(program: &Program, stage: &Stage) -> bool {
+    let mut values = texts(program, stage).flat_map(|text| &text.variables);
     // The author may write the lines of the format by hand.
     values.any(|variable| variable.value == Placeholder::Format)
         || program.actions.iter().all(|field| {
             let examples = stage.examples.iter().map(|example| &example.reply.text);
-            let mut all = texts.iter().map(|text| &text.text).chain(examples);
+            let mut all = texts(program, stage).map(|text| &text.text).chain(examples);
             all.any(|text| states(text, &space::spoken(field)))
         })
 }
@@ -151,33 +100,6 @@ fn instruction(program: &Program, name: &str, line: ast::Read<'_>, context: &mut
         warn(
             Code::TextNeverUsed,
             line.name().span(),
-            message,
-            help,
-            context,
-        );
-    }
-}
-
-/// Warns if no prompt says the words that must come before a text that is read.
-fn prefix(
-    program: &Program,
-    stage: &Stage,
-    before: &str,
-    line: ast::Read<'_>,
-    context: &mut Context<'_, '_>,
-) {
-    let Some(pattern) = line.pattern() else {
-        return;
-    };
-    if !says(program, stage, before) {
-        let message = format!(
-            "no text of the stage `{}` asks for an answer with `{before}`",
-            stage.name
-        );
-        let help = format!("write, for example, `Answer in one line: {before} …`");
-        warn(
-            Code::PrefixNeverNamed,
-            pattern.span(),
             message,
             help,
             context,

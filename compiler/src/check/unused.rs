@@ -20,8 +20,7 @@ use std::collections::BTreeSet;
 ///
 /// - `running`: the bodies of tasks and variants that can run.
 pub(crate) fn names(loaded: &Loaded<'_>, running: &BTreeSet<Span>, report: &mut Report) {
-    let files = loaded.files.iter().filter(|file| !loaded.is_torn(file.id));
-    for task in files.flat_map(|file| &file.tasks) {
+    for task in loaded.well_formed().flat_map(|file| &file.tasks) {
         let mut above: Vec<Body<'_>> = bases(*task, loaded).map(Task::body).collect();
         own_names(task.body(), &above, loaded, running, report);
         above.push(task.body());

@@ -90,8 +90,7 @@ fn declared<'a>(
     // If the guard has an error, check the rest as if there was a previous action.
     let implies_last =
         |when: &Result<Condition, _>| when.as_ref().map_or(true, |it| it.implies_last());
-    let has_last =
-        check.has_broken_guard() || when.as_ref().is_some_and(|(_, when)| implies_last(when));
+    let has_last = when.as_ref().is_some_and(|(_, when)| implies_last(when));
     let allowed =
         |condition: Condition, expr: Expr<'a>, guarded: &str, context: &mut Context<'a, '_>| {
             match condition.uses().last && !has_last {
@@ -107,22 +106,20 @@ fn declared<'a>(
         let message = format!("the check `{}` does not say {what}", name.text());
         Diagnostic::new(code, check.head_span(), message)
     };
-    let file = name.span().file;
     let holds = match check.condition() {
         Some(expr) => {
             condition(expr, context).and_then(|holds| allowed(holds, expr, &guarded, context))
         }
         None => {
             let diagnostic = lacks(Code::WrongExpression, "what must hold");
-            Err(context.missing(true, file, diagnostic))
+            Err(context.error(diagnostic))
         }
     };
     let message = format!("check.{}", name.text());
     let Some(text) = check.message() else {
         let diagnostic = lacks(Code::MissingMessage, "why it refuses");
         let diagnostic = diagnostic.help("add `else \"…\"` after the condition");
-        let is_damaged = check.is_damaged() || check.node().precedes_junk();
-        return Err(context.missing(is_damaged, file, diagnostic));
+        return Err(context.error(diagnostic));
     };
     let scope = TextScope {
         place: TextPlace::Message,
@@ -242,9 +239,6 @@ fn not_relaxed<'a>(name: Name<'a>, merged: &Merged<'a>, context: &mut Context<'a
         let diagnostic = new(format!("`{}` cannot be left out", row.name));
         return context.error(diagnostic.help(format!("{} cannot be executed", row.refuses)));
     }
-    if let Some(reported) = context.names.hidden(name.text(), context.loaded) {
-        return reported;
-    }
     let diagnostic = new(format!("there is no check `{}` to leave out", name.text()));
     let names = merged.checks.names();
     context.error(diagnostic.suggest(name.text(), names, "the task has no checks"))
@@ -266,8 +260,7 @@ fn result<'a>(
         let message = "`result` has no message for the model";
         let diagnostic = Diagnostic::new(Code::MissingMessage, part.span(), message);
         let diagnostic = diagnostic.help("add `else \"…\"` at its end");
-        let is_damaged = part.node().precedes_junk();
-        return Err(context.missing(is_damaged, part.span().file, diagnostic));
+        return Err(context.error(diagnostic));
     };
     let scope = TextScope {
         place: TextPlace::Result,

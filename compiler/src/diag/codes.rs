@@ -94,7 +94,7 @@ impl Code {
     }
 
     /// Returns whether it is about the form of a file, not about what the file means.
-    pub(super) fn is_about_form(self) -> bool {
+    pub(crate) fn is_about_form(self) -> bool {
         self.as_str().starts_with("F01")
     }
 
@@ -150,7 +150,7 @@ codes! {
 
     "F0103" MissingBrace Error
     "a brace is missing"
-    "Blocks open with `{` and close with `}`. For a missing `}` the message marks the `{` that is still open. Until the braces of a file match, its tasks and those that use it are not checked further."
+    "Blocks open with `{` and close with `}`. For a missing `}` the message marks the `{` that is still open. Lines below it are not checked, because nobody knows to which block they belong."
 
     "F0104" StrayBrace Error
     "a `}` closes nothing"
@@ -192,6 +192,10 @@ codes! {
     "a word is too long"
     "A name, a unit or any other word outside of texts has at most 200 letters and digits. Nothing in the file is checked."
 
+    "F0114" MergeConflict Error
+    "a merge conflict is not resolved"
+    "A merge left both versions of some lines, between `<<<<<<<`, `=======` and `>>>>>>>`. Inside a text a model would read them. Keep one version, and remove the marked lines. Until then nothing in the file is checked."
+
     "F0201" UnknownUnit Error
     "a unit is unknown"
     "A number is followed by its unit, without a blank between them. Lengths on the table, lengths in the picture and angles have different units; the message lists them all."
@@ -219,10 +223,6 @@ codes! {
     "F0207" WrongForm Error
     "a value is of the wrong form"
     "The message shows the forms that this place accepts."
-
-    "F0208" Rounded Note
-    "a side is rounded to whole particles"
-    "A cloth is a grid of particles, 6.25 mm apart unless it states a `spacing`, so its sides are multiples of that. `grid(55, 44)` is exact."
 
     "F0209" CameraSeesTooLittle Warning
     "the cloth does not fit into the picture"
@@ -342,8 +342,8 @@ codes! {
     "Either `demonstrate` the folds once, or list an `image` for each subgoal."
 
     "F0508" GoalMetAtStart Warning
-    "an untouched cloth meets the goal already"
-    "The goal is reached before anything is done, so a rollout that does nothing counts as a success. The message says what the untouched cloth scores. For folds that is the score of an ideal sheet of paper, an estimate."
+    "a cloth meets the goal at the start"
+    "The goal is a coverage, and a cloth that lies flat at the start covers everything: a rollout that does nothing counts as a success."
 
     "F0509" NoHorizon Error
     "a task does not state its number of steps"
@@ -409,17 +409,9 @@ codes! {
     "a text is read from an answer and never used"
     "`read NAME from` makes the text known to later stages, but none of their texts has `{{ NAME }}`. The question to the model has no effect."
 
-    "F0613" PrefixNeverNamed Warning
-    "no prompt says the words before a text that is read"
-    "`read NAME from \"Instructions: {NAME}\"` looks for the words before `{NAME}` in the answer. A model writes them only if a text of the stage asks for them, or an example shows them."
-
     "F0614" CandidatesAlike Error
     "candidates would all be alike"
     "`candidates 4` asks for four answers to one question, and a rehearsal chooses among them. At temperature 0, and with some models without a stated one, all four would be the same. Write a temperature above 0 behind `model`."
-
-    "F0615" CandidatesUnchosen Warning
-    "nothing chooses among candidates"
-    "A stage has `candidates`, but no `rehearse` of the task chooses among its answers. One answer is asked for, as without `candidates`. Add the `rehearse`, or leave `candidates` out."
 
     "F0616" RehearsalIncomplete Error
     "a rehearsal lacks a part"
@@ -427,19 +419,11 @@ codes! {
 
     "F0617" NotMeasuredOnTwin Error
     "a measure cannot be taken on a twin"
-    "A twin is all that a rehearsal may measure. The distance from an expert's result is not known before the world moves, and without subgoals there is no silhouette to compare with. The message names the measures that there are."
+    "A twin is all that a rehearsal may measure: without subgoals there is no silhouette to compare it with."
 
     "F0618" TwinOfOwnMaterial Warning
     "a twin is made of what the cloth is made of"
     "In the simulator, such a twin has the physics of the cloth that is judged, which no camera shows, so a gain says nothing about other cloths. Name another material, and let the ranges of size and friction say what is not known."
-
-    "F0619" TwinNeverTrusted Warning
-    "a twin is too large or too small to be trusted"
-    "A twin is trusted while its silhouette overlaps the camera's by more than `trust overlap` states. Two silhouettes overlap by at most the ratio of their areas, so at the start, where both lie flat, a twin of 0.8 of the size overlaps by at most 0.64. Let the range of `size` contain 1, or trust a smaller overlap."
-
-    "F0620" CrumpledStartRehearsed Warning
-    "a crumpled start is rehearsed"
-    "A twin is laid from the rectangle around the cloth in the picture, so only a cloth that lies flat has one. From a crumpled start each step is taken without rehearsal, and nothing real moves. `--start FILE` may lay the cloth flat, and a start from a file is judged by its first picture. Let the cloth start flat, or leave out `rehearse`."
 
     "F0621" TwinIsJudgedCloth Error
     "a twin is the judged cloth"
@@ -448,10 +432,6 @@ codes! {
     "F0622" FoldChosenByCoverage Warning
     "a fold is chosen by coverage"
     "A fold makes a cloth cover less, so in a task with subgoals `choose most coverage` takes the answer that folds least, or that misses the cloth. `choose most overlap` compares with the next subgoal."
-
-    "F0623" TwinTooStiff Warning
-    "a twin is too stiff for the simulator"
-    "A twin has the particles of the seen cloth, so those of a smaller one lie closer together. A stiff material then needs more substeps than a step may have. No step of a rollout that draws such a twin is rehearsed, and nothing real moves. Let the range of `size` begin higher, or state a larger `spacing` of the cloth."
 
     "F0701" MissingField Error
     "an action lacks a field"
@@ -475,7 +455,7 @@ codes! {
 
     "F0706" Contradiction Error
     "the action space contradicts itself"
-    "A value that a prompt offers must be read back as the same value, and two choices must not have the same text. The compiler tries every choice; the message says which one fails. Rename it, or remove one of the two."
+    "An answer must be able to state each choice of each field: two that differ only in case, in `_` or `-` for a blank, or by less than a prompt writes, read alike, and quotes, brackets and the signs between statements mean something else. Rename the field or the choice, or remove one of the two."
 
     "F0707" FieldMovesNothing Note
     "nothing acts on a field of the action"
@@ -483,7 +463,7 @@ codes! {
 
     "F0708" CertainCondition Warning
     "a condition is always true or never true"
-    "Every value has a range: a count goes from 0 to the `max` of its detector, a distance up to the diagonal of the picture, a step up to the horizon. In these ranges the condition always has the same result. A check that can never pass refuses every answer; one that can never fail checks nothing. Variants are not judged by themselves."
+    "A count goes from 0 to the `max` of its detector, a step from 1 to the horizon, and the distance of a point to itself is 0. With these the condition always has the same result. A check that can never pass refuses every answer; one that can never fail checks nothing. A condition of a task is not reported if it is open in one of its variants; of a variant, only its own conditions are judged."
 
     "F0801" LayerNotNamed Error
     "something is drawn, but no prompt says what it is"

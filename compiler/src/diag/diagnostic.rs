@@ -1,8 +1,9 @@
 //! One finding, as data.
 
 use super::codes::{Code, Severity};
-use super::visible::visible;
 use fab_grammar::Span;
+use fab_program::invisible::visible;
+use fab_program::nearest::{among, nearest};
 
 /// One finding.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -50,7 +51,7 @@ pub struct Edit {
 /// Whether the author meant a change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Certainty {
-    /// The source can only mean this; `fabc check --fix` makes the change if it passes the tests of [`crate::fix`].
+    /// The source can only mean this; `fabc check --fix` makes the change.
     Certain,
     /// A guess, such as the nearest name; only the author can decide.
     Likely,
@@ -61,13 +62,6 @@ impl Diagnostic {
     pub fn is_certain(&self) -> bool {
         let certain = |edit: &Edit| edit.certainty == Certainty::Certain;
         !self.edits.is_empty() && self.edits.iter().all(certain)
-    }
-
-    /// Leaves its edits to the author.
-    pub(crate) fn make_likely(&mut self) {
-        for edit in &mut self.edits {
-            edit.certainty = Certainty::Likely;
-        }
     }
 
     /// Makes a diagnostic with the severity of its code.
@@ -106,11 +100,6 @@ impl Diagnostic {
         self.also(span, "found here")
     }
 
-    /// Returns the name that it is about.
-    pub(crate) fn about_name(&self) -> Option<&str> {
-        self.about.as_deref()
-    }
-
     /// Takes another finding about the same name: the first place in the file is the main location.
     pub(super) fn also_about(&mut self, mut other: Diagnostic) {
         const MOST: usize = 8;
@@ -141,7 +130,7 @@ impl Diagnostic {
         self
     }
 
-    /// Adds a change that certainly repairs it; [`crate::fix`] makes it likely if it does more.
+    /// Adds a change that certainly repairs it, and does nothing else.
     pub(crate) fn edit(self, span: Span, replacement: impl Into<String>) -> Diagnostic {
         self.with_edit(span, replacement.into(), Certainty::Certain)
     }
@@ -153,6 +142,22 @@ impl Diagnostic {
             meant.to_owned(),
             Certainty::Likely,
         )
+    }
+
+    /// Offers the candidate nearest to the word that it is about, or lists all; `none` is the help if there are none.
+    pub(crate) fn suggest<'c>(
+        self,
+        word: &str,
+        candidates: impl IntoIterator<Item = &'c str>,
+        none: &str,
+    ) -> Diagnostic {
+        let candidates: Vec<&str> = candidates.into_iter().collect();
+        let span = self.span;
+        match nearest(word, candidates.iter().copied()) {
+            Some(meant) => self.meant(span, meant),
+            None if candidates.is_empty() => self.help(none),
+            None => self.help(format!("there is {}", among(candidates))),
+        }
     }
 
     /// Adds a change that probably repairs it; other changes may be needed too.

@@ -7,19 +7,13 @@ mod codes;
 mod diagnostic;
 mod json;
 mod report;
-mod spelling;
-mod suggest;
 mod text;
-mod visible;
 
 pub use codes::{CODES, Code, CodeEntry, GROUPS, Severity};
 pub use diagnostic::{Certainty, Diagnostic, Edit, Label};
+pub use fab_program::invisible::{is_hidden, visible};
+pub use fab_program::nearest::{among, nearest};
 pub use json::to_json;
 pub use report::MAX_FINDINGS;
 pub(crate) use report::{Report, Reported};
-pub(crate) use spelling::{keep_spellings_only, keeps_content};
 pub use text::{Color, to_text};
-pub(crate) use visible::turns_writing;
-pub use visible::{is_hidden, visible};
-
-pub use suggest::{among, nearest};

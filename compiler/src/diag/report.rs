@@ -28,8 +28,6 @@ pub(crate) struct Report {
     counts: BTreeMap<Severity, (usize, usize)>,
     /// The findings that stand for all of their kind about a name of a file.
     about: BTreeMap<(FileId, Code, String), usize>,
-    /// The places of errors in the form.
-    malformed: Vec<Span>,
     /// The files with the main location of an error.
     files_with_errors: BTreeSet<FileId>,
 }
@@ -64,14 +62,6 @@ impl Report {
         diagnostic.message.hash(&mut digest);
         let key = (diagnostic.span, diagnostic.code, digest.finish());
         if !self.seen.insert(key) {
-            return;
-        }
-        if diagnostic.code.is_about_form() {
-            self.malformed.push(diagnostic.span);
-        } else if diagnostic.code != Code::ControlCharacter && { self.malformed.iter() }
-            .any(|span| span.overlaps(diagnostic.span))
-        {
-            // It may only be a consequence.
             return;
         }
         let mut about = None;

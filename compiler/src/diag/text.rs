@@ -2,9 +2,9 @@
 
 use super::codes::Severity;
 use super::diagnostic::Diagnostic;
-use super::visible::{escaped_where, visible};
 use annotate_snippets::{Annotation, AnnotationKind, Element, Level, Origin, Renderer, Snippet};
 use fab_grammar::{FileId, Source, Sources, Span};
+use fab_program::invisible::{escaped_where, visible};
 use std::borrow::Cow;
 use std::ops::Range;
 

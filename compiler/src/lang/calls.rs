@@ -28,7 +28,8 @@ const fn side_mm(particles: u32) -> f64 {
     (particles - 1) as f64 * 1000.0 * RECORDED_SPACING_M
 }
 
-const SPACING: Arg = Arg::named(
+/// The distance between particles.
+pub(crate) const SPACING: Arg = Arg::named(
     "spacing",
     Kind::Quantity(Range::new(
         "a spacing",

@@ -1,5 +1,7 @@
 //! The sections of a task: one row each.
 
+use super::calls::{CAMERAS, CLOTHS, PICKERS};
+use fab_program::vocabulary::{Call, Signature};
 use serde::Serialize;
 
 /// What needs a section.
@@ -43,6 +45,20 @@ pub struct Section {
     pub merges: Inheritance,
     /// Its meaning in one line, for the reference and `fabc vocabulary`.
     pub doc: &'static str,
+    /// Lists the forms of the call that is its value; none if its value is no call.
+    #[serde(skip)]
+    pub calls: fn() -> Vec<&'static Signature>,
+}
+
+impl Section {
+    /// Returns the same section, whose value is one of these calls.
+    const fn called(self, calls: fn() -> Vec<&'static Signature>) -> Section {
+        Section { calls, ..self }
+    }
+}
+
+fn signatures<Make>(rows: &'static [Call<Make>]) -> Vec<&'static Signature> {
+    rows.iter().map(|row| &row.signature).collect()
 }
 
 const fn row(
@@ -58,6 +74,7 @@ const fn row(
         needed,
         merges,
         doc,
+        calls: Vec::new,
     }
 }
 
@@ -83,21 +100,24 @@ pub(crate) const SECTIONS: &[Section] = &[
         RequiredFor::RunnableTask,
         Inheritance::Whole,
         "how large the cloth is, and how it lies",
-    ),
+    )
+    .called(|| signatures(CLOTHS)),
     row(
         "camera",
         "camera top_down(height: L, fov: ANGLE, image: N px)",
         RequiredFor::Run,
         Inheritance::Whole,
         "where the camera is, and what it sees",
-    ),
+    )
+    .called(|| signatures(CAMERAS)),
     row(
         "picker",
         "picker put_down",
         RequiredFor::Never,
         Inheritance::Whole,
         "how the cloth is carried and released",
-    ),
+    )
+    .called(|| signatures(PICKERS)),
     row(
         "goal",
         "goal MEASURE < LIMIT",

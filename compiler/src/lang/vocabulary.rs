@@ -5,7 +5,7 @@
 
 use super::actions::FIELDS;
 use super::annotate::{COLORS, MARKS};
-use super::calls::{CAMERAS, CLOTH_POINTS, CLOTHS, PICKERS};
+use super::calls::CLOTH_POINTS;
 use super::conditions::{SIGNS, WORDS};
 use super::goal::{METRICS, STEPS};
 use super::material::{self, PROPERTIES};
@@ -55,8 +55,8 @@ pub struct BlockWords {
 /// One form of a call.
 #[derive(Clone, Debug, Serialize)]
 pub struct CallEntry {
-    /// Where it may be used: `cloth`, `picker`, `camera`, `property of a material`, `point of the cloth`,
-    /// `extractor`, `mark`, `measure`, `twin`.
+    /// Where it may be used: the word of a section, or `property of a material`, `point of the cloth`, `extractor`,
+    /// `mark`, `measure`, `twin`.
     pub kind: &'static str,
     /// How a complete call is written.
     pub form: String,
@@ -101,9 +101,10 @@ fn calls() -> Vec<CallEntry> {
         form: signature.form(),
         signature: *signature,
     };
-    let cloths = CLOTHS.iter().map(|row| of("cloth", &row.signature));
-    let pickers = PICKERS.iter().map(|row| of("picker", &row.signature));
-    let cameras = CAMERAS.iter().map(|row| of("camera", &row.signature));
+    let sections = SECTIONS.iter().flat_map(|section| {
+        let calls = (section.calls)().into_iter();
+        calls.map(move |signature| of(section.word, signature))
+    });
     let properties = PROPERTIES.iter().map(|row| CallEntry {
         form: material::form(&row.call.signature),
         ..of("property of a material", &row.call.signature)
@@ -117,12 +118,9 @@ fn calls() -> Vec<CallEntry> {
     let marks = MARKS.iter().map(|row| of("mark", &row.signature));
     let twins = TWINS.iter().map(|row| of("twin", &row.signature));
     let measures = MEASURES.iter().map(|row| of("measure", &row.signature));
-    let table = cloths
-        .chain(pickers)
-        .chain(cameras)
+    sections
         .chain(properties)
-        .chain(points);
-    table
+        .chain(points)
         .chain(extractors)
         .chain(marks)
         .chain(measures)

@@ -40,14 +40,7 @@ impl<'a> Bodies<'a> {
     /// Reads the sections of all bodies.
     pub fn of(loaded: &Loaded<'a>, report: &mut Report) -> Bodies<'a> {
         let mut bodies = BTreeMap::new();
-        for file in &loaded.files {
-            // Lines of a file whose braces do not match may be in the wrong bodies.
-            let mut unseen = Report::default();
-            let report = if loaded.is_torn(file.id) {
-                &mut unseen
-            } else {
-                &mut *report
-            };
+        for file in loaded.well_formed() {
             for task in &file.tasks {
                 let variants = task.variants().map(|variant| variant.body());
                 for body in variants.chain([task.body()]) {
@@ -84,10 +77,6 @@ pub(crate) struct Merged<'a> {
     pub dropped: Dropped,
     /// The variants that the task and those it extends declare.
     pub variants: Parts<'a, VariantChange<'a>>,
-    /// Whether something in it did not parse; a missing part may be there.
-    pub is_damaged: bool,
-    /// The proof that a task it extends is missing, if one is: an unknown name may be declared there.
-    pub missing_base: Option<Reported>,
     /// The proof of an error in how its parts were joined, if there is one.
     pub joined: Result<(), Reported>,
 }
@@ -101,15 +90,15 @@ pub(crate) struct Dropped {
     pub has_result: bool,
 }
 
-/// Merges `task` with those it extends, and then with `variant`.
+/// Merges `task` with those it extends, and then with `variant`; fails if one that it extends is missing.
 pub(crate) fn merge<'a>(
     task: Task<'a>,
     variant: Option<Site<'a, VariantChange<'a>>>,
     bodies: &Bodies<'a>,
     loaded: &Loaded<'a>,
     report: &mut Report,
-) -> Merged<'a> {
-    let (chain, missing_base) = chain(task, loaded, report);
+) -> Result<Merged<'a>, Reported> {
+    let chain = chain(task, loaded, report)?;
     let mut merged = Merged {
         task,
         variant: None,
@@ -123,11 +112,9 @@ pub(crate) fn merge<'a>(
         checks: Parts::of("check"),
         dropped: Dropped::default(),
         variants: Parts::of("variant"),
-        is_damaged: false,
-        missing_base,
-        joined: missing_base.map_or(Ok(()), Err),
+        joined: Ok(()),
     };
-    let mut join = Join { loaded, report };
+    let mut join = Join { report };
     for task in chain.into_iter().rev() {
         let is_inherited = |word: &str| rule(word) != Inheritance::Never;
         merged.single.retain(|word, _| is_inherited(word));
@@ -143,7 +130,7 @@ pub(crate) fn merge<'a>(
         }
         None => {}
     }
-    merged
+    Ok(merged)
 }
 
 /// Returns the rule by which a section is inherited.
@@ -152,43 +139,33 @@ fn rule(word: &str) -> Inheritance {
     row.map_or(Inheritance::Never, |row| row.merges)
 }
 
-/// Reports a task that is extended but missing.
-pub(crate) fn find_bases<'a>(task: Task<'a>, loaded: &Loaded<'a>, report: &mut Report) {
-    chain(task, loaded, report);
-}
-
-/// Returns the task and those it extends, and the proof that one of them is missing, if one is.
+/// Returns the task and those it extends.
 fn chain<'a>(
     task: Task<'a>,
     loaded: &Loaded<'a>,
     report: &mut Report,
-) -> (Vec<Task<'a>>, Option<Reported>) {
+) -> Result<Vec<Task<'a>>, Reported> {
     let mut chain = vec![task];
     let mut above = task;
     while let Some(base) = above.extends() {
-        let file = base.span().file;
-        let Some(found) = loaded.task(file, base.text()) else {
-            let hidden = loaded.hidden(file, base.text());
-            let reported = hidden.unwrap_or_else(|| report.error(unknown_task(task, base, loaded)));
-            return (chain, Some(reported));
+        let Some(found) = loaded.task(base.span().file, base.text()) else {
+            return Err(report.error(unknown_task(task, base, loaded)));
         };
         let is_known = |seen: &Task<'_>| seen.name().span() == found.name().span();
-        let diagnostic = if chain.iter().any(is_known) {
+        if chain.iter().any(is_known) {
             let message = format!("`{}` extends itself", base.text());
             let diagnostic = Diagnostic::new(Code::CircularExtends, base.span(), message);
-            diagnostic.label("leads back here")
-        } else if chain.len() > MAX_EXTENDS_DEPTH {
+            return Err(report.error(diagnostic.label("leads back here")));
+        }
+        if chain.len() > MAX_EXTENDS_DEPTH {
             let message = format!("the chain of `extends` is longer than {MAX_EXTENDS_DEPTH}");
-            Diagnostic::new(Code::ExtendsTooDeep, base.span(), message)
-        } else {
-            chain.push(found);
-            above = found;
-            continue;
-        };
-        return (chain, Some(report.error(diagnostic)));
+            let diagnostic = Diagnostic::new(Code::ExtendsTooDeep, base.span(), message);
+            return Err(report.error(diagnostic));
+        }
+        chain.push(found);
+        above = found;
     }
-    let fault = loaded.fault(above.name().span().file);
-    (chain, fault.filter(|_| above.may_extend()))
+    Ok(chain)
 }
 
 fn unknown_task(task: Task<'_>, base: Name<'_>, loaded: &Loaded<'_>) -> Diagnostic {
@@ -230,57 +207,43 @@ impl<'a> Merged<'a> {
         self.variants.sites().filter(changes).cloned()
     }
 
-    /// Returns whether there is a section without a name that begins with `word`.
-    pub fn has(&self, word: &str) -> bool {
-        self.single.contains_key(word)
+    /// Returns the section without a name that begins with `word`.
+    pub fn section(&self, word: &str) -> Option<Node<'a>> {
+        self.single.get(word).copied()
     }
 
     /// Returns the statement that begins with `word`.
     pub fn statement(&self, word: &str) -> Option<Statement<'a>> {
-        self.single
-            .get(word)
-            .and_then(|node| Statement::cast(*node))
+        Statement::cast(self.section(word)?)
     }
 
     pub fn subgoals(&self) -> Option<Subgoals<'a>> {
-        self.single
-            .get("subgoals")
-            .and_then(|node| Subgoals::cast(*node))
+        Subgoals::cast(self.section("subgoals")?)
     }
 
     pub fn experts(&self) -> Option<ExpertsUsed<'a>> {
-        self.single
-            .get("experts")
-            .and_then(|node| ExpertsUsed::cast(*node))
+        ExpertsUsed::cast(self.section("experts")?)
     }
 
     pub fn demos(&self) -> Option<Demos<'a>> {
-        self.single.get("demos").and_then(|node| Demos::cast(*node))
+        Demos::cast(self.section("demos")?)
     }
 
     pub fn annotate(&self) -> Option<Keypoints<'a>> {
-        self.single
-            .get("annotate")
-            .and_then(|node| Keypoints::cast(*node))
+        Keypoints::cast(self.section("annotate")?)
     }
 
     pub fn actions(&self) -> Option<Actions<'a>> {
-        self.single
-            .get("actions")
-            .and_then(|node| Actions::cast(*node))
+        Actions::cast(self.section("actions")?)
     }
 
     pub fn rehearse(&self) -> Option<Rehearse<'a>> {
-        self.single
-            .get("rehearse")
-            .and_then(|node| Rehearse::cast(*node))
+        Rehearse::cast(self.section("rehearse")?)
     }
 
     /// Returns the section that states attempts and results; the checks are in `checks`.
     pub fn verify(&self) -> Option<Verify<'a>> {
-        self.single
-            .get("verify")
-            .and_then(|node| Verify::cast(*node))
+        Verify::cast(self.section("verify")?)
     }
 
     /// Returns whether a rollout needs subgoals: a stage shows one, or results are compared with them.
@@ -298,16 +261,14 @@ impl<'a> Merged<'a> {
 }
 
 /// Joins sections, and reports those that do not fit what is inherited.
-struct Join<'a, 'r> {
-    loaded: &'r Loaded<'a>,
+struct Join<'r> {
     report: &'r mut Report,
 }
 
-impl<'a> Join<'a, '_> {
+impl<'a> Join<'_> {
     /// Joins the sections of one body with those that it inherits, each by the rule of its row.
     fn sections(&mut self, merged: &mut Merged<'a>, own: &Sections<'a>) {
         merged.joined = merged.joined.and(own.fault);
-        merged.is_damaged |= own.body.is_damaged();
         let by_name = SECTIONS
             .iter()
             .filter(|row| row.merges == Inheritance::ByName);
@@ -390,31 +351,18 @@ impl<'a> Join<'a, '_> {
     /// Adds components to what inherited stages say.
     fn added_sayings(&mut self, merged: &mut Merged<'a>, own: &Sections<'a>) {
         for (line, part) in &own.added_sayings {
-            // What did not parse may declare what seems to be missing; its own error was reported.
-            let stage = merged.stages.get(line.stage().text());
-            let may_be_hidden = merged.missing_base.is_some()
-                || merged.is_damaged
-                || stage.is_some_and(Stage::is_damaged);
-            match unsayable(*line, *part, own, merged) {
-                Some(diagnostic) if may_be_hidden && diagnostic.code == Code::UnknownName => {}
-                Some(diagnostic) => merged.joined = Err(self.report.error(diagnostic)),
-                None => {
-                    let said = merged.said.entry(line.stage().text()).or_default();
-                    said.add(*part, line.side(), line.beside().text());
-                }
+            if let Some(diagnostic) = unsayable(*line, *part, own, merged) {
+                merged.joined = Err(self.report.error(diagnostic));
+                continue;
             }
+            let said = merged.said.entry(line.stage().text()).or_default();
+            said.add(*part, line.side(), line.beside().text());
         }
     }
 
     /// Reports changes that do not fit what is inherited.
     fn unfit(&mut self, found: Vec<Diagnostic>, merged: &mut Merged<'a>) {
         for mut diagnostic in found {
-            // The missing task, or text that did not parse, may have the part.
-            let name = diagnostic.about_name();
-            let hidden = name.and_then(|name| {
-                let hidden = self.loaded.hidden(diagnostic.span.file, name);
-                merged.missing_base.or(hidden)
-            });
             if let Some(variant) = &merged.variant
                 && !merged.task.body().span().contains(diagnostic.span)
             {
@@ -427,7 +375,7 @@ impl<'a> Join<'a, '_> {
                         "leave out the variant too: `without variant {name}`"
                     ));
             }
-            merged.joined = Err(hidden.unwrap_or_else(|| self.report.error(diagnostic)));
+            merged.joined = Err(self.report.error(diagnostic));
         }
     }
 }

@@ -27,7 +27,6 @@ pub(crate) enum VariantChange<'a> {
 
 /// The sections of one body. A mistake that the body makes by itself is reported when this is made.
 pub(crate) struct Sections<'a> {
-    pub body: Body<'a>,
     /// The sections without a name, by the words that they begin with.
     pub single: BTreeMap<&'a str, Node<'a>>,
     pub constants: Vec<Site<'a, NamedValue<'a>>>,
@@ -74,7 +73,6 @@ impl<'a> Sections<'a> {
         let task = Task::cast(body.node());
         let added = body.added_sayings();
         let mut sections = Sections {
-            body,
             single,
             constants: body.constants().map(named).collect(),
             keypoints: keypoints.map(named).collect(),

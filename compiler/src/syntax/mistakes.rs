@@ -1,451 +1,216 @@
-//! Common mistakes: signs and words of other programming languages, and typographic characters.
+//! The mistakes that people make, each a row: what they write, where, and what to write instead.
+//!
+//! A mistake without a row is reported as what was expected and what was found. Write a row for what authors really
+//! type, such as the signs of other languages; not for what could be typed.
 
-use crate::diag::{Code, Diagnostic};
-use crate::lang::material::PROPERTIES;
-use fab_grammar::Span;
+/// A place that does not parse.
+pub(super) struct Place<'t> {
+    /// The word, number, text or sign there; empty at the end of the line.
+    pub found: &'t str,
+    /// What would fit, in backticks where it is literal.
+    pub expected: &'t [&'static str],
+    /// The words of the language that would fit.
+    pub words: &'t [&'static str],
+    /// The file before it.
+    pub before: &'t str,
+    /// The file from it on.
+    pub rest: &'t str,
+}
 
-/// Words that a name follows, and what to write if it is missing.
-const NAMED: [(&str, &str); 4] = [
-    (
-        "component",
-        "the component has no name: write `component NAME \"…\"`",
-    ),
-    ("const", "the constant has no name: write `const NAME = …`"),
-    (
-        "demos",
-        "name the stage that is told them: `demos STAGE from \"…\"`",
-    ),
-    ("model", "write `model vision` or `model text`"),
-];
+/// Where a mistake is made.
+#[derive(Clone, Copy)]
+enum Where {
+    Anywhere,
+    /// This would fit, among other things.
+    Expecting(&'static str),
+    /// This alone would fit.
+    ExpectingOnly(&'static str),
+    /// The statement is complete.
+    ExpectingNothing,
+    /// Behind these words.
+    After(&'static str),
+    /// On a line that begins with a word.
+    In(&'static str),
+    /// At the beginning of a line.
+    AtStart,
+    /// At the end of a line.
+    AtEnd,
+    /// Where the line has a `(` without `)`.
+    InBrackets,
+    /// Elsewhere.
+    OutsideBrackets,
+}
 
-/// Names of points of the cloth, which brackets follow.
-const POINTS: [&str; 4] = ["corner", "middle", "point", "between"];
+/// What an edit does, and whether the author can only have meant that.
+#[derive(Clone, Copy)]
+pub(super) enum Change {
+    Nothing,
+    /// Certainly writes this instead.
+    Write(&'static str),
+    /// Probably writes this instead.
+    MayWrite(&'static str),
+    /// Probably writes this before it.
+    MayInsert(&'static str),
+}
 
-/// Makes the diagnostic for the text at `span` if it is a common mistake.
-///
-/// - `found`: the text there.
-/// - `expected`: what would fit, in backticks where it is literal; may be empty.
-/// - `text`: the whole file.
-pub(super) fn recognise(
-    found: &str,
-    span: Span,
-    expected: &[&str],
-    text: &str,
-) -> Option<Diagnostic> {
-    let expects = |words: &str| expected.contains(&words);
-    let rest = &text[span.start..];
-    let before = text[..span.start].trim_end();
-    let usual = || {
-        let message = match expected {
-            [] => format!("unexpected `{found}`"),
-            _ => format!("expected {}, found `{found}`", listed(expected)),
-        };
-        Diagnostic::new(Code::Unexpected, span, message)
+/// A row of [`MISTAKES`].
+pub(super) struct Mistake {
+    /// What is written: the beginning of a sign, a whole word, or one of the kinds `WORD`, `NUMBER`, `TEXT` and `ANY`.
+    found: &'static [&'static str],
+    place: Where,
+    pub change: Change,
+    /// What to do.
+    pub help: &'static str,
+    /// What is wrong, with `{}` for what is written; empty for what was expected and found.
+    pub message: &'static str,
+}
+
+macro_rules! mistakes {
+    ($([$($found:literal)*] $place:expr, $change:expr, $help:expr $(, $message:literal)?;)*) => {
+        /// The first row that fits counts.
+        const MISTAKES: &[Mistake] = &[$(Mistake {
+            found: &[$($found),*],
+            place: $place,
+            change: $change,
+            help: $help,
+            message: concat!($($message)?),
+        }),*];
     };
-    // The sign may be longer than the text found.
-    let sign = |sign: &str| Span {
-        end: span.start + sign.len(),
-        ..span
-    };
-    let fault = |span: Span, message: String| Diagnostic::new(Code::Unexpected, span, message);
-    let written = |wrong: &str, right: &str| {
-        fault(
-            sign(wrong),
-            format!("`{wrong}` is written `{}` here", right.trim()),
-        )
-        .help(format!("write `{}`", right.trim()))
-        .edit(sign(wrong), right)
-    };
-    // A word needs blanks where its sign needs none: `near&&far`, `!near`.
-    let word = |wrong: &str, right: &str| {
-        let blank = |beside: Option<char>, bracket: &str| match beside {
-            Some(it) if !it.is_whitespace() && !bracket.contains(it) => " ",
-            _ => "",
-        };
-        let before = blank(text[..span.start].chars().next_back(), "({");
-        let after = blank(rest[wrong.len()..].chars().next(), ")}");
-        written(wrong, &format!("{before}{right}{after}"))
-    };
-    for (wrong, right) in [("&&", "and"), ("||", "or")] {
-        if rest.starts_with(wrong) {
-            return Some(word(wrong, right));
-        }
-    }
-    if rest.starts_with("//") {
-        return Some(written("//", "#"));
-    }
-    let is_word = |first: char| first.is_alphanumeric() || first == '_';
-    let named = last_word(before).filter(|_| expects("a name"));
-    // `cloth grid const(55, 55)`
-    if let Some((start, word)) = named
-        && found == "("
-        && fab_grammar::is_keyword(word)
-        && last_word(before[..start].trim_end()).is_some_and(|(_, it)| !fab_grammar::is_keyword(it))
-    {
-        let span = Span {
-            start,
-            end: start + word.len(),
-            ..span
-        };
-        return Some(fault(span, format!("unexpected `{word}`")).help("remove it"));
-    }
-    let mut rows = NAMED.iter();
-    if let Some((_, help)) = named.and_then(|(_, word)| rows.find(|(row, _)| *row == word))
-        && (!found.starts_with(is_word) || fab_grammar::is_keyword(found))
-        && !found.starts_with(['{', '}'])
-    {
-        let behind = rest[found.len()..].trim_start_matches(' ');
-        // `const ) near = 10px`
-        let is_named =
-            behind.starts_with(is_word) && !found.starts_with(is_word) && !found.starts_with('"');
-        return Some(match is_named {
-            _ if found == "override" && before.ends_with("component") => {
-                usual().help("write `override` before `component`")
-            }
-            true => usual().help("remove it"),
-            false => usual().help(*help),
-        });
-    }
-    if let Some(diagnostic) = comma_missing(found, span, expected, text) {
-        return Some(diagnostic);
-    }
-    Some(match found {
-        ":" if expects("`=`") && rest.starts_with(":=") => written(":=", "="),
-        ":" if expects("an argument") && let Some((start, label)) = argument_without_comma(before) => {
-            let end = before[..start].trim_end().len();
-            let word = Span {
-                start,
-                end: start + label.len(),
-                ..span
-            };
-            let message = format!("expected `,`, found `{label}`");
-            let gap = Span {
-                start: end,
-                end,
-                ..span
-            };
-            Diagnostic::new(Code::Unexpected, word, message)
-                .help("write `,` before it")
-                .likely(gap, ",")
-        }
-        ":" if expects("an argument")
-            && text[..span.start].ends_with(',')
-            && let Some((start, name)) = last_word(before[..before.len() - 1].trim_end())
-            && before[..start].trim_end().ends_with([',', '(']) =>
-        {
-            usual().help(format!("remove the `,` behind `{name}`"))
-        }
-        ":" if expects("an argument") && before.ends_with(',') => {
-            usual().help("write the argument's name before the `:`, or remove the `:`")
-        }
-        ":" if rest.starts_with(":=") && !expected.is_empty() => {
-            let message = format!("expected {}, found `:=`", listed(expected));
-            fault(sign(":="), message)
-                .help("remove the `:=`")
-                .likely(sign(":="), "")
-        }
-        ":" if expected.is_empty() && let Some((comma, name)) = field_after_comma(before) => {
-            let comma = Span {
-                start: comma,
-                end: comma + 1,
-                ..span
-            };
-            usual()
-                .help(format!("remove the `,` before `{name}`: fields have no comma between them"))
-                .likely(comma, "")
-        }
-        "skip" if expects("`without`") => {
-            usual().help("write `else skip`; `then without NAME, else skip` leaves out a check first")
-        }
-        "=" if expects("`:`") => usual().help("write `:`").edit(span, ":"),
-        ":" if expects("`=`") => usual().help("write `=`").edit(span, "="),
-        "=" if expects("`)`") && before.ends_with('(') => usual().help("remove it"),
-        "=" if expects("`)`") => usual()
-            .help("an argument's name is followed by `:`")
-            .edit(span, ":"),
-        "→" | "=>" | "–>" | "—>" | "⇒" | "to" if expects("`->`") => {
-            usual().help("write `->`").edit(span, "->")
-        }
-        "!" if !rest.starts_with("!=") => word("!", "not"),
-        "&" => word("&", "and"),
-        "|" => word("|", "or"),
-        ":" if expects("`{`") => {
-            usual().help("a block is between braces: write `{` here, and `}` where it ends")
-        }
-        "[" | "(" if expects("`{`") => usual().help("write `{`").likely(span, "{"),
-        "=" if is_in_condition(before) => fault(span, "`=` is not a comparison".to_owned())
-            .help("write `<`, `<=`, `>` or `>=`; words and counts may also be compared with `==`"),
-        "=" if is_in_goal(before) => fault(span, "`=` is not a comparison".to_owned())
-            .help("write `<` or `<=` for a measure that falls as the cloth is folded, `>` or `>=` for one that grows"),
-        "<" | "<=" | ">" | ">=" | "==" if expected.is_empty() && text[..span.start].trim_end_matches([' ', '\t']).ends_with(|it: char| is_word(it) || it == ')') => fault(
-            span,
-            format!("a comparison has two sides, and `{found}` begins a third"),
-        )
-        .help("write two comparisons joined by `and`"),
-        ";" => fault(span, "`;` is not part of the language".to_owned())
-            .help("remove it: a statement ends with its line, and parts of a list have `,` between them")
-            .edit(span, ""),
-        "/" if rest.starts_with("/*") => {
-            fault(sign("/*"), "`/*` does not begin a comment".to_owned())
-                .help("a comment begins with `#` and ends with its line")
-        }
-        "True" | "False" | "None" | "true" | "false" | "none" if expected.is_empty() => {
-            fault(span, format!("expected a condition, found `{found}`"))
-                .help("a condition compares values; remove it if it always holds")
-        }
-        "." if rest[1..].starts_with(|next: char| next.is_ascii_digit())
-            && last_word(&text[..span.start]).is_some() =>
-        {
-            return None;
-        }
-        "." if rest[1..].starts_with(|next: char| next.is_ascii_digit())
-            && text[..span.start].ends_with(|last: char| last.is_ascii_digit()) =>
-        {
-            fault(span, "a number has one decimal point".to_owned())
-                .help("remove one of its points")
-        }
-        "." if rest[1..].starts_with(|next: char| next.is_ascii_digit()) => {
-            fault(span, "a number begins with a digit".to_owned())
-                .help("write `0` before the point")
-                .edit(
-                    Span {
-                        end: span.start,
-                        ..span
-                    },
-                    "0",
-                )
-        }
-        "," if is_decimal_comma(before, &rest[1..]) => {
-            let usual = fault(
-                span,
-                "the decimal separator is a point, not a comma".to_owned(),
-            );
-            match thousands(before, &rest[1..]) {
-                Some((whole, group)) => usual.help(format!(
-                    "write `{whole}{group}`, since digits are not grouped, or `{whole}.{group}` if that was meant"
-                )),
-                None => usual.help("write `.`").likely(span, "."),
-            }
-        }
-        _ if found.starts_with('_')
-            && found[1..].starts_with(|next: char| next.is_ascii_digit())
-            && text[..span.start].ends_with(|last: char| last.is_ascii_digit()) =>
-        {
-            fault(span, "a number is written without `_`".to_owned())
-                .help(format!("write `{}{}`", last_number(before), &found[1..]))
-                .edit(span, &found[1..])
-        }
-        _ if found.starts_with('_') && text[..span.start].ends_with(is_word) => {
-            let whole = &text[before.trim_end_matches(is_word).len()..span.end];
-            let start = span.end - whole.len();
-            fault(Span { start, ..span }, format!("`{whole}` is not a number with a unit"))
-                .help("a unit has letters alone, such as `10px`; a name begins with a letter")
-        }
-        _ if found.starts_with(|first: char| first.is_ascii_digit() || "+-".contains(first))
-            && text[..span.start].ends_with(['e', 'E'])
-            && text[..span.start - 1].ends_with(|last: char| last.is_ascii_digit()) =>
-        {
-            fault(span, "a number has no exponent".to_owned()).help("write all of its digits")
-        }
-        _ if found.starts_with('"') && before.ends_with('}') && line_of(before).trim() == "}" && text[..span.start].ends_with(' ') => {
-            fault(span, "expected `else`, found a text".to_owned())
-                .help("write `else` before it: the message of a check is behind `else`")
-                .likely(Span { end: span.start, ..span }, "else ")
-        }
-        _ if rest.starts_with("\"\"\"") && line_of(&text[..span.start]).trim().is_empty() && !before.ends_with([',', '=']) => {
-            fault(sign("\"\"\""), "expected a word, found a text".to_owned())
-                .help("write before it whose text it is, such as `say` or `reply`")
-        }
-        _ if rest.starts_with("\"\"\"") => fault(
-            sign("\"\"\""),
-            "a text of several lines is not allowed here".to_owned(),
-        )
-        .help("write one line between `\"` and `\"`"),
-        _ if before.ends_with("expect reject") && found.starts_with(char::is_alphabetic) => {
-            fault(span, format!("expected `(`, found `{found}`"))
-                .help(format!("write `expect reject({found})`"))
-        }
-        "," if expected.is_empty() && closes_behind(rest) => usual()
-            .help("the `)` behind it closes nothing: write the `(` in front of the first value"),
-        ")" if last_open(before).is_none() && line_of(before).contains("()") => {
-            fault(span, "this `)` closes nothing".to_owned())
-                .help("the `()` before it is closed too early: write the values between its brackets")
-        }
-        ")" if last_open(before).is_none() && line_of(&text[..span.start]).trim().is_empty() => {
-            fault(span, "this `)` closes nothing".to_owned())
-                .help("a line begins with a word: write one in its place, or remove it")
-        }
-        ")" if last_open(before).is_none() => fault(span, "this `)` closes nothing".to_owned())
-            .help("write the `(` that it closes, or remove it"),
-        "}" if before.ends_with(',') && let Some(open) = last_open(before) => usual()
-            .help("remove it, or close the `(` first")
-            .also(
-                Span {
-                    start: open,
-                    end: open + 1,
-                    ..span
-                },
-                "this `(` is open",
-            ),
-        "}" | ")" if before.ends_with(',') => usual().help("remove the comma before it"),
-        _ if (expects("`->`") || expects("`at`"))
-            && let Some((_, word)) = last_word(before)
-            && POINTS.contains(&word) =>
-        {
-            let help = match rest[found.len()..].starts_with('(') {
-                true => format!("remove it: `{word}` is followed by `(`"),
-                false => format!("`{word}` is followed by `(`"),
-            };
-            usual().help(help)
-        }
-        "," if expects("`)`") && rest[1..].trim_start().starts_with(')') => {
-            usual().help("remove the comma").likely(span, "")
-        }
-        _ if expects("a name")
-            && found.starts_with(|first: char| first.is_ascii_digit())
-            && text[..span.start].ends_with(',')
-            && before[..before.len() - 1].ends_with(|last: char| last.is_ascii_digit()) =>
-        {
-            let comma = Span {
-                start: span.start - 1,
-                end: span.start,
-                ..span
-            };
-            fault(
-                comma,
-                "the decimal separator is a point, not a comma".to_owned(),
-            )
-            .help("write `.`")
-            .likely(comma, ".")
-        }
-        _ if expects("`)`")
-            && found.starts_with(|first: char| first.is_ascii_digit())
-            && last_word(before).is_some_and(|(_, word)| word == "depth") =>
-        {
-            usual().help(format!("write `<` or `>` between them: `depth < {found}`"))
-        }
-        _ if expects("`)`")
-            && found.starts_with(|first: char| first.is_ascii_digit())
-            && last_word(before).is_some_and(|(_, word)| !fab_grammar::is_keyword(word)) =>
-        {
-            let end = Span {
-                start: before.len(),
-                end: before.len(),
-                ..span
-            };
-            usual()
-                .help("an argument's name is followed by `:`")
-                .likely(end, ":")
-        }
-        _ if expects("`)`")
-            && expects("`,`")
-            && found.starts_with(is_word)
-            && !fab_grammar::is_keyword(found)
-            && before.ends_with(|last: char| is_word(last) || last == ')') =>
-        {
-            let end = Span {
-                start: before.len(),
-                end: before.len(),
-                ..span
-            };
-            // `ring(last.place, mirror middle(…))`
-            let may_be_extra = rest[found.len()..].starts_with('(')
-                && last_word(before).is_some();
-            match may_be_extra {
-                true => usual().help("remove one of the two words, or write `,` between them"),
-                false => usual().help("write `,` before it").likely(end, ","),
-            }
-        }
-        _ if expects("a value")
-            && rest[found.len()..].starts_with(':')
-            && last_open(before).is_some() =>
-        {
-            usual().help("an argument with a name belongs to a call: the call's name is missing before the `(`")
-        }
-        // `cloth (33, 33, material: cotton)`
-        _ if expected == ["`)`"] && found == "," && last_open(before).is_some_and(|at| text[..at].ends_with(' ')) => {
-            usual().help("a name is missing before the `(`, such as `grid`")
-        }
-        _ if expects("`of`") && matches!(found, "from" | "to" | "off" | "at" | "in" | "on") => {
-            usual().meant(span, "of")
-        }
-        _ if expects("`=`") && before.ends_with("given last") => {
-            let gap = Span {
-                start: before.len(),
-                end: span.start,
-                ..span
-            };
-            usual()
-                .help(format!("write `given last.{found}`"))
-                .likely(gap, ".")
-        }
-        _ if expects("a condition") && before.ends_with("when") => {
-            usual().help("write `when` and a condition, such as `when step > 1`, or remove `when`")
-        }
-        _ if found.starts_with('"') && is_behind_check(before) && (expected.is_empty() || expects("`else`")) => {
-            fault(span, format!("expected `else`, found `{found}`"))
-                .help("write `else` before it")
-                .likely(
-                    Span {
-                        end: span.start,
-                        ..span
-                    },
-                    "else ",
-                )
-        }
-        // `const near far = 10px`
-        _ if expected == ["`=`"]
-            && found.starts_with(|it: char| it.is_alphabetic())
-            && rest[found.len()..].trim_start().starts_with('=') =>
-        {
-            usual().help("remove one of the two names")
-        }
-        _ if expected == ["`=`"] && found.starts_with(|first: char| is_word(first) || "\"-".contains(first)) => {
-            let start = Span {
-                end: span.start,
-                ..span
-            };
-            usual().help("write `=` before it").likely(start, "= ")
-        }
-        _ if found.starts_with(is_word) && last_word(before).is_some_and(|(_, word)| word == "use") => {
-            let path = rest.split_whitespace().next().unwrap_or(found);
-            let whole = sign(path);
-            usual()
-                .help(format!("write `use \"{path}\"`"))
-                .likely(whole, format!("\"{path}\""))
-        }
-        _ if expected == ["`most`"] => usual()
-            .help("write `most`: the answer with the highest measure is taken"),
-        "<" | "<=" | "=" | "==" | ":" if before.ends_with("trust overlap") => {
-            fault(sign(found), format!("expected `>`, found `{found}`"))
-                .help("write `>`: twins are trusted above the stated overlap")
-        }
-        "=" if before.ends_with("trust overlap >") => usual()
-            .help("remove it: twins are trusted above the stated overlap")
-            .likely(span, ""),
-        "skip" if expects("`refuse`") => usual()
-            .help("write `else refuse`, or leave it out: then the step is taken without rehearsal"),
-        "subgoals" if rest.starts_with("subgoals(") => usual().meant(span, "subgoal"),
-        "actions" if before.ends_with("read") => usual().meant(span, "action"),
-        "“" | "”" | "'" | "‘" | "’" => usual().help("write straight double quotes `\"`"),
-        "]" if last_open(before).is_some() => usual().help("write `)`").likely(span, ")"),
-        "[" | "]" => {
-            usual().help("lists have no brackets; write the parts with commas between them")
-        }
-        _ if fab_grammar::is_keyword(found) && expected == ["a name"] => usual().help(format!(
-            "`{found}` is a word of the language; {}",
-            match before.ends_with(',') {
-                true => "choose another name, or remove the comma before it",
-                false => "choose another name",
-            }
-        )),
-        _ => return None,
+}
+
+use Change::{MayInsert, MayWrite, Nothing, Write};
+use Where::*;
+
+const ADDED: &str =
+    "write `say NAME in STAGE after NAME`, or `before NAME`, with names of components, in the task";
+
+mistakes! {
+    // Signs and words of other languages.
+    ["&&"] Anywhere, Write("and"), "write `and`", "`{}` is written `and` here";
+    ["||"] Anywhere, Write("or"), "write `or`", "`{}` is written `or` here";
+    ["!="] Anywhere, Nothing, "write `not` before a comparison with `==`";
+    ["!"] Anywhere, Write("not"), "write `not`", "`{}` is written `not` here";
+    ["//"] AtStart, Write("#"), "write `#`", "`{}` is written `#` here";
+    ["//"] Anywhere, MayWrite("#"), "write `#`", "`{}` is written `#` here";
+    [";"] AtEnd, Write(""), "remove it: a statement ends with its line", "`{}` is not part of the language";
+    ["and" "&" "+" ";" "|"] ExpectingOnly("`,`"), MayWrite(","), "write `,`";
+    [";"] Anywhere, Nothing, "end the statement with its line", "`{}` is not part of the language";
+    ["→" "=>" "–>" "—>" "⇒" "to"] Expecting("`->`"), Write("->"), "write `->`";
+    [":="] Expecting("`=`"), Write("="), "write `=`", "`{}` is written `=` here";
+    [":"] Expecting("`=`"), Write("="), "write `=`";
+    ["="] Expecting("`:`"), Write(":"), "write `:`";
+    ["="] Expecting("`)`"), Write(":"), "an argument's name is followed by `:`";
+    [":=" ":" "="] Expecting("a value"), MayWrite(""), "remove it: its word is followed by the value";
+    [":=" ":" "="] Expecting("a text in quotes"), MayWrite(""), "remove it: its word is followed by the text";
+    ["."] Expecting("a value"), Write("0."), "write `0` before the point", "a number begins with a digit";
+    [":"] Expecting("`{`"), Nothing, "write `{` here, and `}` where the block ends";
+    ["[" "("] Expecting("`{`"), MayWrite("{"), "write `{` here, and `}` where the block ends";
+    ["]"] InBrackets, MayWrite(")"), "write `)`";
+    ["[" "]"] Anywhere, Nothing, "lists have no brackets; write the parts with commas between them";
+    ["True" "False" "None" "true" "false" "none"] ExpectingNothing, Nothing,
+        "a condition compares values; remove it if it always holds", "expected a condition, found `{}`";
+    ["“" "”" "'" "‘" "’"] Anywhere, Nothing, "write straight double quotes `\"`";
+    // Values and comparisons.
+    ["="] After("trust overlap >"), MayWrite(""), "remove it: twins are trusted above the overlap";
+    ["<" "=" ":"] After("trust overlap"), Nothing, "write `>`: twins are trusted above the overlap";
+    ["=>" "=<" "="] ExpectingNothing, Nothing,
+        "write `<`, `<=`, `>` or `>=`; words and counts are compared with `==`", "`{}` is not a comparison";
+    ["<" ">" "=="] ExpectingNothing, Nothing,
+        "write two comparisons joined by `and`", "a comparison has two sides, and `{}` begins a third";
+    ["-" "–" "…"] Expecting("`)`"), Nothing, "a range is written with `to`: `0.9 to 1.1`";
+    ["on"] ExpectingNothing, MayWrite("within"), "write `within` and a mask, as in `pick within cloth`",
+        "expected `within`, found `{}`";
+    ["from" "to" "off" "at" "in"] Expecting("`of`"), MayWrite("of"), "did you mean `of`?";
+    ["NUMBER"] After("depth"), Nothing, "write `<` or `>` between them, such as `depth < 640mm`";
+    ["ANY"] After("when"), Nothing, "write `when` and a condition, such as `when step > 1`";
+    // What is missing.
+    ["\"\"\""] ExpectingNothing, Nothing, "write one line between `\"` and `\"`",
+        "a text of several lines is not allowed here";
+    ["\"\"\""] Expecting("a value"), Nothing, "write one line between `\"` and `\"`",
+        "a text of several lines is not allowed here";
+    ["TEXT"] Expecting("`else`"), MayInsert("else "), "write `else` before it";
+    ["WORD"] In("use"), Nothing, "write the path in quotes: `use \"…\"`";
+    ["WORD"] After("expect reject"), Nothing, "write `expect reject(NAME)`", "expected `(`, found `{}`";
+    ["in" "half"] In("fold"), Nothing, "say what moves where: `fold corner(back_left) -> center`";
+    ["WORD" "NUMBER" "TEXT" "-"] ExpectingOnly("`=`"), MayInsert("= "), "write `=` before it";
+    ["NUMBER"] Expecting("`)`"), MayInsert(": "), "an argument's name is followed by `:`";
+    [")" "}"] After(","), Nothing, "remove the comma before it";
+    // Changes to what a task inherits, rehearsals and stages.
+    ["when"] In("say"), Nothing, "state the condition where the text is declared: `component NAME when … \"…\"`";
+    ["ANY"] Expecting("`in`"), Nothing, ADDED;
+    ["ANY"] Expecting("`after`"), Nothing, ADDED;
+    ["in" "after" "before" "stage"] In("say"), Nothing, ADDED;
+    ["WORD"] After("given last"), Nothing, "a point joins the names: `given last.pick`";
+    ["WORD" "NUMBER" "TEXT"] ExpectingOnly("`,`"), MayInsert(", "), "write `,` before it";
+    ["TEXT"] In("say"), Nothing, ADDED;
+    ["ANY"] After("override"), Nothing,
+        "write `override component` or `override check`; any other section is stated again to replace it";
+    ["ANY"] After("without"), Nothing,
+        "only components, checks and a task's variants are left out; state any other section again";
+    ["ANY"] Expecting("`most`"), Nothing, "write `most`: the answer with the highest measure is taken";
+    ["skip"] Expecting("`refuse`"), Nothing, "write `else refuse`, or leave it out to act without rehearsal";
+    ["subgoals"] Expecting("a value"), MayWrite("subgoal"), "did you mean `subgoal`?";
+    ["actions"] After("read"), MayWrite("action"), "did you mean `action`?";
+    ["override"] After("component"), Nothing, "write `override` before `component`";
+    ["ANY"] ExpectingOnly("a name"), Nothing, "a name belongs here: letters, digits and `_`, no word of the language";
+    [")"] OutsideBrackets, Nothing, "write the `(` that it closes, or remove it", "this `{}` closes nothing";
+    ["WORD"] Expecting("`)`"), MayInsert(", "), "write `,` before it";
+    ["WORD" "NUMBER"] ExpectingNothing, Nothing, "a sign or a word such as `and` is missing before it, or remove it";
+}
+
+/// Returns the mistake at a place, and what is written there.
+pub(super) fn recognise<'t>(place: &Place<'t>) -> Option<(&'static Mistake, &'t str)> {
+    MISTAKES.iter().find_map(|row| {
+        let found = row.found.iter().find_map(|found| written(found, place))?;
+        is_at(row.place, place).then_some((row, found))
     })
 }
 
+/// Returns what is written at a place if it is what a row has.
+fn written<'t>(found: &str, place: &Place<'t>) -> Option<&'t str> {
+    let begins = |fits: fn(char) -> bool| place.found.starts_with(fits);
+    let fits = match found {
+        "ANY" => !place.found.is_empty(),
+        "WORD" => begins(char::is_alphabetic),
+        "NUMBER" => begins(|first| first.is_ascii_digit()),
+        "TEXT" => begins(|first| first == '"') && !place.rest.starts_with("\"\"\""),
+        _ if found.starts_with(char::is_alphabetic) => place.found == found,
+        // The sign may be longer than the text found.
+        _ => {
+            return place
+                .rest
+                .starts_with(found)
+                .then(|| &place.rest[..found.len()]);
+        }
+    };
+    fits.then_some(place.found)
+}
+
+fn is_at(wanted: Where, place: &Place<'_>) -> bool {
+    let before = place.before.trim_end();
+    match wanted {
+        Anywhere => true,
+        Expecting(words) => place.expected.contains(&words),
+        ExpectingOnly(words) => place.expected == [words],
+        ExpectingNothing => place.expected.is_empty(),
+        After(words) => before.ends_with(words),
+        In(word) => {
+            let line = place.before.rsplit(['\n', '{', '}']).next();
+            line.is_some_and(|line| line.trim_start().starts_with(word))
+        }
+        AtStart => place.before.trim_end_matches([' ', '\t']).ends_with('\n'),
+        AtEnd => {
+            let behind = place.rest[1..].trim_start_matches([' ', '\t']);
+            behind.is_empty() || behind.starts_with(['\n', '\r', '#', '}'])
+        }
+        InBrackets => open_bracket(place.before).is_some(),
+        OutsideBrackets => open_bracket(place.before).is_none(),
+    }
+}
+
 /// Returns the place of the last `(` on this line that is still open; brackets in texts do not count.
-pub(super) fn last_open(before: &str) -> Option<usize> {
-    let start = before.rfind('\n').map_or(0, |line_break| line_break + 1);
+pub(super) fn open_bracket(before: &str) -> Option<usize> {
+    let start = before.rfind('\n').map_or(0, |end| end + 1);
     let mut open = Vec::new();
     let mut is_text = false;
     for (at, letter) in before[start..].char_indices() {
@@ -459,129 +224,67 @@ pub(super) fn last_open(before: &str) -> Option<usize> {
     open.pop()
 }
 
-/// Returns the last line of a text.
-fn line_of(before: &str) -> &str {
-    before.rsplit('\n').next().unwrap_or(before)
-}
+/// Words with which people begin a line of a block, each with what to write instead.
+const MISPLACED: &[(&str, &[&str], &str)] = &[
+    (
+        "task",
+        &["system"],
+        "write `say NAME in STAGE after NAME`: beside a part of `system`, it becomes a part of `system`",
+    ),
+    (
+        "task",
+        &["model", "show", "read", "example"],
+        "it belongs in a `stage`; to change it, state the stage again: a stage replaces the inherited one of the same name",
+    ),
+    (
+        "task",
+        &["attempts", "result"],
+        "it belongs in `verify`; a `verify` of this task's own replaces the inherited one, so state the inherited checks in it too",
+    ),
+    (
+        "task",
+        &["add", "append", "insert", "new", "extend"],
+        "a new part needs no word before it: write `component NAME \"…\"`, `check NAME { … } else \"…\"`, or `say NAME in STAGE after NAME`",
+    ),
+    (
+        "task",
+        &["remove", "delete", "drop", "omit", "exclude"],
+        "write `without component NAME`, `without check NAME` or `without variant NAME`; another section is stated again to change it",
+    ),
+    (
+        "variant",
+        &["variant"],
+        "variants do not nest: write each in the task, beside the others",
+    ),
+    ("stage", &["vision"], "write `model vision`"),
+    ("stage", &["text"], "write `model text`"),
+    (
+        "subgoals",
+        &["fold"],
+        "write `demonstrate { fold A -> B }`, with all folds between its braces",
+    ),
+    (
+        "verify",
+        &["else", "then", "otherwise", "message"],
+        "the message of a check is behind `else`: write `check NAME { … } else \"…\"`",
+    ),
+    (
+        "verify",
+        &["override"],
+        "move `override check` out of `verify`, into the task; a `verify` of the task's own inherits no checks",
+    ),
+    (
+        "verify",
+        &["without"],
+        "move `without check` out of `verify`, into the task",
+    ),
+];
 
-/// Returns whether the rest of a line has a `)` whose `(` is missing.
-fn closes_behind(rest: &str) -> bool {
-    let line = rest.split(['\n', '#']).next().unwrap_or(rest);
-    let mut depth = 0;
-    line.chars().any(|letter| {
-        depth += i32::from(letter == '(') - i32::from(letter == ')');
-        depth < 0
-    })
-}
-
-/// Returns the place of a comma in `actions` that only a name follows, and the name.
-fn field_after_comma(before: &str) -> Option<(usize, &str)> {
-    let (start, name) = last_word(before)?;
-    let list = before[..start].trim_end();
-    let line = list.rsplit(['{', '}']).next().unwrap_or(list);
-    let is_list = list.ends_with(',') && line.contains(" of ");
-    is_list.then(|| (list.len() - 1, name))
-}
-
-/// Returns the name at the end of a line that an argument stands before, without a comma between them.
-fn argument_without_comma(before: &str) -> Option<(usize, &str)> {
-    let (start, label) = last_word(before)?;
-    let line = before[..start].rsplit(['\n', '{']).next()?.trim_end();
-    let is_value = line.ends_with(|last: char| last.is_alphanumeric() || last == ')');
-    let is_property = PROPERTIES
-        .iter()
-        .any(|row| row.call.signature.name == label);
-    (is_value && line.contains(':') && !is_property).then_some((start, label))
-}
-
-/// Returns whether a check ends here, on this line.
-fn is_behind_check(before: &str) -> bool {
-    let line = before.rsplit('\n').next().unwrap_or(before);
-    before.ends_with('}') && line.split_whitespace().any(|word| word == "check")
-}
-
-/// Returns whether a position is in a condition on the same line: in a check's braces, or behind `when`.
-fn is_in_condition(before: &str) -> bool {
-    let line = before.rsplit('\n').next().unwrap_or(before);
-    line.trim_start().starts_with("check ") && line.contains('{') || line.contains(" when ")
-}
-
-/// Returns whether a position is in a goal on the same line.
-fn is_in_goal(before: &str) -> bool {
-    let line = before.rsplit(['\n', '{', '}']).next().unwrap_or(before);
-    line.trim_start().starts_with("goal ")
-}
-
-/// Makes the diagnostic for parts of a list without a comma between them.
-fn comma_missing(found: &str, span: Span, expected: &[&str], text: &str) -> Option<Diagnostic> {
-    if expected != ["`,`"] {
-        return None;
-    }
-    let message = |found: &str| format!("expected `,`, found `{found}`");
-    let before = text[..span.start].trim_end();
-    if matches!(found, "and" | "&" | "+" | ";" | "|") {
-        let diagnostic = Diagnostic::new(Code::Unexpected, span, message(found));
-        return Some(diagnostic.help("write `,`").likely(span, ","));
-    }
-    let is_word = |first: char| first.is_alphanumeric() || first == '_' || first == '"';
-    if !found.starts_with(is_word) {
-        return None;
-    }
-    // `model text temperature 0`: the word before the number was read as a value.
-    let (start, found) = match last_word(before) {
-        Some((start, word)) if found.starts_with(|first: char| first.is_ascii_digit()) => {
-            (start, word)
-        }
-        _ => (span.start, found),
-    };
-    let end = text[..start].trim_end().len();
-    let word = Span {
-        start,
-        end: start + found.len(),
-        ..span
-    };
-    let gap = Span {
-        start: end,
-        end,
-        ..span
-    };
-    let diagnostic = Diagnostic::new(Code::Unexpected, word, message(found));
-    Some(diagnostic.help("write `,` before it").likely(gap, ","))
-}
-
-/// Returns the word at the end of a text, and where it begins; `None` if there is a number or a sign.
-fn last_word(before: &str) -> Option<(usize, &str)> {
-    let is_part = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
-    let word = &before[before.trim_end_matches(is_part).len()..];
-    let is_word = word.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_');
-    is_word.then(|| (before.len() - word.len(), word))
-}
-
-/// Returns the digits at the end of a text.
-fn last_number(before: &str) -> &str {
-    &before[before
-        .trim_end_matches(|last: char| last.is_ascii_digit())
-        .len()..]
-}
-
-/// Returns whether a comma is between two digits of a number.
-fn is_decimal_comma(before: &str, after: &str) -> bool {
-    let is_digit = |character: char| character.is_ascii_digit();
-    before.ends_with(is_digit) && after.starts_with(is_digit)
-}
-
-/// Returns the digits beside a comma that may separate thousands: at most three before it, three after it.
-fn thousands<'t>(before: &'t str, after: &'t str) -> Option<(&'t str, &'t str)> {
-    let digit = |character: char| character.is_ascii_digit();
-    let whole = &before[before.trim_end_matches(digit).len()..];
-    let group = &after[..after.len() - after.trim_start_matches(digit).len()];
-    (whole.len() <= 3 && group.len() == 3).then_some((whole, group))
-}
-
-/// Joins expectations, which have their own backticks.
-pub(super) fn listed(expected: &[&str]) -> String {
-    match expected {
-        [first @ .., last] if !first.is_empty() => format!("{} or {last}", first.join(", ")),
-        _ => expected.concat(),
-    }
+/// Returns what to write instead of a word that does not begin a line of a block.
+pub(super) fn misplaced(word: &str, block: &str) -> Option<&'static str> {
+    // What a task may hold, a variant may hold too.
+    let is_of = |row: &str| row == block || row == "task" && block == "variant";
+    let mut rows = MISPLACED.iter();
+    let row = rows.find(|(of, words, _)| is_of(of) && words.contains(&word));
+    row.map(|(.., help)| *help)
 }

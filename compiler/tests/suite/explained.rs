@@ -1,8 +1,8 @@
 //! Explanations are true: each example has its code, and the pages of the book are generated from them.
 
 use crate::common::{Memory, workspace};
-use fab_compiler::diag::{CODES, Code, GROUPS};
-use fab_compiler::explain::{self, HALF};
+use fab_compiler::diag::{CODES, Code, CodeEntry, GROUPS};
+use fab_compiler::explain::{self, Example, HALF, HALF_FILE, example, report_of};
 use std::fs;
 
 /// Codes whose examples would be too large to show.
@@ -72,7 +72,7 @@ fn every_code_is_in_a_group_and_in_the_list() {
 #[test]
 fn the_pages_of_the_book_are_those_that_are_made_from_the_codes() {
     let folder = workspace().join("docs/diagnostics");
-    let pages = explain::pages();
+    let pages = pages();
     if std::env::var_os("FABC_WRITE_DOCS").is_some() {
         fs::create_dir_all(&folder).unwrap();
         for (name, text) in &pages {
@@ -94,7 +94,62 @@ fn the_pages_of_the_book_are_those_that_are_made_from_the_codes() {
         let page = fs::read_to_string(folder.join(name)).unwrap();
         assert_eq!(
             &page, text,
-            "docs/diagnostics/{name} is stale: `fabc explain --pages docs/diagnostics` writes it anew"
+            "docs/diagnostics/{name} is stale: `FABC_WRITE_DOCS=1` before this test writes it anew"
         );
     }
+}
+
+/// Returns the pages of the book: the name of each file, `index.md` first, and its text.
+fn pages() -> Vec<(String, String)> {
+    let mut pages = vec![("index.md".to_owned(), index())];
+    pages.extend(CODES.iter().map(|entry| (file_of(entry), page(entry))));
+    pages
+}
+
+fn file_of(entry: &CodeEntry) -> String {
+    format!("{}.md", entry.code.as_str())
+}
+
+fn index() -> String {
+    let mut text = "# Diagnostics\n\nWhat the compiler says, by its codes. `fabc explain CODE` shows the same in a \
+                    terminal. An *error* keeps a task\nfrom running; with a *warning* it runs, but probably not as intended; \
+                    a *note* is good to know.\n"
+        .to_owned();
+    for (prefix, about) in GROUPS {
+        text.push_str(&format!(
+            "\n## {prefix}: {about}\n\n| code | severity | what |\n|---|---|---|\n"
+        ));
+        for entry in CODES
+            .iter()
+            .filter(|it| it.code.as_str().starts_with(prefix))
+        {
+            let (code, file) = (entry.code.as_str(), file_of(entry));
+            let severity = entry.severity.as_str();
+            text.push_str(&format!(
+                "| [{code}]({file}) | {severity} | {} |\n",
+                entry.title
+            ));
+        }
+    }
+    text
+}
+
+fn page(entry: &CodeEntry) -> String {
+    let (code, severity) = (entry.code.as_str(), entry.severity.as_str());
+    let group = GROUPS.iter().find(|(prefix, _)| code.starts_with(prefix));
+    let about = group.map_or("", |(_, about)| *about);
+    let mut text = format!(
+        "# {code}: {}\n\n*{severity}*, {about}\n\n{}\n",
+        entry.title, entry.explanation
+    );
+    if let Some(Example { wrong, right }) = example(entry.code) {
+        let report = report_of(&wrong);
+        text.push_str(&format!(
+            "\n## Wrong\n\n```fab wrong\n{wrong}```\n\n```text\n{report}```\n\n## Right\n\n```fab\n{right}```\n"
+        ));
+        if wrong.contains(HALF_FILE) || right.contains(HALF_FILE) {
+            text.push_str("\n`half.fab` is [the first task of the language page](../language.md#a-whole-task).\n");
+        }
+    }
+    text
 }

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod action_spaces;
 mod any_text;
 mod broken;
 #[path = "common/chance.rs"]
@@ -23,10 +24,9 @@ mod pointing;
 mod programs;
 #[path = "common/promises.rs"]
 mod promises;
-mod proof;
+mod reference;
 mod rendering;
 mod schema;
-mod slips;
 #[path = "common/spaces.rs"]
 mod spaces;
 mod verdicts;

@@ -53,7 +53,7 @@ fn tools_get_places_and_edits() {
 
 #[test]
 fn line_ends_of_other_systems_are_not_shown() {
-    let text = "task tried {\r\n    horizon 2.5\r\n    component a \"\"\"\r\n    x {{\r\n    \"\"\"\r\n}\r\n";
+    let text = "task tried {\r\n    horizon 2.5\r\n    component a \"\"\"\r\n    x {{ nothing }}\r\n    \"\"\"\r\n}\r\n";
     for text in [text.to_owned(), text.replace("\r\n", "\n")] {
         let compiled = common::compile("child.fab", &text);
         let shown = diag::to_text(&compiled.diagnostics, &compiled.sources, Color::Plain);

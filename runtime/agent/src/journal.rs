@@ -139,23 +139,12 @@ impl RunFolder {
 
     /// Makes the first free folder `NAME-0001`, `NAME-0002`, … in `parent`.
     pub fn create_next(parent: &Path, name: &str) -> Result<RunFolder, JournalError> {
-        let unwritable = |error: std::io::Error| JournalError::Unwritable {
-            path: parent.to_owned(),
-            why: error.to_string(),
-        };
-        fs::create_dir_all(parent).map_err(unwritable)?;
-        for number in 1..=9999u32 {
-            let candidate = parent.join(format!("{name}-{number:04}"));
-            match fs::create_dir(&candidate) {
-                Ok(()) => return RunFolder::create(&candidate),
-                Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
-                Err(error) => return Err(unwritable(error)),
-            }
-        }
-        Err(JournalError::Unwritable {
-            path: parent.to_owned(),
-            why: format!("it holds 9999 runs of `{name}` already"),
-        })
+        let folder =
+            files::next_folder(parent, name).map_err(|error| JournalError::Unwritable {
+                path: parent.to_owned(),
+                why: error.to_string(),
+            })?;
+        RunFolder::create(&folder)
     }
 
     /// Returns the folder.

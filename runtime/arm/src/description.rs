@@ -12,6 +12,7 @@ use super::kinematics;
 use super::kinematics::chain::{Chain, Joint, MAX_JOINTS, MIN_JOINTS};
 use super::kinematics::shape::Capsule;
 use fab_base::files;
+use fab_program::nearest::nearest;
 use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 use serde::Deserialize;
 use std::f64::consts::PI;
@@ -199,7 +200,7 @@ impl<'b> Builder<'b> {
         let (base, tip) = (&self.arm.base_link, &self.arm.tip_link);
         for (key, name) in [("base_link", base), ("tip_link", tip)] {
             if !self.robot.links.contains_key(name) {
-                let near = nearest(name, self.robot.links.keys());
+                let near = did_you_mean(name, self.robot.links.keys().map(String::as_str));
                 self.faults.push(format!(
                     "`arm.{key}` is `{name}`; expected a link of `{}`{near}",
                     self.file.display()
@@ -452,7 +453,7 @@ impl<'b> Builder<'b> {
                 self.faults.push(format!(
                     "`arm.shape[{index}].link` is `{}`; expected a link that a joint of the arm moves{}",
                     shape.link,
-                    nearest(&shape.link, named.iter().copied())
+                    did_you_mean(&shape.link, named.iter().copied())
                 ));
             }
         }
@@ -633,15 +634,8 @@ fn z_to(axis: &Unit<Vector3<f64>>) -> UnitQuaternion<f64> {
 }
 
 /// Words the name that was probably meant.
-fn nearest<'n>(name: &str, names: impl Iterator<Item = impl AsRef<str> + 'n>) -> String {
-    let name: String = name.chars().take(60).collect();
-    let near = names.map(|it| (strsim::damerau_levenshtein(&name, it.as_ref()), it));
-    match near.min_by_key(|(distance, _)| *distance) {
-        Some((distance, near)) if distance <= (name.len() / 2).max(1) => {
-            format!("; did you mean `{}`?", near.as_ref())
-        }
-        _ => String::new(),
-    }
+fn did_you_mean<'n>(name: &str, names: impl Iterator<Item = &'n str>) -> String {
+    nearest(name, names).map_or_else(String::new, |near| format!("; did you mean `{near}`?"))
 }
 
 fn listed(names: &[String]) -> String {

@@ -141,11 +141,14 @@ impl ArmLog {
 }
 
 /// The state in which a run left an arm, according to its journal.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "left")]
 pub enum RunState {
     /// No motion was started, or every motion was verified and the hand is empty, or a person recovered the arm.
+    #[serde(rename = "clear")]
     Clear,
     /// A motion was started and not verified, or halted, or the hand may hold cloth.
+    #[serde(rename = "unclear")]
     NeedsRecovery {
         /// The last segment that was started.
         segment: SegmentName,

@@ -5,7 +5,7 @@
 use crate::kinds::{Kind, without_mark};
 use serde::de::DeserializeOwned;
 use std::fs::{self, File, Metadata, OpenOptions};
-use std::io::{self, Read, Write};
+use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -231,10 +231,18 @@ pub fn text(bytes: Vec<u8>) -> Result<String, String> {
     }
     String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
-        match Kind::of(error.as_bytes()) {
-            Some(kind) => kind.sentence(),
-            None => format!("it is not UTF-8 text, byte {at} does not belong there"),
+        let bytes = error.as_bytes();
+        if let Some(kind) = Kind::of(bytes) {
+            return kind.sentence();
         }
+        let line = 1 + bytes[..at].iter().filter(|byte| **byte == b'\n').count();
+        // Windows-1252 has letters and quotes where Latin-1 has control characters.
+        let is_windows = bytes.iter().any(|byte| (0x80..0xa0).contains(byte));
+        let encoding = if is_windows { "Windows-1252" } else { "Latin-1" };
+        format!(
+            "it is not UTF-8 text: byte {at}, in line {line}, is 0x{:02x}, perhaps {encoding}; save it as UTF-8",
+            bytes[at]
+        )
     })
 }
 
@@ -349,4 +357,20 @@ mod tests {
         let expected = format!("the disk is full; what it held is in `{}`", saved.display());
         assert_eq!(message, expected);
     }
+}
+/// Makes the next free folder `NAME-0001`, `NAME-0002` and so on in a folder, which is made too.
+///
+/// Fails if a folder cannot be made, and after 9999 of them.
+pub fn next_folder(parent: &Path, name: &str) -> std::io::Result<PathBuf> {
+    std::fs::create_dir_all(parent)?;
+    for number in 1..=9999u32 {
+        let path = parent.join(format!("{name}-{number:04}"));
+        match std::fs::create_dir(&path) {
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+            made => return made.map(|()| path),
+        }
+    }
+    Err(std::io::Error::other(format!(
+        "it holds 9999 folders `{name}-NNNN` already; name a folder with `--out`"
+    )))
 }

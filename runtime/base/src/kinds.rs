@@ -86,7 +86,12 @@ impl Kind {
             let found = begin.get(..mark.len());
             found.is_some_and(|found| found.eq_ignore_ascii_case(mark))
         };
-        TEXTS.iter().find(is_of).map(Kind::of_row)
+        let utf_16 = Kind {
+            name: "text in UTF-16",
+            remedy: UTF_8,
+        };
+        let known = TEXTS.iter().find(is_of).map(Kind::of_row);
+        known.or_else(|| is_utf_16(bytes).then_some(utf_16))
     }
 
     fn of_row(&(_, _, name, remedy): &Row) -> Kind {
@@ -98,6 +103,13 @@ impl Kind {
         let remedy = self.remedy.map(|remedy| format!("; {remedy}"));
         format!("it is {}{}", self.name, remedy.unwrap_or_default())
     }
+}
+
+/// Returns whether every second byte at the beginning is zero, as in UTF-16 without its byte-order mark.
+fn is_utf_16(bytes: &[u8]) -> bool {
+    let begin = &bytes[..bytes.len().min(64) / 2 * 2];
+    let are_zero = |first: usize| begin.iter().skip(first).step_by(2).all(|byte| *byte == 0);
+    begin.len() >= 4 && are_zero(0) != are_zero(1)
 }
 
 /// Returns bytes without the byte-order mark of UTF-8, which editors of Windows write.

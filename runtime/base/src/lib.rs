@@ -1,6 +1,6 @@
 //! The runtime's foundation: journals, files and what they really are, particle positions, a cache, hashes, seeded
-//! chance, threads, a queue that cannot block, interrupts, programs that answer lines, names of enumerations, foreign
-//! text made visible.
+//! chance, threads, a queue that cannot block, interrupts, programs that answer lines, names of enumerations, tables,
+//! foreign text made visible.
 //!
 //! Nothing here knows about tasks, models, cloths or arms.
 //!
@@ -39,4 +39,5 @@ mod named;
 pub mod npy;
 pub mod outbox;
 pub mod parallel;
+pub mod table;
 pub mod wording;

@@ -1,5 +1,6 @@
 //! Pieces of messages: foreign text, which a model, a server or a program wrote; names and counts.
 
+use fab_program::invisible::is_invisible;
 use std::fmt::Display;
 
 /// Returns a text on one line, with control and formatting characters made visible, and cut after `most` characters.
@@ -12,21 +13,13 @@ pub fn shown(text: &str, most: usize) -> String {
             shown.push('…');
             break;
         }
-        if letter.is_control() || is_formatting(letter) {
+        if letter.is_control() || is_invisible(letter) {
             shown.extend(letter.escape_default());
         } else {
             shown.push(letter);
         }
     }
     shown
-}
-
-/// Returns whether a character has no width and changes how others are shown.
-pub fn is_formatting(letter: char) -> bool {
-    matches!(
-        letter,
-        '\u{ad}' | '\u{61c}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}'
-    )
 }
 
 /// Lists names in backticks.

@@ -45,9 +45,10 @@ pub enum Cloths {
 }
 
 /// The rollout after which the suite stopped, because of how it left the arm.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct ArmStop {
     /// The run folder.
+    #[serde(rename = "run_dir")]
     pub folder: PathBuf,
     /// Whether the arm came to rest with an empty hand, so nobody needs to check it first.
     pub is_clear: bool,

@@ -8,6 +8,7 @@ use super::rows::{FigureMeaning, Row};
 use super::statistics::Statistic;
 use super::suite::Suite;
 use fab_agent::record::CoverageSource;
+use fab_base::table::aligned;
 use std::collections::BTreeMap;
 
 /// The note under every table with quoted figures.
@@ -20,7 +21,8 @@ const SHARED: &str = "Answers are shared (`--share-answers`): an equal question 
 pub fn text(suite: &Suite, rows: &[Row]) -> String {
     let mut blocks = Vec::new();
     for (task, table) in tables(suite, rows) {
-        blocks.push(format!("{task}\n{}", aligned(&table)));
+        let lines = aligned(&[], &table);
+        blocks.push(format!("{task}\n  {}", lines.join("\n  ")));
     }
     blocks.push(captions(suite, rows).join("\n"));
     blocks.join("\n\n")
@@ -391,27 +393,6 @@ fn sources(rows: &[Row]) -> Vec<&str> {
     sources.sort_unstable();
     sources.dedup();
     sources
-}
-
-fn widths(table: &[Vec<String>]) -> Vec<usize> {
-    let columns = table.iter().map(Vec::len).max().unwrap_or(0);
-    let width = |column: usize| {
-        let cells = table.iter().filter_map(move |line| line.get(column));
-        cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
-    };
-    (0..columns).map(width).collect()
-}
-
-fn aligned(table: &[Vec<String>]) -> String {
-    let widths = widths(table);
-    let lines = table.iter().map(|line| {
-        let cells = line.iter().zip(&widths).filter(|(_, width)| **width > 0);
-        let padded = cells.map(|(cell, width)| format!("{cell:<width$}"));
-        format!("  {}", padded.collect::<Vec<_>>().join("  "))
-            .trim_end()
-            .to_owned()
-    });
-    lines.collect::<Vec<_>>().join("\n")
 }
 
 fn piped(table: &[Vec<String>]) -> String {

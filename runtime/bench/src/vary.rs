@@ -8,6 +8,8 @@
 //! ten on, draw one value in each tenth of the range, so that few starts fill it too.
 
 use fab_base::chance::Chance;
+use fab_base::wording::quoted;
+use fab_program::nearest::nearest;
 use fab_world::vary::{AXES, Axis, AxisValues};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -187,24 +189,12 @@ impl AxisRange {
 
 /// Names the axis that was probably meant, or all of them.
 fn hint(name: &str) -> String {
-    let short: String = name.chars().take(60).collect();
-    let near = AXES.iter().map(|axis| {
-        let distance = strsim::damerau_levenshtein(&short, axis.name);
-        // `camera_height` lacks only the unit.
-        let distance = match axis.name.starts_with(&short) && short.len() > 2 {
-            true => 0,
-            false => distance,
-        };
-        (distance, axis.name)
-    });
-    match near.min_by_key(|(distance, _)| *distance) {
-        Some((distance, near)) if distance <= (short.len() / 3).max(1) => {
-            format!("did you mean `{near}`?")
-        }
-        _ => {
-            let names: Vec<&str> = AXES.iter().map(|axis| axis.name).collect();
-            format!("there are `{}`", names.join("`, `"))
-        }
+    let names = || AXES.iter().map(|axis| axis.name);
+    // `camera_height` lacks only the unit.
+    let longer = names().find(|axis| axis.starts_with(name) && name.len() > 2);
+    match longer.or_else(|| nearest(name, names())) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => format!("there are {}", quoted(names())),
     }
 }
 

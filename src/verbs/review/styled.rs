@@ -1,6 +1,7 @@
 //! Text whose parts have meanings, wrapped to a width and coloured if wanted.
 
 use console::measure_text_width;
+use fab_program::invisible::is_hidden;
 
 /// The meaning of a part of a line; the signs before the line convey it too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,11 +39,7 @@ impl Line {
                     let sign = char::from_u32(0x2400 + u32::from(letter));
                     self.0.push((sign.unwrap_or('\u{fffd}'), style));
                 }
-                // Further control characters, and those that change the direction of text.
-                '\u{7f}'..='\u{9f}'
-                | '\u{200e}'..='\u{200f}'
-                | '\u{202a}'..='\u{202e}'
-                | '\u{2066}'..='\u{2069}' => self.0.push(('\u{fffd}', style)),
+                letter if is_hidden(letter) => self.0.push(('\u{fffd}', style)),
                 letter => self.0.push((letter, style)),
             }
         }
@@ -98,9 +95,10 @@ impl Line {
                 text.push_str(code(*style));
                 now = *style;
             }
-            match fab_compiler::diag::is_hidden(*letter) {
-                true => text.extend(letter.escape_unicode()),
-                false => text.push(*letter),
+            if is_hidden(*letter) {
+                text.extend(letter.escape_unicode());
+            } else {
+                text.push(*letter);
             }
         }
         if now != Style::Plain {

@@ -13,22 +13,18 @@ use crate::io::Io;
 use crate::verbs::runtime::estimate::{self, Asking};
 use crate::verbs::runtime::operator::TerminalOperator;
 use crate::verbs::runtime::setting;
-use crate::verbs::runtime::setting::arm::ArmArguments;
-use crate::verbs::runtime::setting::arm::ArmMode;
-use crate::verbs::runtime::setting::model_arguments::ModelArguments;
-use crate::verbs::runtime::setting::model_arguments::OmitArgument;
-use crate::verbs::runtime::setting::model_arguments::PolicyArguments;
-use crate::verbs::runtime::setting::model_arguments::SpendArguments;
+use crate::verbs::runtime::setting::arm::{ArmArguments, ArmMode};
+use crate::verbs::runtime::setting::model_arguments::{
+    ModelArguments, OmitArgument, PolicyArguments, SpendArguments,
+};
 use crate::verbs::runtime::setting::models::{self, Answering};
 use crate::verbs::runtime::setting::policies::Deciding;
 use crate::verbs::runtime::setting::worlds::{self, WorldChoice};
-use clap::Args;
-use clap::ValueHint;
+use clap::{Args, ValueHint};
 use fab_agent::outcome::Outcome;
 use fab_agent::rollout::FirstQuestion;
 use fab_bench::on_arm::{Cloths, OnArm};
-use fab_bench::play;
-use fab_bench::play::{Phase, Results, StopReason};
+use fab_bench::play::{self, Phase, Results, StopReason};
 use fab_bench::{Answers, Bench, Entry, OtherWorld, first_questions_of, rows};
 use fab_model::calls::Budget;
 use fab_program::Program;
@@ -36,6 +32,7 @@ use fab_providers::catalogue::Profile;
 use fab_providers::estimate::{Estimate, Fresh};
 use fab_world::{About, ExternalWorld, World};
 use prepare::{DecidingBy, named_by};
+use report::BenchReport;
 use std::collections::BTreeMap;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -150,9 +147,10 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
             "the recording holds one answer for all starts, and not one for each: `--share-answers` replays it so, and the table says so",
         ));
     }
-    let recorder = match arguments.spend.estimate {
-        true => None,
-        false => models::recorder(&arguments.spend)?,
+    let recorder = if arguments.spend.estimate {
+        None
+    } else {
+        models::recorder(&arguments.spend)?
     };
     let budget = models::budget(&arguments.spend, &interrupt);
     let threads = match arguments.jobs {
@@ -161,9 +159,10 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         None => usual_jobs(&deciding),
     };
     let prepared = prepare::prepare(&suite, &found.folder, arguments, threads, io)?;
-    let out = match arguments.spend.estimate {
-        true => PathBuf::from("runs"),
-        false => setting::out_folder(arguments.out.as_deref(), &format!("bench-{}", found.name))?,
+    let out = if arguments.spend.estimate {
+        PathBuf::from("runs")
+    } else {
+        setting::out_folder(arguments.out.as_deref(), &format!("bench-{}", found.name))?
     };
     let cache = setting::cache_or_beside(&out, io);
     let Some(entries) = prepare::entries(&suite, &prepared, &deciding, arguments, &interrupt, io)?
@@ -196,10 +195,9 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         Some((command, first)) => {
             let camera = &first.task.program.camera;
             let picker = first.task.program.picker;
-            let world = ExternalWorld::start(command, camera, picker, None, &interrupt);
-            let world = world.map_err(worlds::failure)?;
+            let world = ExternalWorld::start(command, camera, picker, None, &interrupt)?;
             if !world.hello().particles {
-                Cloths::ByHand.check(&suite).map_err(Failure::environment)?;
+                Cloths::ByHand.check(&suite)?;
             }
             make_elsewhere = |program: &Program, folder: &Path| {
                 worlds::external(command, program, Some(folder), &interrupt)
@@ -227,23 +225,22 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         elsewhere,
         out: out.clone(),
         threads,
-        answers: match arguments.share_answers {
-            true => Answers::Shared,
-            false => Answers::PerStart,
+        answers: if arguments.share_answers {
+            Answers::Shared
+        } else {
+            Answers::PerStart
         },
         cache: &cache,
         budget: &budget,
         recorder: recorder.as_ref(),
-        operator: match has_operator {
-            true => Some(&terminal),
-            false => None,
-        },
+        operator: if has_operator { Some(&terminal) } else { None },
         interrupt: &interrupt,
     };
     let asks = asks_a_provider(&deciding) || arguments.spend.estimate;
-    let questions = match asks {
-        true => first_questions_of(&bench).map_err(Failure::environment)?,
-        false => Vec::new(),
+    let questions = if asks {
+        first_questions_of(&bench)?
+    } else {
+        Vec::new()
     };
     for (entry, questions) in bench.entries.iter().zip(&questions) {
         if let Some(answering) = answering_of(&deciding, entry) {
@@ -258,17 +255,12 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         show(phase, done, of, &budget, io)
     });
     io.progress("");
-    let results = results.map_err(Failure::environment)?;
+    let results = results?;
     let rows = rows::rows(&bench, &results);
-    let report = report::Report {
-        name: &found.name,
-        bench: &bench,
-        results: &results,
-        rows: &rows,
-        wall_s: begun.elapsed().as_secs_f64(),
-    };
+    let wall_s = begun.elapsed().as_secs_f64();
+    let report = BenchReport::new(&found.name, &bench, &results, &rows, wall_s);
     report.write(&out)?;
-    io.report(arguments.json, || report.json(), || report.text());
+    io.result(arguments.json, &report);
     io.talk(&report.summary());
     Ok(exit_of(&results))
 }
@@ -278,9 +270,10 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
 fn usual_jobs(deciding: &DecidingBy) -> usize {
     const WITH_PROVIDERS: usize = 8;
     let cores = thread::available_parallelism().map_or(1, NonZero::get);
-    match asks_a_provider(deciding) {
-        true => cores.max(WITH_PROVIDERS),
-        false => cores,
+    if asks_a_provider(deciding) {
+        cores.max(WITH_PROVIDERS)
+    } else {
+        cores
     }
 }
 

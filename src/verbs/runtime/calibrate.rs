@@ -11,9 +11,8 @@ mod typing;
 use crate::exit::{Exit, Failure};
 use crate::io::{Io, write_file};
 use crate::verbs::runtime::robot::connect;
-use crate::verbs::runtime::setting::catalogue;
-use clap::Args;
-use clap::ValueHint;
+use crate::verbs::runtime::setting::{self, catalogue};
+use clap::{Args, ValueHint};
 use fab_agent::arm_sight::draw_errors;
 use fab_arm::calibration::{
     Calibration, LIMIT_MM, Pair, Refusal, SeenTags, Terms, ToolReader, place_at_rest, read_pairs,
@@ -77,28 +76,17 @@ pub struct CalibrateArguments {
 
 /// Parses `4x4`, columns and rows.
 fn columns_and_rows(text: &str) -> Result<[u32; 2], String> {
-    let read = || {
-        let (columns, rows) = text.split_once('x')?;
-        let sides = [columns.parse().ok()?, rows.parse().ok()?];
-        sides
-            .iter()
-            .all(|side| (2..=20).contains(side))
-            .then_some(sides)
-    };
-    read().ok_or_else(|| "write columns and rows, such as `4x4`; each 2 to 20".to_owned())
+    setting::two_counts(text)
+        .filter(|sides| sides.iter().all(|side| (2..=20).contains(side)))
+        .ok_or_else(|| "write columns and rows, such as `4x4`; each 2 to 20".to_owned())
 }
 
-/// Calibrates from points of a file, typed points, or points to which a person guides the arm.
+/// Calibrates from points of a file, typed points, or points to which a person guides the arm by hand or with the vendor's
+/// joystick; fabc reads its position and never moves it.
 pub fn run(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
-    match arguments.jog {
-        true => jogged(arguments, io),
-        false => run_with(arguments, None, io),
+    if !arguments.jog {
+        return run_with(arguments, None, io);
     }
-}
-
-/// Calibrates with an arm that a person guides by hand or with the vendor's joystick; fabc reads its position and never
-/// moves it.
-fn jogged(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
     if arguments.pairs.is_some() && !arguments.more {
         return Err(Failure::usage(
             "`--pairs` alone takes its points from the file, and `--jog` from the arm; with `--more` those of the arm follow",
@@ -106,8 +94,8 @@ fn jogged(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
     }
     let nobody = "nobody can guide it to a point; type points, or give them with `--pairs`";
     let settings = connect::settings_of_real(&arguments.robot, nobody)?;
-    let mut port =
-        connect::port(&settings, settings.camera.timeout_s).map_err(Failure::environment)?;
+    let port = connect::port(&settings, settings.camera.timeout_s);
+    let mut port = port.map_err(Failure::environment)?;
     let stale_s = settings.tolerance.stale_s;
     let tool = move || place_at_rest(port.as_mut(), stale_s);
     run_with(arguments, Some(Box::new(tool)), io)
@@ -119,7 +107,7 @@ fn run_with(
     tool: Option<Box<ToolReader<'_>>>,
     io: &Io,
 ) -> Result<Exit, Failure> {
-    let settings = Settings::load(&arguments.robot).map_err(Failure::environment)?;
+    let settings = Settings::load(&arguments.robot)?;
     let (seen, told) = match seen(arguments, &settings)? {
         Some(seen) => (Some(seen.rgb), seen.intrinsics),
         None => (None, None),
@@ -130,7 +118,7 @@ fn run_with(
     // Intrinsics in the settings were chosen by the user, so they override the camera's own.
     terms.intrinsics = terms.intrinsics.or(told);
     // Before anybody touches points in vain.
-    terms.check().map_err(Failure::environment)?;
+    terms.check()?;
     let path = match &arguments.out {
         Some(path) => path.clone(),
         None => beside(&arguments.robot, &settings.calibration),
@@ -145,7 +133,7 @@ fn run_with(
     };
     let drawn = match seen {
         Some(mut seen) => {
-            draw_errors(&mut seen, &pairs, fit).map_err(Failure::environment)?;
+            draw_errors(&mut seen, &pairs, fit)?;
             let drawn = path.with_extension("points.png");
             write_file(&drawn, &png::encode(&seen))?;
             Some(drawn)
@@ -155,21 +143,17 @@ fn run_with(
     let calibration = made.map_err(|refusal| refused(&refusal, drawn.as_deref()))?;
     let earlier = backup::copy(&path)?;
     backup::copy(&Calibration::picture_beside(&path))?;
-    calibration.save(&path).map_err(Failure::environment)?;
+    calibration.save(&path)?;
     report::say_doubts(&calibration, io);
+    let reference = calibration.reference.as_ref();
     let written = report::Written {
         file: &path,
-        reference: calibration
-            .reference
-            .as_ref()
-            .map(|_| Calibration::picture_beside(&path)),
+        reference: reference.map(|_| Calibration::picture_beside(&path)),
         drawn: drawn.as_deref(),
         earlier: earlier.as_deref(),
     };
-    match arguments.json {
-        true => io.json(&report::as_json(&calibration, &settings, &written)),
-        false => io.data(&report::as_text(&calibration, &settings, &written)),
-    }
+    let calibrated = report::Calibrated::of(&calibration, &settings, written);
+    io.result(arguments.json, &calibrated);
     Ok(Exit::Done)
 }
 
@@ -238,7 +222,7 @@ fn seen(
         intrinsics: None,
     };
     if arguments.image.is_none() && settings.camera.source == CameraSource::Simulated {
-        let table = world::simulated_table(settings).map_err(Failure::environment)?;
+        let table = world::simulated_table(settings)?;
         return Ok(Some(plain(table)));
     }
     if arguments.shoot {
@@ -248,8 +232,7 @@ fn seen(
             &arguments.robot,
             PictureSelection::Fresh { timeout_s },
         );
-        let shot = camera.map_err(Failure::environment)?.shoot();
-        let shot = shot.map_err(Failure::environment)?;
+        let shot = camera.map_err(Failure::environment)?.shoot()?;
         return Ok(Some(TablePicture {
             rgb: shot.rgb,
             intrinsics: shot.intrinsics,

@@ -2,17 +2,14 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::{Io, write_file};
+use crate::report::Report;
 use crate::shipped;
-use crate::sources;
-use crate::sources::TaskArguments;
+use crate::sources::{self, TaskArguments};
 use crate::verbs::runtime::setting;
-use clap::Args;
-use clap::ValueHint;
-use fab_agent::demos;
-use fab_agent::demos::{Demo, DemoRequest, Header, MakeError};
+use clap::{Args, ValueHint};
+use fab_agent::demos::{self, Demo, DemoRequest, Header, MakeError};
 use fab_world::WorldError;
 use serde::Serialize;
-use serde_json::json;
 use std::fs;
 use std::path::PathBuf;
 
@@ -33,6 +30,19 @@ pub struct DemosArguments {
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,
+}
+
+/// What was written.
+#[derive(Serialize)]
+struct WrittenDemos {
+    file: String,
+    task: String,
+    variant: Option<String>,
+    stage: String,
+    demos: usize,
+    actions: usize,
+    seed: u64,
+    params: String,
 }
 
 /// Demonstrates the task and writes the file that it names.
@@ -67,31 +77,27 @@ pub fn run(arguments: &DemosArguments, io: &Io) -> Result<Exit, Failure> {
         fs::create_dir_all(folder).map_err(|error| Failure::unwritable(&path, error))?;
     }
     write_file(&path, lines(&header, &made).as_bytes())?;
-    let actions: usize = made.iter().map(|demo| demo.steps.len()).sum();
-    io.report(
-        arguments.json,
-        || {
-            json!({
-                "file": path.display().to_string(),
-                "task": program.task,
-                "variant": program.variant,
-                "stage": header.stage,
-                "demos": made.len(),
-                "actions": actions,
-                "seed": header.seed,
-                "params": header.params,
-            })
-        },
-        || {
-            format!(
-                "{}: {} demonstrations, {actions} actions, for the stage `{}`",
-                path.display(),
-                made.len(),
-                header.stage
-            )
-        },
-    );
+    let written = WrittenDemos {
+        file: path.display().to_string(),
+        task: program.task,
+        variant: program.variant,
+        stage: header.stage,
+        demos: made.len(),
+        actions: made.iter().map(|demo| demo.steps.len()).sum(),
+        seed: header.seed,
+        params: header.params,
+    };
+    io.result(arguments.json, &written);
     Ok(Exit::Done)
+}
+
+impl Report for WrittenDemos {
+    fn text(&self) -> String {
+        format!(
+            "{}: {} demonstrations, {} actions, for the stage `{}`",
+            self.file, self.demos, self.actions, self.stage
+        )
+    }
 }
 
 /// Formats the header and each demonstration, one per line.

@@ -5,17 +5,18 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::verbs::runtime::setting::catalogue::FactsArguments;
-use crate::verbs::runtime::setting::catalogue::{self, UserFile};
+use crate::report::Report;
+use crate::verbs::runtime::setting::catalogue::{self, FactsArguments, UserFile};
 use crate::verbs::runtime::setting::remote;
 use clap::Args;
 use fab_base::interrupt::Interrupt;
 use fab_providers::catalogue::{Catalogue, KeyNeed, Provider, RunsOn};
 use fab_providers::remote::{BaseUrl, Key, NotListed, Settings, served_models};
 use serde::Serialize;
-use serde_json::json;
 use std::path::Path;
 use std::time::Duration;
+
+use Readiness::{Broken, Missing, Ready};
 
 /// Arguments of `doctor`.
 #[derive(Args)]
@@ -33,11 +34,16 @@ const LIST_TIME: Duration = Duration::from_secs(2);
 /// How many models are listed for a server; JSON has all.
 const MAX_LISTED: usize = 8;
 
+/// All that was checked.
+#[derive(Serialize)]
+struct Checkup {
+    ready: bool,
+    findings: Vec<Finding>,
+}
+
 /// One item that was checked.
 #[derive(Serialize)]
 struct Finding {
-    /// Its category.
-    about: About,
     /// Its name.
     name: String,
     state: Readiness,
@@ -52,15 +58,6 @@ struct Finding {
 
 #[derive(Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
-enum About {
-    Version,
-    File,
-    Model,
-    Provider,
-}
-
-#[derive(Clone, Copy, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
 enum Readiness {
     /// It is usable.
     Ready,
@@ -71,34 +68,20 @@ enum Readiness {
 }
 
 impl Finding {
-    fn ready(about: About, name: &str, found: impl Into<String>) -> Finding {
+    fn new(name: &str, state: Readiness, found: impl ToString) -> Finding {
         Finding {
-            about,
             name: name.to_owned(),
-            state: Readiness::Ready,
-            found: found.into(),
+            state,
+            found: found.to_string(),
             help: None,
             models: Vec::new(),
         }
     }
 
-    fn missing(
-        about: About,
-        name: &str,
-        found: impl Into<String>,
-        help: impl Into<String>,
-    ) -> Finding {
+    fn help(self, help: impl ToString) -> Finding {
         Finding {
-            state: Readiness::Missing,
-            help: Some(help.into()),
-            ..Finding::ready(about, name, found)
-        }
-    }
-
-    fn broken(about: About, name: &str, found: impl Into<String>) -> Finding {
-        Finding {
-            state: Readiness::Broken,
-            ..Finding::ready(about, name, found)
+            help: Some(help.to_string()),
+            ..self
         }
     }
 }
@@ -107,82 +90,60 @@ impl Finding {
 pub fn run(arguments: &DoctorArguments, io: &Io) -> Result<Exit, Failure> {
     let mut findings = versions();
     let (catalogue, facts) = facts(arguments.facts.models.as_deref(), io);
-    findings.push(facts);
     let (names, keys) = keys(io);
-    findings.push(keys);
-    findings.push(cache(io));
-    let stand_ins = "embedded stand-ins, ready without key or network; no vision-language models";
-    findings.push(Finding::ready(
-        About::Model,
+    findings.extend([facts, keys, cache(io)]);
+    findings.push(Finding::new(
         "geometric, random, imperfect",
-        stand_ins,
+        Ready,
+        "embedded stand-ins, ready without key or network; no vision-language models",
     ));
     findings.extend(providers(&catalogue, &names, io));
-    let is_broken = findings
-        .iter()
-        .any(|finding| finding.state == Readiness::Broken);
-    io.report(
-        arguments.json,
-        || json!({ "ready": !is_broken, "findings": findings }),
-        || text(&findings),
-    );
-    Ok(if is_broken {
-        Exit::Environment
-    } else {
+    let checkup = Checkup {
+        ready: findings.iter().all(|finding| finding.state != Broken),
+        findings,
+    };
+    io.result(arguments.json, &checkup);
+    Ok(if checkup.ready {
         Exit::Done
+    } else {
+        Exit::Environment
     })
 }
 
 fn versions() -> Vec<Finding> {
-    let detectors = match fab_vision::detectors() {
-        Ok(whose) => Finding::ready(About::Version, "keypoints", format!("found by {whose}")),
-        Err(error) => Finding::broken(About::Version, "keypoints", error.to_string()),
-    };
-    let tags = if cfg!(feature = "tags") {
-        Finding::ready(About::Version, "AprilTags", "found by this build")
+    let version = |name, state, found: String| Finding::new(name, state, found);
+    let mut versions = vec![version("fabc", Ready, env!("CARGO_PKG_VERSION").to_owned())];
+    versions.push(match fab_vision::detectors() {
+        Ok(whose) => version("keypoints", Ready, format!("found by {whose}")),
+        Err(error) => version("keypoints", Broken, error.to_string()),
+    });
+    versions.push(if cfg!(feature = "tags") {
+        version("AprilTags", Ready, "found by this build".to_owned())
     } else {
-        Finding::missing(
-            About::Version,
-            "AprilTags",
-            "not found by this build; only `fabc calibrate` looks for them",
-            "cargo install --path . --features tags",
-        )
-    };
-    vec![
-        Finding::ready(About::Version, "fabc", env!("CARGO_PKG_VERSION")),
-        detectors,
-        tags,
-    ]
+        let found = "not found by this build; only `fabc calibrate` looks for them";
+        version("AprilTags", Missing, found.to_owned())
+            .help("cargo install --path . --features tags")
+    });
+    versions
 }
 
 /// Returns the model catalogue; without the user's file if that is unusable.
 fn facts(flag: Option<&Path>, io: &Io) -> (Catalogue, Finding) {
-    const NAME: &str = "facts about models";
-    let absent = |path: String| {
-        let help = format!("to add or correct facts, write {path} (`fabc models --help`)");
-        Finding::missing(
-            About::File,
-            NAME,
-            "none of yours; the embedded ones are used",
-            help,
-        )
-    };
-    let Some(file) = catalogue::facts_file(flag, io) else {
-        return (
-            Catalogue::builtin(),
-            absent("a file and name it in FABC_MODELS".to_owned()),
-        );
-    };
-    let path = file.path.display().to_string();
-    if !file.counts() {
-        return (Catalogue::builtin(), absent(path));
-    }
-    match Catalogue::builtin().overlaid_by(&file.path) {
-        Ok(catalogue) => (catalogue, Finding::ready(About::File, NAME, path)),
-        Err(error) => (
-            Catalogue::builtin(),
-            Finding::broken(About::File, NAME, error.to_string()),
-        ),
+    let builtin = Catalogue::builtin();
+    let finding = |state, found| Finding::new("facts about models", state, found);
+    let file = catalogue::facts_file(flag, io);
+    match &file {
+        Some(file) if file.counts() => match Catalogue::builtin().overlaid_by(&file.path) {
+            Ok(catalogue) => (catalogue, finding(Ready, file.path.display().to_string())),
+            Err(error) => (builtin, finding(Broken, error.to_string())),
+        },
+        _ => {
+            let place = file.map(|file| file.path.display().to_string());
+            let place = place.unwrap_or("a file and name it in FABC_MODELS".to_owned());
+            let found = "none of yours; the embedded ones are used".to_owned();
+            let help = format!("to add or correct facts, write {place} (`fabc models --help`)");
+            (builtin, finding(Missing, found).help(help))
+        }
     }
 }
 
@@ -193,54 +154,42 @@ struct Keys {
 }
 
 fn keys(io: &Io) -> (Keys, Finding) {
-    const NAME: &str = "keys";
+    let finding = |state, found| Finding::new("keys", state, found);
     let file = catalogue::keys_file(io);
     let path = file.as_ref().map(|file| file.path.display().to_string());
-    let mut keys = Keys {
-        path,
-        names: Vec::new(),
-    };
-    let found = match file.filter(UserFile::counts) {
+    let (names, found) = match file.filter(UserFile::counts) {
         None => {
-            let place = keys
-                .path
-                .as_deref()
-                .unwrap_or("a file that FABC_KEYS names");
+            let place = path.as_deref().unwrap_or("a file that FABC_KEYS names");
             let help = format!(
                 "keys may stand in variables, or in {place} (chmod 600), a line each: NAME = \"KEY\""
             );
-            Finding::missing(About::File, NAME, "no file of keys", help)
+            let found = finding(Missing, "no file of keys".to_owned());
+            (Vec::new(), found.help(help))
         }
         Some(file) => match Key::names_in(&file.path) {
+            Err(error) => (Vec::new(), finding(Broken, error.to_string())),
             Ok(names) => {
                 let listed = if names.is_empty() {
                     "no key".to_owned()
                 } else {
                     names.join(", ")
                 };
-                keys.names = names;
-                Finding::ready(
-                    About::File,
-                    NAME,
-                    format!("{}: {listed}", file.path.display()),
-                )
+                let found = format!("{}: {listed}", file.path.display());
+                (names, finding(Ready, found))
             }
-            Err(error) => Finding::broken(About::File, NAME, error.to_string()),
         },
     };
-    (keys, found)
+    (Keys { path, names }, found)
 }
 
 fn cache(io: &Io) -> Finding {
-    const NAME: &str = "cache";
+    let finding = |state, found| Finding::new("cache", state, found);
     let Some(folder) = io.cache_folder() else {
-        let help = "name a folder in FABC_CACHE_DIR";
-        return Finding::missing(
-            About::File,
-            NAME,
-            "no folder: results are computed anew each time",
-            help,
-        );
+        return finding(
+            Missing,
+            "no folder: results are computed anew each time".to_owned(),
+        )
+        .help("name a folder in FABC_CACHE_DIR");
     };
     let shown = folder.display();
     // A name of this process's own, so that two doctors running at once do not collide.
@@ -249,62 +198,48 @@ fn cache(io: &Io) -> Finding {
         .and_then(|()| std::fs::write(&trial, "written by fabc doctor"))
         .and_then(|()| std::fs::remove_file(&trial));
     match written {
-        Ok(()) => Finding::ready(About::File, NAME, shown.to_string()),
-        Err(error) => Finding {
-            help: Some("make it writable, or name another folder in FABC_CACHE_DIR".to_owned()),
-            ..Finding::broken(
-                About::File,
-                NAME,
-                format!("cannot write into {shown}: {error}"),
-            )
-        },
+        Ok(()) => finding(Ready, shown.to_string()),
+        Err(error) => finding(Broken, format!("cannot write into {shown}: {error}"))
+            .help("make it writable, or name another folder in FABC_CACHE_DIR"),
     }
 }
 
 fn providers(catalogue: &Catalogue, keys: &Keys, io: &Io) -> Vec<Finding> {
-    let providers = catalogue.providers();
     // In parallel, so that ten missing servers take no longer than one.
     std::thread::scope(|scope| {
-        let looks: Vec<_> = providers
-            .iter()
-            .map(|provider| scope.spawn(|| look(provider, keys, io)))
-            .collect();
-        let found = looks
-            .into_iter()
-            .map(|look| look.join().expect("looking at a provider does not panic"));
-        found.collect()
+        let providers = catalogue.providers().iter();
+        let looks = providers.map(|provider| scope.spawn(|| look(provider, keys, io)));
+        let looks: Vec<_> = looks.collect();
+        let found = looks.into_iter().map(|look| look.join());
+        found
+            .map(|found| found.expect("looking at a provider does not panic"))
+            .collect()
     })
 }
 
 fn look(provider: &Provider, keys: &Keys, io: &Io) -> Finding {
-    let name = provider.name.as_str();
+    let finding = |state, found| Finding::new(&provider.name, state, found);
     let key = key(provider, keys, io);
-    let with = key
-        .as_ref()
-        .map_or(String::new(), |key| format!(", key: {key}"));
+    let with = key.as_ref().map(|key| format!(", key: {key}"));
+    let with = with.unwrap_or_default();
     let Some(base_url) = &provider.base_url else {
-        let found = format!("any server that speaks its interface{with}");
-        return Finding::missing(
-            About::Provider,
-            name,
-            found,
-            "name its address with --base-url",
-        );
+        return finding(
+            Missing,
+            format!("any server that speaks its interface{with}"),
+        )
+        .help("name its address with --base-url");
     };
     if provider.runs_on != Some(RunsOn::Vendor) {
         return match ask(provider, base_url, io) {
             Ok(listed) => served(provider, base_url, listed, &with, keys),
-            Err(why) => Finding::broken(About::Provider, name, why),
+            Err(why) => finding(Broken, why),
         };
     }
     match (key, provider.key) {
-        (Some(key), _) => Finding::ready(About::Provider, name, format!("key: {key}; not tried")),
-        (None, KeyNeed::Optional) => {
-            Finding::ready(About::Provider, name, format!("{base_url}, without a key"))
-        }
+        (Some(key), _) => finding(Ready, format!("key: {key}; not tried")),
+        (None, KeyNeed::Optional) => finding(Ready, format!("{base_url}, without a key")),
         (None, KeyNeed::Required) => {
-            let help = export(provider, keys);
-            Finding::missing(About::Provider, name, "no key", help)
+            finding(Missing, "no key".to_owned()).help(export(provider, keys))
         }
     }
 }
@@ -333,54 +268,57 @@ fn served(
     with: &str,
     keys: &Keys,
 ) -> Finding {
-    let name = provider.name.as_str();
-    let missing =
-        |found: String, help: String| Finding::missing(About::Provider, name, found, help);
     let elsewhere = "or name its address with --base-url";
-    match listed {
-        Ok(models) if models.is_empty() => missing(
+    let (found, help) = match listed {
+        Ok(models) if !models.is_empty() => {
+            let mut shown = models
+                .iter()
+                .take(MAX_LISTED)
+                .cloned()
+                .collect::<Vec<_>>()
+                .join(", ");
+            if models.len() > MAX_LISTED {
+                shown += &format!(" and {} more", models.len() - MAX_LISTED);
+            }
+            let found = format!("serves {shown} at {base_url}{with}");
+            return Finding {
+                models,
+                ..Finding::new(&provider.name, Ready, found)
+            };
+        }
+        Ok(_) => (
             format!("answers at {base_url} and serves no model yet{with}"),
             "load a model in it".to_owned(),
         ),
-        Ok(models) => {
-            let shown: Vec<&str> = models.iter().take(MAX_LISTED).map(String::as_str).collect();
-            let more = match models.len() - shown.len() {
-                0 => String::new(),
-                more => format!(" and {more} more"),
+        Err(NotListed::Unauthorised { status }) => {
+            let wants = if with.is_empty() {
+                "wants a key"
+            } else {
+                "does not accept the key"
             };
-            let found = format!("serves {}{more} at {base_url}{with}", shown.join(", "));
-            Finding {
-                models,
-                ..Finding::ready(About::Provider, name, found)
-            }
+            let found = format!("answers at {base_url} and {wants} (HTTP {status}){with}");
+            (found, export(provider, keys))
         }
-        Err(NotListed::Unauthorised { status }) if with.is_empty() => missing(
-            format!("answers at {base_url} and wants a key (HTTP {status})"),
-            export(provider, keys),
-        ),
-        Err(NotListed::Unauthorised { status }) => missing(
-            format!("answers at {base_url} and does not accept the key (HTTP {status}){with}"),
-            export(provider, keys),
-        ),
-        Err(NotListed::Absent) => missing(
+        Err(NotListed::Absent) => (
             format!("nothing answers at {base_url}{with}"),
             match &provider.start {
                 Some(start) => format!("{start}, {elsewhere}{}", not_run(provider)),
                 None => format!("start its server, {elsewhere}"),
             },
         ),
-        Err(NotListed::Other(why)) => missing(
+        Err(NotListed::Other(why)) => (
             format!("something answers at {base_url} and lists no models ({why}){with}"),
             format!("another program may have its port: start it at a free one, {elsewhere}"),
         ),
-        Err(NotListed::Unreachable(why)) => missing(
+        Err(NotListed::Unreachable(why)) => (
             format!(
                 "no list of models came from {base_url} within {} s ({why}){with}",
                 LIST_TIME.as_secs()
             ),
             format!("look into its log, {elsewhere}"),
         ),
-    }
+    };
+    Finding::new(&provider.name, Missing, found).help(help)
 }
 
 /// Says so if no test runs the command that starts a provider's server, with the day of its source.
@@ -388,10 +326,8 @@ fn not_run(provider: &Provider) -> String {
     // The oldest layer is the one that has the command.
     match provider.sources.last() {
         Some(source) if !provider.start_run => {
-            format!(
-                " (from its documentation of {}, not run by us)",
-                source.as_of
-            )
+            let as_of = source.as_of;
+            format!(" (from its documentation of {as_of}, not run by us)")
         }
         _ => String::new(),
     }
@@ -407,34 +343,28 @@ fn export(provider: &Provider, keys: &Keys) -> String {
 
 /// Returns the source from which a provider's key would be taken.
 fn key(provider: &Provider, keys: &Keys, io: &Io) -> Option<String> {
-    let is_set = |name: &&String| remote::environment(name, io).is_some();
-    let variable = provider.key_env.iter().find(is_set);
-    let in_file = || {
-        provider
-            .key_env
-            .iter()
-            .find(|name| keys.names.contains(name))
-    };
-    variable
-        .map(|name| format!("{name} (environment)"))
-        .or_else(|| in_file().map(|name| format!("{name} (file of keys)")))
+    let names = || provider.key_env.iter();
+    let variable = names().find(|name| remote::environment(name, io).is_some());
+    let variable = variable.map(|name| format!("{name} (environment)"));
+    let in_file = || names().find(|name| keys.names.contains(name));
+    variable.or_else(|| Some(format!("{} (file of keys)", in_file()?)))
 }
 
-fn text(findings: &[Finding]) -> String {
-    let mut lines = Vec::new();
-    for finding in findings {
-        let state = match finding.state {
-            Readiness::Ready => "ready  ",
-            Readiness::Missing => "missing",
-            Readiness::Broken => "BROKEN ",
-        };
-        lines.push(format!("{state}  {}: {}", finding.name, finding.found));
-        lines.extend(
-            finding
+impl Report for Checkup {
+    fn text(&self) -> String {
+        let lines = self.findings.iter().map(|finding| {
+            let state = match finding.state {
+                Ready => "ready  ",
+                Missing => "missing",
+                Broken => "BROKEN ",
+            };
+            let help = finding
                 .help
-                .as_ref()
-                .map(|help| format!("         -> {help}")),
-        );
+                .iter()
+                .map(|help| format!("\n         -> {help}"));
+            let help: String = help.collect();
+            format!("{state}  {}: {}{help}", finding.name, finding.found)
+        });
+        lines.collect::<Vec<_>>().join("\n")
     }
-    lines.join("\n")
 }

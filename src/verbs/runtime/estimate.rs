@@ -86,9 +86,10 @@ pub fn estimate(asking: &Asking<'_>, io: &Io) -> Estimate {
         horizon: asking.horizon,
         actions_per_step: program.actions_per_step(),
         attempts: program.verify.attempts,
-        correction: match program.verify.with_picture {
-            true => Correction::Picture,
-            false => Correction::Words,
+        correction: if program.verify.with_picture {
+            Correction::Picture
+        } else {
+            Correction::Words
         },
         rollouts: asking.rollouts,
         today: catalogue::today(io),

@@ -2,15 +2,15 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::verbs::runtime::setting::catalogue;
-use crate::verbs::runtime::setting::catalogue::FactsArguments;
+use crate::report::Report;
+use crate::verbs::runtime::setting::catalogue::{self, FactsArguments};
 use clap::Args;
+use fab_base::table::aligned;
 use fab_providers::catalogue::{
-    Catalogue, Date, Facts, FactsSource, Family, ImageTokens, Price, Profile, Provider, Source,
-    Tokens,
+    Catalogue, Date, Facts, FactsSource, Family, Notice, Price, Profile, Provider, Source, Tokens,
 };
 use fab_providers::probe::SIDES_PX;
-use serde_json::{Value, json};
+use serde::Serialize;
 
 /// How to write a file of facts.
 const FORM: &str = "\
@@ -41,17 +41,33 @@ pub struct ModelsArguments {
     pub json: bool,
 }
 
+/// What is known.
+#[derive(Serialize)]
+struct KnownModels<'c> {
+    on: Date,
+    providers: &'c [Provider],
+    models: Vec<KnownModel>,
+    families: Vec<Family<'c>>,
+}
+
+/// What is known of one model.
+#[derive(Serialize)]
+struct KnownModel {
+    #[serde(flatten)]
+    profile: Profile,
+    price: Option<Price>,
+    image_tokens_224: Option<Tokens>,
+    image_tokens_720: Option<Tokens>,
+    notices: Vec<Notice>,
+}
+
 /// Lists the models.
 pub fn run(arguments: &ModelsArguments, io: &Io) -> Result<Exit, Failure> {
     let catalogue = catalogue::load(arguments.facts.models.as_deref(), io)?;
     let today = arguments.on.unwrap_or_else(|| catalogue::today(io));
-    let wanted = match &arguments.provider {
-        None => None,
-        Some(name) => {
-            let found = catalogue.provider(name);
-            Some(found.map_err(|error| Failure::usage(error.to_string()))?)
-        }
-    };
+    let wanted = arguments.provider.as_deref();
+    let wanted = wanted.map(|name| catalogue.provider(name)).transpose();
+    let wanted = wanted.map_err(|error| Failure::usage(error.to_string()))?;
     let profiles = match wanted {
         None => catalogue.profiles(),
         Some(provider) => of_provider(&catalogue, provider)?,
@@ -60,91 +76,55 @@ pub fn run(arguments: &ModelsArguments, io: &Io) -> Result<Exit, Failure> {
         (Some(wanted), Some(at)) => wanted.owner() == at,
         _ => true,
     };
-    let families: Vec<Family<'_>> = catalogue
-        .families()
-        .filter(|family| is_wanted(family.provider))
-        .collect();
-    io.report(
-        arguments.json,
-        || as_json(&catalogue, &profiles, &families, today),
-        || as_text(&catalogue, &profiles, &families, today),
-    );
+    let known = KnownModels {
+        on: today,
+        providers: catalogue.providers(),
+        models: { profiles.into_iter() }
+            .map(|profile| KnownModel::of(profile, today))
+            .collect(),
+        families: { catalogue.families() }
+            .filter(|family| is_wanted(family.provider))
+            .collect(),
+    };
+    io.result(arguments.json, &known);
     Ok(Exit::Done)
 }
 
 fn of_provider(catalogue: &Catalogue, provider: &Provider) -> Result<Vec<Profile>, Failure> {
-    let owner = provider.owner();
-    let own = catalogue
-        .profiles()
-        .into_iter()
-        .filter(|profile| profile.provider.name == owner);
-    own.map(|profile| {
-        catalogue
-            .find(&format!("{}:{}", provider.name, profile.id))
-            .map_err(Failure::environment)
-    })
-    .collect()
+    let mut own = catalogue.profiles();
+    own.retain(|profile| profile.provider.name == provider.owner());
+    let ids = own
+        .iter()
+        .map(|own| format!("{}:{}", provider.name, own.id));
+    ids.map(|id| catalogue.find(&id).map_err(Failure::environment))
+        .collect()
 }
 
-fn as_json(
-    catalogue: &Catalogue,
-    profiles: &[Profile],
-    families: &[Family<'_>],
-    today: Date,
-) -> Value {
-    let models = profiles.iter().map(|profile| {
-        let (id, name) = match &profile.listed {
-            FactsSource::ByName(name) => (None, Some(name)),
-            _ => (Some(&profile.id), None),
-        };
-        let notices: Vec<Value> = shown_notices(profile, today)
-            .map(|notice| {
-                let mut value = json!(notice);
-                value["message"] = json!(notice.to_string());
-                value["warning"] = json!(notice.is_warning());
-                value
-            })
-            .collect();
-        let tokens = SIDES_PX.map(|side| image_tokens(profile.facts.image_tokens.as_ref(), side));
-        json!({
-            "provider": profile.provider.name,
-            "id": id,
-            "name": name,
-            "facts": profile.facts,
-            "price": profile.price_on(today),
-            "image_tokens_224": tokens[0],
-            "image_tokens_720": tokens[1],
-            "undated": profile.is_moving(),
-            "notices": notices,
-            "sources": profile.sources,
-        })
-    });
-    json!({
-        "on": today,
-        "providers": catalogue.providers(),
-        "models": models.collect::<Vec<_>>(),
-        "families": families,
-        "gateways": catalogue
-            .gateways()
-            .map(|(prefixes, source)| json!({ "prefixes": prefixes, "source": source }))
-            .collect::<Vec<_>>(),
-    })
+impl KnownModel {
+    fn of(profile: Profile, today: Date) -> KnownModel {
+        let [image_tokens_224, image_tokens_720] = image_tokens(&profile.facts);
+        KnownModel {
+            price: profile.price_on(today),
+            image_tokens_224,
+            image_tokens_720,
+            notices: profile.notices(today),
+            profile,
+        }
+    }
+
+    fn title(&self) -> String {
+        let Profile { provider, id, .. } = &self.profile;
+        match &self.profile.listed {
+            FactsSource::ByName(name) => format!("{}:? ({name})", provider.name),
+            _ => format!("{}:{id}", provider.name),
+        }
+    }
 }
 
-/// Returns the notices about a listed model, except that it has no id, which has a column of its own.
-fn shown_notices(
-    profile: &Profile,
-    today: Date,
-) -> impl Iterator<Item = fab_providers::catalogue::Notice> {
-    use fab_providers::catalogue::Notice;
-    profile
-        .notices(today)
-        .into_iter()
-        .filter(|notice| !matches!(notice, Notice::ByName { .. }))
-}
-
-fn image_tokens(formula: Option<&ImageTokens>, side_px: u32) -> Option<Tokens> {
-    formula.map(|formula| formula.of(side_px, side_px))
+/// Returns the tokens of a square picture for each of the cameras' sides.
+fn image_tokens(facts: &Facts) -> [Option<Tokens>; 2] {
+    let formula = facts.image_tokens.as_ref();
+    SIDES_PX.map(|side| formula.map(|formula| formula.of(side, side)))
 }
 
 const HEADINGS: [&str; 9] = [
@@ -159,168 +139,122 @@ const HEADINGS: [&str; 9] = [
     "source",
 ];
 
-fn as_text(
-    catalogue: &Catalogue,
-    profiles: &[Profile],
-    families: &[Family<'_>],
-    today: Date,
-) -> String {
-    let mut sources: Vec<Source> = Vec::new();
-    let mut rows: Vec<[String; 9]> = vec![HEADINGS.map(str::to_owned)];
-    let mut notes = Vec::new();
-    let (retired, current): (Vec<&Profile>, Vec<&Profile>) = profiles
-        .iter()
-        .partition(|profile| profile.facts.shutdown.is_some());
-    for profile in current {
-        let title = match &profile.listed {
-            FactsSource::ByName(name) => format!("{}:? ({name})", profile.provider.name),
-            _ => profile.title(),
-        };
-        let price = price(profile.price_on(today));
-        let marks = footnotes(&profile.sources, &mut sources);
-        rows.push(row(title.clone(), price, &profile.facts, marks));
-        let changes = shown_notices(profile, today).filter(|notice| {
-            matches!(
-                notice,
-                fab_providers::catalogue::Notice::PriceChanges { .. }
-            )
-        });
-        notes.extend(changes.map(|notice| format!("{title}: {notice}")));
-    }
-    let (vendors, open): (Vec<&Family<'_>>, Vec<&Family<'_>>) = families
-        .iter()
-        .partition(|family| family.provider.is_some());
-    let mut groups = vec![("", rows.len() - 1)];
-    let mut other_names = Vec::new();
-    for (title, families) in [
-        ("Families of vendors:", vendors),
-        ("Families of open weights, wherever they are served:", open),
-    ] {
-        groups.push((title, families.len()));
-        for family in families {
-            let words = format!("*{}*", family.part);
-            let at = family
-                .provider
-                .map_or(String::new(), |name| format!("{name}:"));
-            let marks = footnotes(family.sources, &mut sources);
-            rows.push(row(
-                format!("{at}{words}"),
-                String::new(),
-                family.facts,
-                marks,
+impl Report for KnownModels<'_> {
+    fn text(&self) -> String {
+        let mut sources = Footnotes(Vec::new());
+        let mut table = vec![HEADINGS.map(str::to_owned)];
+        let is_retired = |model: &&KnownModel| model.profile.facts.shutdown.is_some();
+        let (retired, current): (Vec<_>, Vec<_>) = self.models.iter().partition(is_retired);
+        for model in &current {
+            let Profile {
+                facts, sources: of, ..
+            } = &model.profile;
+            table.push(row(
+                model.title(),
+                price(model.price),
+                facts,
+                sources.marks(of),
             ));
-            if !family.aliases.is_empty() {
-                other_names.push(format!("{}: {}", family.part, family.aliases.join(", ")));
-            }
         }
-    }
-    let mut text = grouped(&table(&rows), &groups);
-    text.push_str(
-        "\n\n?: unknown. *: every model whose id has these words. tokens: estimates for one square picture. Another \
-         server's model has its vendor's facts, but not its price and schema.\nCalls to models on your own machine are \
-         never billed.",
-    );
-    for note in notes {
-        text.push_str(&format!("\n{note}"));
-    }
-    for (title, lines) in [
-        ("Other words for the same family:", other_names),
-        (
-            "Retired, or soon to be:",
-            retired_lines(&retired, today, &mut sources),
-        ),
-        (
-            "Seen through at the beginning of an id:",
-            prefix_lines(catalogue, &mut sources),
-        ),
-    ] {
-        if !lines.is_empty() {
-            text.push_str(&format!("\n\n{title}\n{}", lines.join("\n")));
+        for family in &self.families {
+            let at = family.provider.map(|name| format!("{name}:"));
+            let title = format!("{}*{}*", at.unwrap_or_default(), family.part);
+            let marks = sources.marks(family.sources);
+            table.push(row(title, String::new(), family.facts, marks));
         }
+        let mut lines = aligned(&[], &table);
+        lines.push(
+            "\n?: unknown. *: every model whose id has these words; open weights have no vendor before them. tokens: \
+             estimates for one square picture. Another server's model has its vendor's facts, but not its price and \
+             schema.\nCalls to models on your own machine are never billed."
+                .to_owned(),
+        );
+        for model in &current {
+            let mut changes = model.notices.iter();
+            let change = changes.find(|it| matches!(it, Notice::PriceChanges { .. }));
+            lines.extend(change.map(|change| format!("{}: {change}", model.title())));
+        }
+        if !retired.is_empty() {
+            lines.push("\nRetired, or soon to be:".to_owned());
+            lines.extend(self.retired(retired, &mut sources));
+        }
+        lines.push("\nSources:".to_owned());
+        for (Source { as_of, source }, number) in sources.0.iter().zip(1..) {
+            lines.push(format!("[{number}] {as_of}: {source}"));
+        }
+        lines.join("\n")
     }
-    text.push_str("\n\nSources:");
-    for (number, source) in sources.iter().enumerate() {
-        text.push_str(&format!(
-            "\n[{}] {}: {}",
-            number + 1,
-            source.as_of,
-            source.source
-        ));
-    }
-    text
 }
 
-/// Returns a line for each day and replacement, with its models.
-fn retired_lines(retired: &[&Profile], today: Date, sources: &mut Vec<Source>) -> Vec<String> {
-    let mut groups: Vec<(Date, &Profile, Vec<&Profile>)> = Vec::new();
-    for profile in retired {
-        let Some(on) = profile.facts.shutdown else {
-            continue;
+impl KnownModels<'_> {
+    /// Returns a line for each day and replacement, with its models.
+    fn retired(&self, mut retired: Vec<&KnownModel>, sources: &mut Footnotes) -> Vec<String> {
+        let of = |model: &&KnownModel| {
+            let Profile {
+                facts, provider, ..
+            } = &model.profile;
+            let replaced_by = facts.replaced_by.clone();
+            (facts.shutdown, provider.name.clone(), replaced_by)
         };
-        let is_same = |first: &Profile| {
-            first.facts.replaced_by == profile.facts.replaced_by
-                && first.provider.name == profile.provider.name
+        retired.sort_by_key(of);
+        let line = |group: &[&KnownModel]| {
+            let (on, provider, instead) = of(&group[0]);
+            let on = on?;
+            let since = if self.on.days_until(on) > 0 {
+                "from"
+            } else {
+                "since"
+            };
+            let ids: Vec<&str> = group.iter().map(|it| it.profile.id.as_str()).collect();
+            let instead = instead.map(|id| format!("; its vendor recommends {id}"));
+            let (ids, instead) = (ids.join(", "), instead.unwrap_or_default());
+            let marks = sources.marks(&group[0].profile.sources);
+            Some(format!("{since} {on}  {provider}: {ids}{instead} {marks}"))
         };
-        match groups
-            .iter_mut()
-            .find(|(day, first, _)| *day == on && is_same(first))
-        {
-            Some((.., group)) => group.push(profile),
-            None => groups.push((on, profile, vec![profile])),
-        }
+        let groups = retired.chunk_by(|a, b| of(a) == of(b));
+        groups.filter_map(line).collect()
     }
-    groups.sort_by_key(|(on, first, _)| (*on, first.provider.name.clone()));
-    let line = |(on, first, group): (Date, &Profile, Vec<&Profile>)| {
-        let ids: Vec<&str> = group.iter().map(|profile| profile.id.as_str()).collect();
-        let instead = first.facts.replaced_by.as_ref();
-        let instead = instead.map_or(String::new(), |id| format!("; its vendor recommends {id}"));
-        let verb = if today.days_until(on) > 0 {
-            "from"
-        } else {
-            "since"
-        };
-        let marks = footnotes(&first.sources, sources);
-        format!(
-            "{verb} {on}  {}: {}{instead} {marks}",
-            first.provider.name,
-            ids.join(", ")
-        )
-    };
-    groups.into_iter().map(line).collect()
 }
 
-fn prefix_lines(catalogue: &Catalogue, sources: &mut Vec<Source>) -> Vec<String> {
-    let line = |(prefixes, source): (&[String], &Source)| {
-        let marks = footnotes(std::slice::from_ref(source), sources);
-        format!("{} {marks}", prefixes.join(" "))
-    };
-    catalogue.gateways().map(line).collect()
+/// Sources by their numbers, from 1.
+struct Footnotes(Vec<Source>);
+
+impl Footnotes {
+    /// Returns the numbers of sources, and adds new ones.
+    fn marks(&mut self, sources: &[Source]) -> String {
+        let number = |source: &Source| {
+            let known = self.0.iter().position(|known| known == source);
+            let index = known.unwrap_or_else(|| {
+                self.0.push(source.clone());
+                self.0.len() - 1
+            });
+            format!("[{}]", index + 1)
+        };
+        sources.iter().map(number).collect()
+    }
 }
 
 fn row(title: String, price: String, facts: &Facts, marks: String) -> [String; 9] {
+    let or_unknown = |known: Option<String>| known.unwrap_or("?".to_owned());
     let answer = |known: Option<bool>| {
-        known
-            .map_or("?", |yes| if yes { "yes" } else { "no" })
-            .to_owned()
+        or_unknown(known.map(|yes| if yes { "yes" } else { "no" }.to_owned()))
     };
-    let tokens = |side| {
-        let tokens = image_tokens(facts.image_tokens.as_ref(), side);
-        tokens.map_or("?".to_owned(), |tokens| tokens.to_string())
-    };
+    let [small, large] =
+        image_tokens(facts).map(|tokens| or_unknown(tokens.map(|it| it.to_string())));
     [
         title,
         price,
         answer(facts.vision),
         answer(facts.structured_output),
-        facts
-            .temperature
-            .as_ref()
-            .map_or("?".to_owned(), |accepted| accepted.to_string()),
-        facts
-            .coordinates
-            .map_or("?".to_owned(), |_| facts.lowering().to_string()),
-        tokens(SIDES_PX[0]),
-        tokens(SIDES_PX[1]),
+        or_unknown(
+            facts
+                .temperature
+                .as_ref()
+                .map(|accepted| accepted.to_string()),
+        ),
+        or_unknown(facts.coordinates.map(|_| facts.lowering().to_string())),
+        small,
+        large,
         marks,
     ]
 }
@@ -329,53 +263,7 @@ fn price(price: Option<Price>) -> String {
     price.map_or("?".to_owned(), |price| {
         let cached = price
             .cached_input
-            .map_or("?".to_owned(), |dollars| dollars.to_string());
+            .map_or("?".to_owned(), |it| it.to_string());
         format!("{} / {cached} / {}", price.input, price.output)
     })
-}
-
-/// Returns the numbers of sources, and adds new ones to the list.
-fn footnotes(of: &[Source], sources: &mut Vec<Source>) -> String {
-    let numbers = of.iter().map(|source| {
-        let known = sources.iter().position(|known| known == source);
-        let index = known.unwrap_or_else(|| {
-            sources.push(source.clone());
-            sources.len() - 1
-        });
-        format!("[{}]", index + 1)
-    });
-    numbers.collect::<Vec<_>>().join("")
-}
-
-/// Puts titles before groups of lines, after the line of headings; a group without lines is left out.
-fn grouped(lines: &[String], groups: &[(&str, usize)]) -> String {
-    let mut lines = lines.iter();
-    let mut text = lines.next().cloned().unwrap_or_default();
-    for (title, count) in groups {
-        if *count > 0 && !title.is_empty() {
-            text.push_str(&format!("\n\n{title}"));
-        }
-        for line in lines.by_ref().take(*count) {
-            text.push_str(&format!("\n{line}"));
-        }
-    }
-    text
-}
-
-fn table(rows: &[[String; 9]]) -> Vec<String> {
-    let width = |column: usize| {
-        rows.iter()
-            .map(|row| row[column].chars().count())
-            .max()
-            .unwrap_or(0)
-    };
-    let widths: [usize; 9] = std::array::from_fn(width);
-    let lines = rows.iter().map(|row| {
-        let cells = row
-            .iter()
-            .zip(widths)
-            .map(|(cell, width)| format!("{cell:<width$}"));
-        cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
-    });
-    lines.collect()
 }

@@ -4,14 +4,11 @@
 //! stderr, so that stdout stays data; end of input means no answer.
 
 use crate::io::Io;
-use crate::verbs::runtime::robot::terminal;
+use crate::verbs::runtime::robot::terminal::{self, choose, yes_or_no};
 use fab_agent::judgement::{Cause, Judgement};
 use fab_agent::operator::Operator;
 use fab_agent::record::Report;
 use std::path::Path;
-
-/// How often a question is repeated after an unknown answer.
-const TRIES: u32 = 10;
 
 /// Asks on the terminal.
 pub struct TerminalOperator<'io>(pub &'io Io);
@@ -46,111 +43,23 @@ fn asked(
     lines: &mut dyn FnMut() -> Option<String>,
     say: &mut dyn FnMut(&str),
 ) -> Option<Judgement> {
-    let reached = choice(
-        lines,
-        say,
-        "Was the task reached? y or n:",
-        |answer| match answer {
-            "y" | "yes" => Some(true),
-            "n" | "no" => Some(false),
-            _ => None,
-        },
-    )?;
-    let why = match reached {
-        true => None,
-        false => {
-            let question = "Why not? hardware (the arm, its grasp, the camera), detection (corners, the cloth) or reasoning (what the model chose); h, d or r:";
-            let cause = choice(lines, say, question, |answer| {
-                let mut all = Cause::ALL.into_iter();
-                all.find(|cause| !answer.is_empty() && cause.name().starts_with(answer))
-            })?;
-            Some(cause)
-        }
-    };
+    let reached = choose(lines, say, "Was the task reached? y or n:", yes_or_no)?;
+    let mut why = None;
+    if !reached {
+        let question = "Why not? hardware (the arm, its grasp, the camera), detection (corners, the cloth) or reasoning (what the model chose); h, d or r:";
+        why = Some(choose(lines, say, question, |answer| {
+            let mut all = Cause::ALL.into_iter();
+            all.find(|cause| !answer.is_empty() && cause.name().starts_with(answer))
+        })?);
+    }
     say("In a few words, or nothing:");
-    let words = line(lines).filter(|words| !words.is_empty());
+    let words = lines().map(|line| line.trim().to_owned());
     Some(Judgement {
         reached,
         why,
-        words,
+        words: words.filter(|words| !words.is_empty()),
     })
 }
 
-fn choice<T>(
-    lines: &mut dyn FnMut() -> Option<String>,
-    say: &mut dyn FnMut(&str),
-    question: &str,
-    meant: impl Fn(&str) -> Option<T>,
-) -> Option<T> {
-    for _ in 0..TRIES {
-        say(question);
-        if let Some(found) = meant(&line(lines)?.to_lowercase()) {
-            return Some(found);
-        }
-    }
-    None
-}
-
-/// Returns the typed line, trimmed; `None` at end of input.
-fn line(lines: &mut dyn FnMut() -> Option<String>) -> Option<String> {
-    lines().map(|line| line.trim().to_owned())
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn answered(typed: &str) -> (Option<Judgement>, usize) {
-        let mut questions = 0;
-        let mut lines = typed.as_bytes();
-        let judgement = asked(&mut || terminal::line_of(&mut lines), &mut |_| {
-            questions += 1
-        });
-        (judgement, questions)
-    }
-
-    fn judgement(reached: bool, why: Option<Cause>, words: Option<&str>) -> Option<Judgement> {
-        let words = words.map(str::to_owned);
-        Some(Judgement {
-            reached,
-            why,
-            words,
-        })
-    }
-
-    #[test]
-    fn answers_are_understood_and_others_asked_for_again() {
-        for (typed, expected, questions) in [
-            ("y\n\n", judgement(true, None, None), 2),
-            ("YES\nas told\n", judgement(true, None, Some("as told")), 2),
-            ("n\nh\n\n", judgement(false, Some(Cause::Hardware), None), 3),
-            (
-                "perhaps\n\nno\nx\ndetection\ntwo corners lay hidden",
-                judgement(
-                    false,
-                    Some(Cause::Detection),
-                    Some("two corners lay hidden"),
-                ),
-                6,
-            ),
-            (
-                "n\nreason\n",
-                judgement(false, Some(Cause::Reasoning), None),
-                3,
-            ),
-            ("", None, 1),
-            ("n\n", None, 2),
-        ] {
-            assert_eq!(answered(typed), (expected, questions), "{typed:?}");
-        }
-        assert_eq!(answered(&"what\n".repeat(50)), (None, TRIES as usize));
-    }
-
-    #[test]
-    fn a_line_without_end_is_cut() {
-        let long = format!("y\n{}", "a".repeat(1 << 20));
-        let (judgement, _) = answered(&long);
-        let words = judgement.and_then(|it| it.words).expect("there are words");
-        assert_eq!(words.len(), terminal::MAX_LINE as usize);
-    }
-}
+mod tests;

@@ -2,20 +2,20 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
+use crate::report::Report;
 use crate::verbs::runtime::setting::catalogue;
-use crate::verbs::runtime::setting::model_arguments::OmitArgument;
-use crate::verbs::runtime::setting::model_arguments::ReachArguments;
-use crate::verbs::runtime::setting::model_arguments::dollars;
-use crate::verbs::runtime::setting::models::{self, Examined};
+use crate::verbs::runtime::setting::model_arguments::{CapArguments, OmitArgument, ReachArguments};
+use crate::verbs::runtime::setting::models::{self, Varied};
 use clap::Args;
+use fab_base::wording::counted;
 use fab_model::ModelError;
-use fab_model::calls::Usd;
-use fab_model::calls::{Budget, CallRefused, Capped, Caps, Spent};
+use fab_model::calls::{Budget, CallRefused, Capped, Caps, Spent, Usage, Usd};
+use fab_model::lowering::Lowering;
 use fab_providers::catalogue::{Facts, PositionFormat};
 use fab_providers::probe::{
-    Abilities, ErrorPx, MOST_QUESTIONS, Probe, SIDES_PX, Subject, abilities, entry, probe,
+    Abilities, MOST_QUESTIONS, Probe, SIDES_PX, Subject, abilities, entry, probe,
 };
-use serde_json::{Value, json};
+use serde::Serialize;
 
 /// Arguments of `probe`.
 #[derive(Args)]
@@ -25,12 +25,8 @@ pub struct ProbeArguments {
     pub model: String,
     #[command(flatten)]
     pub reach: ReachArguments,
-    /// Stop before the questions may cost more than this, US dollars.
-    #[arg(long, value_name = "USD", value_parser = dollars)]
-    pub max_cost: Option<Usd>,
-    /// Stop before more calls than this are sent.
-    #[arg(long, value_name = "N")]
-    pub max_calls: Option<u64>,
+    #[command(flatten)]
+    pub caps: CapArguments,
     /// Draws the dots' places.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
@@ -55,15 +51,16 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
     }
     // An answer of an earlier day says nothing about today.
     reach.no_cache = true;
-    let examined = models::examined(&arguments.model, &reach, &interrupt, io)?;
+    let varied = models::varied(&arguments.model, &reach, &interrupt, io)?;
     let most = SIDES_PX.len() as u64 + MOST_QUESTIONS;
     let caps = Caps {
-        cost: arguments.max_cost,
-        calls: Some(arguments.max_calls.unwrap_or(2 * most)),
+        calls: Some(arguments.caps.max_calls.unwrap_or(2 * most)),
+        ..arguments.caps.caps()
     };
     let budget = Budget::new(caps, Spent::default());
     let mut calls = Capped::by(&budget);
-    examine(arguments, examined, most, &mut calls, io).map_err(|error| match error {
+    let examination = examine(arguments, &varied, most, &mut calls, io);
+    let examination = examination.map_err(|error| match error {
         ModelError::Interrupted => Failure::interrupted(),
         ModelError::NotSent(CallRefused::Budget(cap)) => {
             let failure = calls.last_failure().map_or(String::new(), |why| {
@@ -76,138 +73,119 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
             Failure::capped(format!("{}{help}{failure}", cap.why))
         }
         error => Failure::environment(error),
-    })
+    })?;
+    io.result(arguments.json, &examination);
+    Ok(
+        if examination.dots.is_some_and(|dots| dots.probe.agrees()) {
+            Exit::Done
+        } else {
+            Exit::Unreached
+        },
+    )
+}
+
+/// What was found out.
+#[derive(Serialize)]
+struct Examination {
+    /// `None`: the model takes no pictures.
+    #[serde(flatten)]
+    dots: Option<NamedDots>,
+    #[serde(flatten)]
+    interface: Interface,
+}
+
+/// How the model names places.
+#[derive(Serialize)]
+struct NamedDots {
+    #[serde(flatten)]
+    probe: Probe,
+    best: Option<Lowering>,
+    agrees: bool,
+    /// What the catalogue says of it.
+    listed: Option<PositionFormat>,
+}
+
+/// What its interface takes, and the entry that says so.
+#[derive(Serialize)]
+struct Interface {
+    facts: Facts,
+    reasons: Option<bool>,
+    remarks: Vec<String>,
+    interface_usage: Usage,
+    interface_cost: Option<Usd>,
+    toml: String,
+}
+
+impl NamedDots {
+    fn of(probe: Probe, listed: Option<PositionFormat>) -> NamedDots {
+        NamedDots {
+            best: probe.best(),
+            agrees: probe.agrees(),
+            probe,
+            listed,
+        }
+    }
 }
 
 /// Asks `most` questions at most.
 fn examine(
     arguments: &ProbeArguments,
-    examined: Examined,
+    varied: &Varied,
     most: u64,
     calls: &mut Capped<'_>,
     io: &Io,
-) -> Result<Exit, ModelError> {
-    match examined {
-        Examined::Embedded(model) => {
-            io.talk(&format!(
-                "asking {} about {} pictures of dots; no call is sent",
-                model.name(),
-                SIDES_PX.len()
-            ));
-            let found = probe(
-                model.as_ref(),
-                arguments.seed,
-                arguments.reach.reasoning,
-                calls,
-            )?;
-            say(&found, None, None, arguments.json, io);
-            Ok(exit(&found))
-        }
-        Examined::Provided(varied) => {
-            let profile = varied.profile();
-            let listed = profile.facts.coordinates;
-            if listed.is_none() {
-                io.talk(
-                    "how this model says where something is is not known: it is asked in pixels",
-                );
-            }
-            let calls_at_most = match arguments.max_calls.unwrap_or(2 * most) {
-                1 => "1 call".to_owned(),
-                count => format!("{count} calls"),
-            };
-            io.talk(&format!(
-                "asking {} at most {most} questions: {} about pictures of dots, the others about what its interface \
-                 takes; with retries at most {calls_at_most}",
-                profile.title(),
-                SIDES_PX.len(),
-            ));
-            let mut able = abilities(varied.as_ref(), calls)?;
-            let known = Facts {
-                max_tokens_field: able
-                    .facts
-                    .max_tokens_field
-                    .or(profile.facts.max_tokens_field),
-                ..profile.facts.clone()
-            };
-            let sees = able.facts.vision != Some(false);
-            let dots = match sees.then(|| varied.under(&known)).transpose()? {
-                None => None,
-                Some(model) => Some(probe(
-                    model.as_ref(),
-                    arguments.seed,
-                    arguments.reach.reasoning,
-                    calls,
-                )?),
-            };
-            able.reasons = able
-                .reasons
-                .max(dots.as_ref().and_then(|dots| dots.reasons));
-            let facts = entry::facts(dots.as_ref(), &able);
-            let remarks = remarks(&able, dots.as_ref());
-            let toml = entry::toml(
-                &profile.provider.name,
-                &profile.id,
-                &facts,
-                &remarks,
-                catalogue::today(io),
-            );
-            let shown = Entry {
-                able,
-                facts,
-                remarks,
-                toml,
-            };
-            match dots {
-                Some(found) => {
-                    say(&found, listed, Some(&shown), arguments.json, io);
-                    Ok(exit(&found))
-                }
-                None => {
-                    match arguments.json {
-                        true => io.json(&shown.json()),
-                        false => io.data(&shown.text()),
-                    }
-                    Ok(Exit::Unreached)
-                }
-            }
-        }
+) -> Result<Examination, ModelError> {
+    let (seed, reasoning) = (arguments.seed, arguments.reach.reasoning);
+    let n_pictures = SIDES_PX.len();
+    let profile = varied.profile();
+    let listed = profile.facts.coordinates;
+    if listed.is_none() {
+        io.talk("how this model says where something is is not known: it is asked in pixels");
     }
-}
-
-/// What was found about the interface, and the entry that says so.
-struct Entry {
-    able: Abilities,
-    facts: Facts,
-    remarks: Vec<String>,
-    toml: String,
-}
-
-impl Entry {
-    fn json(&self) -> Value {
-        json!({
-            "facts": self.facts,
-            "reasons": self.able.reasons,
-            "remarks": self.remarks,
-            "interface_usage": self.able.usage,
-            "interface_cost": self.able.cost,
-            "toml": self.toml,
-        })
-    }
-
-    fn text(&self) -> String {
-        format!("for a file of facts (`--models FILE`):\n\n{}", self.toml)
-    }
+    let most_calls = arguments.caps.max_calls.unwrap_or(2 * most);
+    io.talk(&format!(
+        "asking {} at most {most} questions: {n_pictures} about pictures of dots, the others about what its interface \
+         takes; with retries at most {}",
+        profile.title(),
+        counted(most_calls as usize, "call"),
+    ));
+    let mut able = abilities(varied, calls)?;
+    let known = Facts {
+        max_tokens_field: { able.facts.max_tokens_field }.or(profile.facts.max_tokens_field),
+        ..profile.facts.clone()
+    };
+    let sees = able.facts.vision != Some(false);
+    let dots = match sees.then(|| varied.under(&known)).transpose()? {
+        None => None,
+        Some(model) => Some(probe(model.as_ref(), seed, reasoning, calls)?),
+    };
+    able.reasons = { able.reasons }.max(dots.as_ref().and_then(|dots| dots.reasons));
+    let facts = entry::facts(dots.as_ref(), &able);
+    let remarks = remarks(&able, dots.as_ref());
+    let (provider, today) = (&profile.provider.name, catalogue::today(io));
+    Ok(Examination {
+        interface: Interface {
+            toml: entry::toml(provider, &profile.id, &facts, &remarks, today),
+            facts,
+            reasons: able.reasons,
+            remarks,
+            interface_usage: able.usage,
+            interface_cost: able.cost,
+        },
+        dots: dots.map(|probe| NamedDots::of(probe, listed)),
+    })
 }
 
 fn remarks(able: &Abilities, dots: Option<&Probe>) -> Vec<String> {
     let mut remarks = able.notes.clone();
-    if let Some(reasons) = able.reasons {
-        let words = match reasons {
-            true => "it thinks before it answers",
-            false => "its answers show no thoughts, and their token counts hide none",
-        };
-        remarks.push(words.to_owned());
-    }
+    let thinks = able.reasons.map(|reasons| {
+        if reasons {
+            "it thinks before it answers".to_owned()
+        } else {
+            "its answers show no thoughts, and their token counts hide none".to_owned()
+        }
+    });
+    remarks.extend(thinks);
     if dots.is_some_and(|dots| dots.coordinates().is_none()) {
         remarks.push(
             "how it states positions is open: no unit and order fits clearly best".to_owned(),
@@ -216,37 +194,15 @@ fn remarks(able: &Abilities, dots: Option<&Probe>) -> Vec<String> {
     remarks
 }
 
-fn exit(found: &Probe) -> Exit {
-    if found.agrees() {
-        Exit::Done
-    } else {
-        Exit::Unreached
+impl Report for Examination {
+    fn text(&self) -> String {
+        let dots = self.dots.as_ref().map(|dots| text(&dots.probe) + "\n\n");
+        let toml = &self.interface.toml;
+        format!(
+            "{}for a file of facts (`--models FILE`):\n\n{toml}",
+            dots.unwrap_or_default()
+        )
     }
-}
-
-fn say(
-    found: &Probe,
-    listed: Option<PositionFormat>,
-    entry: Option<&Entry>,
-    wants_json: bool,
-    io: &Io,
-) {
-    if wants_json {
-        let mut value =
-            serde_json::to_value(found).expect("a probe has string keys and finite numbers");
-        value["best"] = json!(found.best());
-        value["agrees"] = json!(found.agrees());
-        value["listed"] = json!(listed);
-        if let Some(Value::Object(more)) = entry.map(Entry::json) {
-            for (key, more) in more {
-                value[key] = more;
-            }
-        }
-        io.json(&value);
-        return;
-    }
-    let parts = std::iter::once(text(found)).chain(entry.map(Entry::text));
-    io.data(&parts.collect::<Vec<_>>().join("\n\n"));
 }
 
 fn text(found: &Probe) -> String {
@@ -254,22 +210,19 @@ fn text(found: &Probe) -> String {
         "{}: {} of {} dots were named",
         found.model, found.read, found.dots
     )];
-    let words = |error: &ErrorPx| {
-        format!(
-            "mean {:.1}, median {:.1}, largest {:.1} px",
-            error.mean, error.median, error.max
-        )
-    };
     for tried in &found.tried {
         let asked = if tried.lowering == found.asked {
             "  (asked for)"
         } else {
             ""
         };
+        let error = &tried.error;
         lines.push(format!(
-            "  {:<36}{}{asked}",
+            "  {:<36}mean {:.1}, median {:.1}, largest {:.1} px{asked}",
             tried.lowering.to_string(),
-            words(&tried.error)
+            error.mean,
+            error.median,
+            error.max
         ));
     }
     lines.push(match found.best() {
@@ -281,9 +234,7 @@ fn text(found: &Probe) -> String {
         ),
     });
     if let Some(usage) = found.usage {
-        let cost = found
-            .cost
-            .map_or("cost unknown".to_owned(), |cost| cost.to_string());
+        let cost = { found.cost }.map_or("cost unknown".to_owned(), |cost| cost.to_string());
         lines.push(format!(
             "used {} tokens in, {} for the dots; {cost}",
             usage.input_tokens,

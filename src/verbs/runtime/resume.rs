@@ -6,17 +6,14 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::shipped;
-use crate::sources;
 use crate::verbs::runtime::run::{self, Begun, Destination, RUN_FILE};
-use crate::verbs::runtime::setting::model_arguments::dollars;
+use crate::verbs::runtime::setting::model_arguments::CapArguments;
 use crate::verbs::runtime::setting::worlds::WorldChoice;
-use clap::Args;
-use clap::ValueHint;
+use crate::{shipped, sources};
+use clap::{Args, ValueHint};
 use fab_agent::outcome::Outcome;
 use fab_agent::record::{Record, Report, RunCosts};
 use fab_agent::rollout::Ended;
-use fab_model::calls::Usd;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -26,12 +23,9 @@ pub struct ResumeArguments {
     /// The run folder.
     #[arg(value_name = "RUN", value_hint = ValueHint::DirPath)]
     pub run: PathBuf,
-    /// Another cap on what the whole run may cost, US dollars.
-    #[arg(long, value_name = "USD", value_parser = dollars)]
-    pub max_cost: Option<Usd>,
-    /// Another cap on the calls of the whole run.
-    #[arg(long, value_name = "N")]
-    pub max_calls: Option<u64>,
+    /// Other caps than those of the run.
+    #[command(flatten)]
+    pub caps: CapArguments,
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,
@@ -60,8 +54,7 @@ pub fn run(arguments: &ResumeArguments, io: &Io) -> Result<Exit, Failure> {
         )));
     }
     wanted.json = arguments.json;
-    wanted.spend.max_cost = arguments.max_cost.or(wanted.spend.max_cost);
-    wanted.spend.max_calls = arguments.max_calls.or(wanted.spend.max_calls);
+    wanted.spend.caps = arguments.caps.or(wanted.spend.caps);
     // Paths on the command line are relative to the folder where it was run.
     let io = io.within(&directory);
     io.in_folder(|| {

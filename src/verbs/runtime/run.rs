@@ -5,30 +5,24 @@ mod report;
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::sources;
-use crate::sources::TaskArguments;
+use crate::sources::{self, TaskArguments};
 use crate::verbs::runtime::estimate::{self, Asking};
 use crate::verbs::runtime::operator::TerminalOperator;
 use crate::verbs::runtime::robot::preflight;
-use crate::verbs::runtime::setting;
-use crate::verbs::runtime::setting::StartArguments;
-use crate::verbs::runtime::setting::arm::ArmArguments;
-use crate::verbs::runtime::setting::arm::ArmMode;
-use crate::verbs::runtime::setting::model_arguments::ModelArguments;
-use crate::verbs::runtime::setting::model_arguments::PolicyArguments;
-use crate::verbs::runtime::setting::model_arguments::SpendArguments;
-use crate::verbs::runtime::setting::models;
+use crate::verbs::runtime::setting::arm::{ArmArguments, ArmMode};
+use crate::verbs::runtime::setting::model_arguments::{
+    ModelArguments, PolicyArguments, SpendArguments,
+};
 use crate::verbs::runtime::setting::policies::Deciding;
 use crate::verbs::runtime::setting::worlds::{self, WorldChoice};
-use crate::verbs::runtime::video::{Filmed, VideoArguments};
-use clap::Args;
-use clap::ValueHint;
+use crate::verbs::runtime::setting::{self, StartArguments, models};
+use crate::verbs::runtime::video::{self, VideoArguments};
+use clap::{Args, ValueHint};
 use fab_agent::examples::Examples;
 use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
 use fab_agent::policy::MakePolicy;
-use fab_agent::rollout;
-use fab_agent::rollout::{Job, RunError};
+use fab_agent::rollout::{self, Job, RunError};
 use fab_agent::subgoals::{Origin, SubgoalError, SubgoalSet};
 use fab_arm::settings::DriverKind;
 use fab_base::interrupt::Interrupt;
@@ -41,6 +35,9 @@ use fab_world::start::Start;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
+
+use planned::PlannedRun;
+use report::RunReport;
 
 /// Arguments of `run`.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
@@ -117,13 +114,14 @@ pub fn play(
     let reasoning = arguments.model.reach.reasoning;
     let program = sources::compile_task(&arguments.task, io)?.with_reasoning(reasoning);
     let beside = sources::folder_of(&arguments.task.file);
-    let examples = Examples::load(&program, &beside).map_err(Failure::environment)?;
+    let examples = Examples::load(&program, &beside)?;
     let interrupt = io.interrupt()?;
     let purpose = arguments.spend.purpose();
     let deciding = Deciding::of(&arguments.policy, &arguments.model, purpose, &interrupt, io)?;
-    let moving = match arguments.plan_only {
-        true => ArmMode::PlanOnly,
-        false => ArmMode::Execute,
+    let moving = if arguments.plan_only {
+        ArmMode::PlanOnly
+    } else {
+        ArmMode::Execute
     };
     let arm = match &arguments.world {
         WorldChoice::Arm => Some(setting::arm::check(&arguments.arm, moving, io)?),
@@ -137,8 +135,7 @@ pub fn play(
     let first = match &arguments.world {
         WorldChoice::Program(command) => worlds::external(command, &program, None, &interrupt),
         _ => setting::world(&program),
-    };
-    let first = first.map_err(worlds::failure)?;
+    }?;
     if let Destination::Existing(_) = destination {
         worlds::check_repeats(first.as_ref())?;
     }
@@ -193,9 +190,10 @@ pub fn play(
     let subgoals = subgoals.ok_or_else(Failure::interrupted)?;
     say_pictures(&subgoals, &examples, &arguments.task.file, io);
     let who = deciding.make().description();
-    let stand_in = match who.is_stand_in() {
-        true => " (a stand-in, no vision-language model)",
-        false => "",
+    let stand_in = if who.is_stand_in() {
+        " (a stand-in, no vision-language model)"
+    } else {
+        ""
     };
     let asked = match who.models {
         Some(_) => format!("model {}{stand_in}", who.name),
@@ -207,9 +205,10 @@ pub fn play(
         start.name
     ));
     let budget = models::budget(&arguments.spend, &interrupt);
-    let recorder = match arguments.spend.estimate {
-        true => None,
-        false => models::recorder(&arguments.spend)?,
+    let recorder = if arguments.spend.estimate {
+        None
+    } else {
+        models::recorder(&arguments.spend)?
     };
     let terminal = TerminalOperator(io);
     let job = Job {
@@ -226,10 +225,7 @@ pub fn play(
         interrupt: &interrupt,
         horizon: None,
         early_stop: true,
-        operator: match has_operator {
-            true => Some(&terminal),
-            false => None,
-        },
+        operator: if has_operator { Some(&terminal) } else { None },
         repetition: 0,
         start_number: None,
     };
@@ -242,7 +238,7 @@ pub fn play(
                     make_world: &make_look,
                     ..job
                 };
-                rollout::first_questions(&look, answering.models()).map_err(Failure::environment)?
+                rollout::first_questions(&look, answering.models())?
             }
             false => Vec::new(),
         };
@@ -262,21 +258,20 @@ pub fn play(
         }
     }
     let prepared = deciding.make().prepare(&program);
-    prepared.map_err(Failure::environment)?;
+    prepared?;
     let folder = match (&destination, &arguments.out) {
         (Destination::Existing(path), _) => RunFolder::reopen(path),
         (Destination::New, Some(path)) => RunFolder::create(path),
         (Destination::New, None) => {
             RunFolder::create_next(Path::new("runs"), &program.title().replace('/', "-"))
         }
-    };
-    let folder = folder.map_err(Failure::environment)?;
+    }?;
     let _ = journal.set(folder.path().to_owned());
     if let Some(recorder) = arguments.video.recorder(&program, folder.path())? {
         let _ = film.set(recorder);
     }
     // From here on, only this process writes into the folder.
-    let noted = ledger::read(folder.path()).map_err(Failure::environment)?;
+    let noted = ledger::read(folder.path())?;
     let spent = noted.spent;
     budget.restore(&spent, &noted.overruns);
     keep_beginning(&folder, arguments, &destination)?;
@@ -288,7 +283,7 @@ pub fn play(
     if let (Some(_), Some(run)) = (&arm, journal.get()) {
         preflight::report_run_state(run, io);
     }
-    let filmed = film.get().map(|recorder| Filmed::of(recorder, io));
+    let video = film.get().map(|recorder| video::finish(recorder, io));
     let report = done.map_err(|error| match error {
         // An interrupt also ends the wait for a cloth, so that a failed start then counts as interrupted.
         RunError::World(WorldError::Start { .. } | WorldError::Interrupted)
@@ -298,30 +293,25 @@ pub fn play(
         }
         error => Failure::environment(error),
     })?;
-    if let (Some(settings), true) = (&arm, arguments.plan_only) {
-        planned::say(&report, settings, arguments.json, io)?;
-    } else {
-        io.report(
-            arguments.json,
-            || {
-                let mut document = serde_json::to_value(&report)
-                    .expect("a report has string keys and finite numbers");
-                if let Some(filmed) = &filmed {
-                    document["video"] = filmed.json();
-                }
-                document
-            },
-            || {
-                let mut text = report::summary(&report, program.goal.as_ref());
-                if let Some(filmed) = &filmed {
-                    text.push_str(&format!("\n{}", filmed.text()));
-                }
-                text
-            },
-        );
-    }
     let judged = report.operator.as_ref().map(|judgement| judgement.reached);
-    Ok(exit_of(report.outcome, report.goal_reached, judged))
+    let exit = exit_of(report.outcome, report.goal_reached, judged);
+    match &arm {
+        Some(settings) if arguments.plan_only => {
+            io.result(arguments.json, &PlannedRun::of(report, settings)?);
+        }
+        _ => {
+            let goal = program.goal.as_ref();
+            io.result(
+                arguments.json,
+                &RunReport {
+                    report,
+                    goal,
+                    video,
+                },
+            );
+        }
+    }
+    Ok(exit)
 }
 
 /// Records how the run was started.
@@ -337,7 +327,7 @@ fn keep_beginning(
         directory: std::env::current_dir()?,
         arguments: arguments.clone(),
     };
-    let text = serde_json::to_vec_pretty(&begun).map_err(Failure::environment)?;
+    let text = serde_json::to_vec_pretty(&begun)?;
     let kept = folder.keep(RUN_FILE, &text);
     kept.map(drop).map_err(Failure::environment)
 }
@@ -363,11 +353,11 @@ pub fn prepare(
     make_world: &MakeWorld<'_>,
     interrupt: &Interrupt,
 ) -> Result<Option<SubgoalSet>, Failure> {
-    let mut world = make_world().map_err(Failure::environment)?;
-    world.reset(start).map_err(Failure::environment)?;
+    let mut world = make_world()?;
+    world.reset(start)?;
     match SubgoalSet::obtain(program, beside, world.as_mut(), interrupt) {
         Err(SubgoalError::World(WorldError::Interrupted)) => Ok(None),
-        obtained => Ok(Some(obtained.map_err(Failure::environment)?)),
+        obtained => Ok(Some(obtained?)),
     }
 }
 

@@ -2,16 +2,15 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::sources;
-use crate::sources::TaskArguments;
-use clap::Args;
-use clap::ValueHint;
+use crate::report::Report;
+use crate::sources::{self, TaskArguments};
+use clap::{Args, ValueHint};
 use fab_agent::see::{LastAction, SeeError, SeeInput, SeeOutput, see};
 use fab_base::files;
 use fab_picture::png;
 use fab_program::PixelPoint;
 use image::RgbImage;
-use serde_json::{Map, Value, json};
+use serde::{Serialize, Serializer};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -40,14 +39,34 @@ pub struct SeeArguments {
     pub json: bool,
 }
 
+/// What was found.
+#[derive(Serialize)]
+struct SeenReport<'s> {
+    #[serde(serialize_with = "as_map")]
+    keypoints: Vec<(&'s str, Vec<PixelPoint>)>,
+    #[serde(serialize_with = "as_map")]
+    masks: Vec<(&'s str, MaskArea)>,
+    files: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct MaskArea {
+    area_px: usize,
+}
+
+/// Keeps the order of the pairs, which is the task's.
+fn as_map<T: Serialize, S: Serializer>(pairs: &[(&str, T)], to: S) -> Result<S::Ok, S::Error> {
+    to.collect_map(pairs.iter().map(|(name, value)| (name, value)))
+}
+
 /// Analyses the picture, writes pictures if `--out` is given, and lists the keypoints.
 pub fn run(arguments: &SeeArguments, io: &Io) -> Result<Exit, Failure> {
     let program = sources::compile_task(&arguments.task, io)?;
-    let opened = png::open(&arguments.image).map_err(Failure::environment)?;
+    let opened = png::open(&arguments.image)?;
     let depth_m = arguments.depth.as_deref().map(png::load_depth);
     let brought = SeeInput {
         rgb: opened.rgb,
-        depth_m: depth_m.transpose().map_err(Failure::environment)?,
+        depth_m: depth_m.transpose()?,
         last: arguments.last_place.map(|place| LastAction {
             pick: arguments.last_pick,
             place,
@@ -64,11 +83,16 @@ pub fn run(arguments: &SeeArguments, io: &Io) -> Result<Exit, Failure> {
         })?,
         None => Vec::new(),
     };
-    io.report(
-        arguments.json,
-        || as_json(&seen, &files),
-        || as_text(&seen, &files),
-    );
+    let masks = seen.scene.masks().into_iter().map(|(name, mask)| {
+        let area_px = mask.area_px();
+        (name, MaskArea { area_px })
+    });
+    let report = SeenReport {
+        keypoints: seen.scene.keypoints().into_iter().collect(),
+        masks: masks.collect(),
+        files: files.iter().map(|it| it.display().to_string()).collect(),
+    };
+    io.result(arguments.json, &report);
     Ok(Exit::Done)
 }
 
@@ -127,40 +151,15 @@ fn write(folder: &Path, seen: &SeeOutput) -> std::io::Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-fn as_json(seen: &SeeOutput, files: &[PathBuf]) -> Value {
-    let keypoints: Map<String, Value> = seen
-        .scene
-        .keypoints()
-        .into_iter()
-        .map(|(name, points)| (name.to_owned(), json!(points)))
-        .collect();
-    let masks: Map<String, Value> = seen
-        .scene
-        .masks()
-        .into_iter()
-        .map(|(name, mask)| (name.to_owned(), json!({ "area_px": mask.area_px() })))
-        .collect();
-    let files: Vec<String> = files
-        .iter()
-        .map(|file| file.display().to_string())
-        .collect();
-    json!({ "keypoints": keypoints, "masks": masks, "files": files })
-}
-
-fn as_text(seen: &SeeOutput, files: &[PathBuf]) -> String {
-    let masks = seen
-        .scene
-        .masks()
-        .into_iter()
-        .map(|(name, mask)| format!("{name}: {} pixels", mask.area_px()));
-    let keypoints = seen.scene.keypoints().into_iter().map(|(name, points)| {
-        let points: Vec<String> = points.iter().map(PixelPoint::to_string).collect();
-        format!("{name}: {}", points.join(", "))
-    });
-    let files = files.iter().map(|file| file.display().to_string());
-    masks
-        .chain(keypoints)
-        .chain(files)
-        .collect::<Vec<_>>()
-        .join("\n")
+impl Report for SeenReport<'_> {
+    fn text(&self) -> String {
+        let masks = self.masks.iter();
+        let masks = masks.map(|(name, mask)| format!("{name}: {} pixels", mask.area_px));
+        let keypoints = self.keypoints.iter().map(|(name, points)| {
+            let points: Vec<String> = points.iter().map(PixelPoint::to_string).collect();
+            format!("{name}: {}", points.join(", "))
+        });
+        let lines = masks.chain(keypoints).chain(self.files.iter().cloned());
+        lines.collect::<Vec<_>>().join("\n")
+    }
 }

@@ -2,10 +2,11 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
+use crate::report::Report;
 use crate::verbs::runtime::setting::models;
 use clap::Args;
 use fab_providers::serve::serve;
-use serde_json::json;
+use serde::Serialize;
 
 /// Arguments of `serve`.
 #[derive(Args)]
@@ -30,12 +31,28 @@ pub fn run(arguments: &ServeArguments, io: &Io) -> Result<Exit, Failure> {
     let mut ready = |address: std::net::SocketAddr| {
         let base_url = format!("http://{address}/v1");
         io.talk(&format!("serving {name} at {base_url}; interrupt to end"));
-        io.report(
-            arguments.json,
-            || json!({ "base_url": base_url, "port": address.port(), "model": name }),
-            || base_url.clone(),
-        );
+        let (port, model) = (address.port(), name.clone());
+        let endpoint = Endpoint {
+            base_url,
+            port,
+            model,
+        };
+        io.result(arguments.json, &endpoint);
     };
-    serve(model, arguments.port, &interrupt, &mut ready).map_err(Failure::environment)?;
+    serve(model, arguments.port, &interrupt, &mut ready)?;
     Ok(Exit::Done)
+}
+
+/// Where the model answers.
+#[derive(Serialize)]
+struct Endpoint {
+    base_url: String,
+    port: u16,
+    model: String,
+}
+
+impl Report for Endpoint {
+    fn text(&self) -> String {
+        self.base_url.clone()
+    }
 }

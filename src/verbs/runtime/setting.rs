@@ -11,22 +11,19 @@ pub mod worlds;
 
 use crate::exit::Failure;
 use crate::io::Io;
-use crate::sources;
-use crate::sources::TaskArguments;
-use clap::Args;
-use clap::ValueHint;
+use crate::sources::{self, TaskArguments};
+use clap::{Args, ValueHint};
 use fab_agent::task_files;
 use fab_base::cache::Cache;
+use fab_base::files;
 use fab_base::interrupt::Interrupt;
 use fab_program::exact::written;
 use fab_program::{ClothStart, Program, STATED_SPACING_MM};
-use fab_world::crumple;
 use fab_world::film::Recorder;
 use fab_world::start::{Grid, Start, StartFrame, Up};
 use fab_world::vary::AxisValues;
-use fab_world::{SimulatedWorld, World, WorldError};
-use serde::Deserialize;
-use serde::Serialize;
+use fab_world::{SimulatedWorld, World, WorldError, crumple};
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// Where the cloth lies at first.
@@ -79,39 +76,33 @@ pub fn start(
     interrupt: &Interrupt,
     io: &Io,
 ) -> Result<Start, Failure> {
-    let Some(text) = &arguments.start else {
-        if arguments.frame.dims.is_some() {
-            return Err(Failure::usage(
-                "`--dims` and `--up` describe a start file; name it with `--start FILE.npy`",
-            ));
-        }
-        return match &program.cloth.start {
-            ClothStart::Flat => Ok(Start::flat(&program.cloth)),
-            ClothStart::Crumpled => crumpled(program, DEFAULT_SEED, world, interrupt, io),
-            ClothStart::File { file } => {
-                let path = task_files::resolve(folder, file).map_err(Failure::environment)?;
-                let start = Start::load(&path, None).map_err(Failure::environment)?;
-                check_spacing(&format!("`{}`", start.name), start.grid.spacing_m, program)?;
-                Ok(start)
-            }
-        };
-    };
-    if text.bytes().all(|byte| byte.is_ascii_digit()) && !text.is_empty() {
-        if arguments.frame.dims.is_some() {
-            return Err(Failure::usage(format!(
-                "`--dims` and `--up` describe a start file, and `--start {text}` is a seed"
-            )));
-        }
-        let seed = text.parse().map_err(|_| {
-            Failure::usage(format!("the seed `{text}` is larger than {}", u64::MAX))
-        })?;
-        return match program.cloth.start {
-            ClothStart::Crumpled => crumpled(program, seed, world, interrupt, io),
-            _ => Ok(Start::seeded(&program.cloth, seed)),
-        };
+    let text = arguments.start.as_deref();
+    let is_seed = |text: &&str| text.bytes().all(|byte| byte.is_ascii_digit()) && !text.is_empty();
+    let seed = text.filter(is_seed).map(|text| {
+        text.parse()
+            .map_err(|_| Failure::usage(format!("the seed `{text}` is larger than {}", u64::MAX)))
+    });
+    let seed: Option<u64> = seed.transpose()?;
+    if arguments.frame.dims.is_some() && (text.is_none() || seed.is_some()) {
+        return Err(Failure::usage(
+            "`--dims` and `--up` describe a start file; name it with `--start FILE.npy`",
+        ));
     }
+    let path = match (text, &program.cloth.start) {
+        (Some(text), _) if seed.is_none() => PathBuf::from(text),
+        (None, ClothStart::File { file }) => task_files::resolve(folder, file)?,
+        (_, ClothStart::Crumpled) => {
+            return crumpled(program, seed.unwrap_or(DEFAULT_SEED), world, interrupt, io);
+        }
+        _ => {
+            return Ok(match seed {
+                Some(seed) => Start::seeded(&program.cloth, seed),
+                None => Start::flat(&program.cloth),
+            });
+        }
+    };
     let stated = stated_frame(&arguments.frame, program.cloth.spacing_m)?;
-    let start = Start::load(Path::new(text), stated).map_err(Failure::environment)?;
+    let start = Start::load(&path, stated)?;
     check_spacing(&format!("`{}`", start.name), start.grid.spacing_m, program)?;
     Ok(start)
 }
@@ -207,11 +198,21 @@ pub fn stated_frame(
     }))
 }
 
+/// Returns `count` seeds from `first` on.
+pub fn seeds(first: u64, count: u32) -> Result<impl Iterator<Item = u64>, Failure> {
+    match first.checked_add(u64::from(count) - 1) {
+        Some(last) => Ok(first..=last),
+        None => Err(Failure::usage(format!(
+            "{count} seeds from {first} on go beyond the largest seed, {}",
+            u64::MAX
+        ))),
+    }
+}
+
 /// Parses `--dims`: particles along the cloth's x and along its other side.
 pub fn dims_of(text: &str) -> Result<[u32; 2], Failure> {
-    text.split_once(['x', ','])
-        .and_then(|(x, y)| Some([x.parse().ok()?, y.parse().ok()?]))
-        .filter(|dims: &[u32; 2]| dims.iter().all(|dim| *dim >= 2))
+    two_counts(text)
+        .filter(|dims| dims.iter().all(|dim| *dim >= 2))
         .ok_or_else(|| {
             Failure::usage(format!(
                 "`--dims {text}` is not a grid; write two counts of at least 2, such as `55x44`"
@@ -219,31 +220,34 @@ pub fn dims_of(text: &str) -> Result<[u32; 2], Failure> {
         })
 }
 
+/// Reads two counts, such as `55x44` or `55,44`.
+pub fn two_counts(text: &str) -> Option<[u32; 2]> {
+    let (x, y) = text.split_once(['x', ','])?;
+    Some([x.parse().ok()?, y.parse().ok()?])
+}
+
 /// Creates the folder of many runs: the named one, or the next free `runs/NAME-NNNN`.
 pub fn out_folder(named: Option<&Path>, name: &str) -> Result<PathBuf, Failure> {
-    let cannot = |path: &Path, error: std::io::Error| {
-        Failure::environment(format!(
-            "cannot make the folder `{}`: {error}",
-            path.display()
-        ))
+    let runs = Path::new("runs");
+    let made = match named {
+        Some(path) => std::fs::create_dir_all(path).map(|()| path.to_owned()),
+        None => files::next_folder(runs, name),
     };
-    if let Some(path) = named {
-        std::fs::create_dir_all(path).map_err(|error| cannot(path, error))?;
-        return Ok(path.to_owned());
+    made.map_err(|error| {
+        let path = named.unwrap_or(runs).display();
+        Failure::environment(format!("cannot make the folder `{path}`: {error}"))
+    })
+}
+
+/// Refuses a file whose name does not end as its kind does.
+pub fn check_ending(option: &str, path: &Path, ending: &str) -> Result<(), Failure> {
+    if files::ends_in(path, ending) {
+        return Ok(());
     }
-    let parent = Path::new("runs");
-    std::fs::create_dir_all(parent).map_err(|error| cannot(parent, error))?;
-    for number in 1..=9999u32 {
-        let path = parent.join(format!("{name}-{number:04}"));
-        match std::fs::create_dir(&path) {
-            Ok(()) => return Ok(path),
-            Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
-            Err(error) => return Err(cannot(&path, error)),
-        }
-    }
-    Err(Failure::environment(format!(
-        "`{}` holds 9999 folders `{name}-NNNN` already; name a folder with `--out`",
-        parent.display()
+    Err(Failure::usage(format!(
+        "`{option} {}` is no {} file; name one that ends in `.{ending}`",
+        path.display(),
+        ending.to_uppercase()
     )))
 }
 

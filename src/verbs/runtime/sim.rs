@@ -14,10 +14,12 @@ mod time;
 mod demonstrations;
 mod files;
 pub mod parallel;
+mod usage;
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use clap::Args;
+use fab_sim::Grid;
 
 /// The most threads that a verb starts.
 const MAX_THREADS: i64 = 256;
@@ -55,4 +57,17 @@ const SPACING_M: f64 = 0.00625;
 /// Runs one of the subcommands.
 pub fn run(arguments: &SimArguments, io: &Io) -> Result<Exit, Failure> {
     arguments.verb.run(io)
+}
+
+/// Returns the grid of a square cloth, as `--size` states it.
+fn square(size: u32) -> Result<Grid, Failure> {
+    grid([size; 2], &format!("--size {size}"))
+}
+
+/// Returns a grid of the usual spacing.
+///
+/// - `stated`: the option that states it, for the message.
+fn grid([dimx, dimy]: [u32; 2], stated: &str) -> Result<Grid, Failure> {
+    Grid::new(dimx as usize, dimy as usize, SPACING_M as f32)
+        .map_err(|error| Failure::usage(format!("`{stated}`: {error}")))
 }

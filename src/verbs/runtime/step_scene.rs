@@ -15,13 +15,11 @@ use fab_base::interrupt::Interrupt;
 use fab_model::Models;
 use fab_picture::camera::Camera;
 use fab_picture::observation::Observation;
-use fab_program::Proposal;
 use fab_program::facts::ExecutedAction;
-use fab_program::{Fold, PixelPoint, Program, Subgoals, Value};
+use fab_program::{Fold, PixelPoint, Program, Proposal, Subgoals, Value};
 use fab_standins::Geometric;
-use fab_world::expert;
 use fab_world::start::Start;
-use fab_world::{Motion, World};
+use fab_world::{Motion, World, expert};
 
 /// What the camera sees at a step, and the previous action.
 pub struct StepScene {
@@ -54,7 +52,7 @@ pub fn scene_at_step(
             "note: what is done before step {step} is decided by `geometric`, the embedded stand-in"
         ));
     }
-    world.reset(start).map_err(Failure::environment)?;
+    world.reset(start)?;
     let mut seen = observe(program, None, None, world)?;
     let mut first: Option<Scene> = None;
     for earlier in 1..step {
@@ -62,9 +60,7 @@ pub fn scene_at_step(
             Some(fold) => demonstrated(program, fold, start, &seen.observation.camera, world)?,
             None => stand_in_action(program, &seen, earlier, subgoals)?,
         };
-        world
-            .act(&motion, interrupt)
-            .map_err(Failure::environment)?;
+        world.act(&motion, interrupt)?;
         let first = first.get_or_insert_with(|| seen.scene.clone());
         seen = observe(program, Some(first), done, world)?;
     }
@@ -77,8 +73,8 @@ fn observe(
     last: Option<ExecutedAction>,
     world: &mut dyn World,
 ) -> Result<StepScene, Failure> {
-    let observation = world.observe().map_err(Failure::environment)?;
-    let scene = Scene::of(program, &observation, first).map_err(Failure::environment)?;
+    let observation = world.observe()?;
+    let scene = Scene::of(program, &observation, first)?;
     Ok(StepScene {
         scene,
         observation,
@@ -94,7 +90,7 @@ fn demonstrated(
     camera: &Camera,
     world: &mut dyn World,
 ) -> Result<(Motion, Option<ExecutedAction>), Failure> {
-    let motion = expert::motion(fold, start, world).map_err(Failure::environment)?;
+    let motion = expert::motion(fold, start, world)?;
     let motion = motion.with_manner(program.manner);
     let pixel = |point| {
         let [column, row]: [f64; 2] = camera.pixel_from_world(point)?;
@@ -127,11 +123,9 @@ fn stand_in_action(
         last,
     } = seen;
     let last = last.as_ref();
-    let subgoals = subgoals.step(step as usize - 1);
-    let subgoals = subgoals.map_err(Failure::environment)?;
+    let subgoals = subgoals.step(step as usize - 1)?;
     let examples = Examples::default();
-    let pictures = Pictures::of(program, scene, observation, last, subgoals, examples)
-        .map_err(Failure::environment)?;
+    let pictures = Pictures::of(program, scene, observation, last, subgoals, examples)?;
     let view = StepView::without_rollout(program, scene, observation, step, last, &pictures);
     let models = Models {
         vision: &Geometric,
@@ -144,7 +138,7 @@ fn stand_in_action(
         twins: None,
     };
     let decision = Prompted { models }.decide(&view, &mut exchange);
-    let action = match decision.map_err(Failure::environment)? {
+    let action = match decision? {
         Decision::Act { mut grips, .. } => grips.pop().and_then(|proposal| {
             let action = Action::lower(program, &proposal, scene, observation);
             action.map(|action| (action, proposal))

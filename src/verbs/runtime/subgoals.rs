@@ -5,14 +5,12 @@ mod tried;
 
 use crate::exit::{Exit, Failure};
 use crate::io::{Io, write_file};
+use crate::report::Report;
 use crate::shipped;
-use crate::sources;
-use crate::sources::TaskArguments;
+use crate::sources::{self, TaskArguments};
 use crate::verbs::runtime::setting;
-use clap::Args;
-use clap::ValueHint;
+use clap::{Args, ValueHint};
 use fab_agent::subgoals::{Demonstrated, Drawn, Origin, SubgoalError, SubgoalSet};
-use fab_base::files::ends_in;
 use fab_compiler::diag;
 use fab_picture::png;
 use fab_program::{Arrow, SubgoalStep};
@@ -20,6 +18,7 @@ use fab_vision::VisionError;
 use fab_world::WorldError;
 use image::{RgbImage, imageops};
 use offered::Offered;
+use serde::Serialize;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -36,6 +35,13 @@ pub struct SubgoalsArguments {
     pub json: bool,
 }
 
+/// The pictures that were written, and what the demonstration's steps show about the task.
+#[derive(Serialize)]
+struct PinnedSubgoals {
+    files: Vec<String>,
+    diagnostics: Value,
+}
+
 /// Draws, pins, and lists the files.
 pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
     let program = sources::compile_task(&arguments.task, io)?;
@@ -44,16 +50,14 @@ pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
     }
     let folder = sources::folder_of(&arguments.task.file);
     let interrupt = io.interrupt()?;
-    let mut world = setting::world(&program).map_err(Failure::environment)?;
+    let mut world = setting::world(&program)?;
     let mut offered = Offered::of(&program);
     let watch = &mut |step: Demonstrated<'_>| offered.look(step);
     let drawn = SubgoalSet::draw(&program, &folder, world.as_mut(), &interrupt, watch);
     let drawn = drawn.map_err(failure)?;
     let mut files = match shipped::is_shipped(&arguments.task.file, io) {
         true => Vec::new(),
-        false => drawn
-            .pin(&program, &folder, &world.parameters())
-            .map_err(Failure::environment)?,
+        false => drawn.pin(&program, &folder, &world.parameters())?,
     };
     for note in offered.notes {
         io.talk(&format!("note: {note}"));
@@ -83,17 +87,17 @@ pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
         .as_ref()
         .filter(|_| !set.pictures.is_empty())
     {
-        if !ends_in(path, "png") {
-            let shown = path.display();
-            return Err(Failure::usage(format!(
-                "`--sheet {shown}` is no PNG file; name one that ends in `.png`"
-            )));
-        }
-        let sheet = sheet(&set).map_err(Failure::environment)?;
+        setting::check_ending("--sheet", path, "png")?;
+        let sheet = sheet(&set)?;
         write_file(path, &png::encode(&sheet))?;
         files.push(path.clone());
     }
-    report(&files, &diagnostics, arguments, io);
+    let files = files.iter().map(|file| file.display().to_string());
+    let pinned = PinnedSubgoals {
+        files: files.collect(),
+        diagnostics,
+    };
+    io.result(arguments.json, &pinned);
     Ok(Exit::Done)
 }
 
@@ -129,14 +133,8 @@ fn sheet(set: &SubgoalSet) -> Result<RgbImage, VisionError> {
     Ok(sheet)
 }
 
-fn report(files: &[PathBuf], diagnostics: &Value, arguments: &SubgoalsArguments, io: &Io) {
-    let names: Vec<String> = files
-        .iter()
-        .map(|file| file.display().to_string())
-        .collect();
-    if arguments.json {
-        io.json(&json!({ "files": names, "diagnostics": diagnostics }));
-    } else if !names.is_empty() {
-        io.data(&names.join("\n"));
+impl Report for PinnedSubgoals {
+    fn text(&self) -> String {
+        self.files.join("\n")
     }
 }

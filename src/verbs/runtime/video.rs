@@ -2,16 +2,11 @@
 
 use crate::exit::Failure;
 use crate::io::Io;
-use crate::verbs::runtime::setting::worlds::WorldChoice;
-use clap::Args;
-use clap::ValueEnum;
-use clap::ValueHint;
-use fab_base::files::ends_in;
-use fab_picture::animation::AnimationError;
+use crate::verbs::runtime::setting::{self, worlds::WorldChoice};
+use clap::{Args, ValueEnum, ValueHint};
 use fab_program::Program;
 use fab_world::film::{self, Film, FilmPlan, FilmView, Recorder};
 use serde::{Deserialize, Deserializer, Serialize};
-use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// Name of the video in a run folder.
@@ -88,7 +83,7 @@ impl VideoArguments {
         Ok(Some(Recorder::new(FilmPlan {
             path: file.clone().unwrap_or_else(|| folder.join(VIDEO_FILE)),
             view: ViewArgument::film(self.view),
-            camera: film::table_camera(&program.camera).map_err(Failure::environment)?,
+            camera: film::table_camera(&program.camera)?,
             motions,
             max_bytes: film::MAX_BYTES,
         })))
@@ -98,11 +93,7 @@ impl VideoArguments {
 /// Refuses a file that is no GIF by its name, or whose folder is missing, before anything moves.
 pub fn check_file(option: &str, path: &Path) -> Result<(), Failure> {
     let shown = path.display();
-    if !ends_in(path, "gif") {
-        return Err(Failure::usage(format!(
-            "`{option} {shown}` is no GIF file; name one that ends in `.gif`"
-        )));
-    }
+    setting::check_ending(option, path, "gif")?;
     let folder = path
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty());
@@ -115,32 +106,10 @@ pub fn check_file(option: &str, path: &Path) -> Result<(), Failure> {
     }
 }
 
-/// What became of the film of a run.
-pub struct Filmed {
-    film: Result<Option<Film>, AnimationError>,
-}
-
-impl Filmed {
-    /// Ends the film; a fault is told on stderr, since the run itself is whole without a film.
-    pub fn of(recorder: &Recorder, io: &Io) -> Filmed {
-        let film = recorder.finish();
-        if let Err(error) = &film {
-            io.talk(&format!("warning: there is no video: {error}"));
-        }
-        Filmed { film }
-    }
-
-    /// Returns the film as JSON; null if there is none.
-    pub fn json(&self) -> Value {
-        json!(self.film.as_ref().ok().and_then(Option::as_ref))
-    }
-
-    /// Says in one line what became of it.
-    pub fn text(&self) -> String {
-        match &self.film {
-            Ok(Some(film)) => film.to_string(),
-            Ok(None) => "video: none, since no cloth was laid".to_owned(),
-            Err(error) => format!("video: none, since {error}"),
-        }
-    }
+/// Ends the film of a run; a fault is told on stderr, since the run itself is whole without a film.
+pub fn finish(recorder: &Recorder, io: &Io) -> Option<Film> {
+    recorder.finish().unwrap_or_else(|error| {
+        io.talk(&format!("warning: there is no video: {error}"));
+        None
+    })
 }

@@ -2,14 +2,15 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::verbs::runtime::setting::worlds::{self, WorldChoice};
-use clap::Args;
-use clap::Subcommand;
+use crate::report::Report;
+use crate::verbs::runtime::setting::worlds::WorldChoice;
+use clap::{Args, Subcommand};
+use fab_base::wording::counted;
 use fab_program::Picker;
 use fab_world::conformance::{Conformance, PROMISES, Violation, camera};
 use fab_world::serve::serve;
 use fab_world::{ExternalWorld, SimulatedWorld, World, WorldError};
-use serde_json::json;
+use serde::Serialize;
 use std::io::BufReader;
 
 /// Arguments of `world`.
@@ -71,8 +72,11 @@ fn check(arguments: &WorldCheckArguments, io: &Io) -> Result<Exit, Failure> {
             "an arm is checked by `fabc robot check`; `fabc world check` is for `exec:\"CMD ARG...\"`",
         ));
     }
-    let name = make().map_err(worlds::failure)?.name().to_owned();
-    let mut found = Vec::new();
+    let mut checked = CheckedWorld {
+        world: make()?.name().to_owned(),
+        promises: Vec::new(),
+        broken: 0,
+    };
     for promise in PROMISES {
         let (state, why) = match promise.check(&make) {
             Ok(Conformance::Whole) => ("kept", None),
@@ -80,26 +84,49 @@ fn check(arguments: &WorldCheckArguments, io: &Io) -> Result<Exit, Failure> {
             Err(Violation::World(WorldError::Interrupted)) if interrupt.is_raised() => {
                 return Err(Failure::interrupted());
             }
-            Err(broken) => ("broken", Some(broken.to_string())),
+            Err(broken) => {
+                checked.broken += 1;
+                ("broken", Some(broken.to_string()))
+            }
         };
         if !arguments.json {
             let why = why.as_ref().map_or(String::new(), |why| format!(": {why}"));
             io.data(&format!("{state:<12}{}{why}", promise.name));
         }
-        found.push(json!({ "promise": promise.name, "state": state, "why": why }));
+        checked.promises.push(CheckedPromise {
+            promise: promise.name,
+            state,
+            why,
+        });
     }
-    let n_broken = found.iter().filter(|it| it["state"] == "broken").count();
-    io.report(
-        arguments.json,
-        || json!({ "world": name, "promises": found, "broken": n_broken }),
-        || match n_broken {
-            0 => format!("`{name}` breaks no promise"),
-            1 => format!("`{name}` breaks 1 promise"),
-            _ => format!("`{name}` breaks {n_broken} promises"),
-        },
-    );
-    Ok(match n_broken {
+    io.result(arguments.json, &checked);
+    Ok(match checked.broken {
         0 => Exit::Done,
         _ => Exit::Unreached,
     })
+}
+
+/// Which promises a world keeps.
+#[derive(Serialize)]
+struct CheckedWorld {
+    world: String,
+    promises: Vec<CheckedPromise>,
+    broken: usize,
+}
+
+#[derive(Serialize)]
+struct CheckedPromise {
+    promise: &'static str,
+    state: &'static str,
+    why: Option<String>,
+}
+
+impl Report for CheckedWorld {
+    /// Each promise was printed when it was checked.
+    fn text(&self) -> String {
+        match self.broken {
+            0 => format!("`{}` breaks no promise", self.world),
+            n => format!("`{}` breaks {}", self.world, counted(n, "promise")),
+        }
+    }
 }

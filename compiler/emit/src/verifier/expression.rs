@@ -1,69 +1,50 @@
-//! Conditions as calls of small functions, the same in each language.
+//! Conditions as calls of the functions in `support.rs` and `support.py`, which have the same names and arguments.
 //!
 //! Nothing is simplified if that could change a bit: a function does what one line of [`fab_program::eval`] does.
 
 use super::dialect::Dialect;
 use super::fields::Field;
-use super::helpers;
-use super::layout::Code;
 use super::names::number;
 use crate::error::EmitError;
+use fab_program::measures::Square;
 use fab_program::{Choices, Comparison, Condition, End, Heading, Length, Number, Point};
-use std::collections::BTreeSet;
 
-/// Turns conditions into code and records which helpers that code calls.
+/// Writes the conditions of a program whose fields these are.
 pub(super) struct Lowering<'a> {
     pub dialect: &'static Dialect,
     pub fields: &'a [Field<'a>],
-    pub helpers: BTreeSet<&'static str>,
 }
 
 impl<'a> Lowering<'a> {
     /// Writes whether every field is one of the offered values.
-    pub fn offered(&mut self) -> Code {
-        let fields = self.fields;
-        let mut parts = Vec::with_capacity(fields.len());
-        for field in fields {
-            let table = self.table(field);
-            let value = proposed(field);
-            parts.push(match field.declared.choices {
-                Choices::Points { .. } => {
-                    self.call("is_point", [Code::text("facts"), table, value])
-                }
-                Choices::Region { .. } => {
-                    self.call("is_inside", [Code::text("facts"), table, value])
-                }
-                Choices::Words { .. } => self.call("is_word", [table, value]),
+    pub fn offered(&self) -> String {
+        let offered = self.fields.iter().map(|field| {
+            let (table, value) = (&field.table, proposed(field));
+            match field.declared.choices {
+                Choices::Points { .. } => format!("is_point(facts.scene, {table}, {value})"),
+                Choices::Region { .. } => format!("is_inside(facts.scene, {table}, {value})"),
+                Choices::Words { .. } => format!("is_word({table}, {value})"),
                 Choices::Directions { .. } | Choices::Lengths { .. } => {
-                    self.call("is_choice", [table, value])
+                    format!("is_choice({table}, {value})")
                 }
-            });
-        }
-        self.every("all", parts)
+            }
+        });
+        joined("all", self.dialect.and, offered.collect())
     }
 
     /// Writes a condition; its parts are evaluated from left to right until it is decided.
-    pub fn condition(&mut self, condition: &Condition) -> Result<Code, EmitError> {
+    pub fn condition(&self, condition: &Condition) -> Result<String, EmitError> {
         Ok(match condition {
-            Condition::All { of } => {
-                let parts = self.conditions(of)?;
-                self.joined("all", self.dialect.and, parts)
-            }
-            Condition::Any { of } => {
-                let parts = self.conditions(of)?;
-                self.joined("any", self.dialect.or, parts)
-            }
+            Condition::All { of } => joined("all", self.dialect.and, self.conditions(of)?),
+            Condition::Any { of } => joined("any", self.dialect.or, self.conditions(of)?),
             // Two of them cancel; a long chain would be nested too deeply for some parsers.
             Condition::Not { of } => match &**of {
                 Condition::Not { of } => self.condition(of)?,
-                of => {
-                    let [open, close] = self.dialect.not;
-                    Code::wrapped(open, self.condition(of)?, close)
-                }
+                of => format!("{}({})", self.dialect.not, self.condition(of)?),
             },
             Condition::Lengths { left, is, right } => {
                 let (left, right) = (self.square(left)?, self.square(right)?);
-                Code::infix(left, is.sign(), right)
+                format!("{left} {} {right}", is.sign())
             }
             Condition::Angle {
                 a,
@@ -72,36 +53,35 @@ impl<'a> Lowering<'a> {
                 limit_cos,
                 ..
             } => {
-                let helper = match is {
+                let holds = match is {
                     Comparison::Less => "angle_less",
                     Comparison::AtMost => "angle_at_most",
                     Comparison::Greater => "angle_greater",
                     Comparison::AtLeast => "angle_at_least",
                 };
-                let (a, b) = (self.heading(a)?, self.heading(b)?);
-                self.call(helper, [a, b, Code::text(number(*limit_cos)?)])
+                let (a, b, limit) = (self.heading(a)?, self.heading(b)?, number(*limit_cos)?);
+                format!("{holds}({a}, {b}, {limit})")
             }
             Condition::Number { left, is, limit } => {
-                let left = self.number(left)?;
-                Code::infix(left, is.sign(), Code::text(number(*limit)?))
+                let (left, limit) = (self.number(left)?, number(*limit)?);
+                format!("{left} {} {limit}", is.sign())
             }
             Condition::Word { field, is } => {
                 let field = self.field(field, "a field of words", |choices| {
                     matches!(choices, Choices::Words { .. })
                 })?;
-                Code::infix(proposed(field), "==", self.literal(is))
+                format!("{} == {}", proposed(field), self.dialect.text(is))
             }
             Condition::Within {
                 point,
                 region,
                 margin_px,
             } => {
-                let point = self.point(point)?;
-                let region = self.literal(region);
-                let distance = self.call("distance_px", [Code::text("facts"), point, region]);
-                Code::infix(distance, "<=", Code::text(number(*margin_px)?))
+                let (point, region) = (self.point(point)?, self.dialect.text(region));
+                let margin = number(*margin_px)?;
+                format!("distance_px(facts.scene, {point}, {region}) <= {margin}")
             }
-            Condition::Last => Code::text(self.dialect.has_last),
+            Condition::Last => self.dialect.has_last.to_owned(),
             // The compiler does not allow it in a check.
             Condition::Unreachable => {
                 return Err(EmitError::Reference {
@@ -112,31 +92,29 @@ impl<'a> Lowering<'a> {
         })
     }
 
-    fn conditions(&mut self, conditions: &[Condition]) -> Result<Vec<Code>, EmitError> {
+    fn conditions(&self, conditions: &[Condition]) -> Result<Vec<String>, EmitError> {
         conditions.iter().map(|it| self.condition(it)).collect()
     }
 
-    fn point(&mut self, point: &Point) -> Result<Code, EmitError> {
+    fn point(&self, point: &Point) -> Result<String, EmitError> {
         Ok(match point {
             Point::Action { field } => {
                 let field = self.field(field, "a field of points", Choices::are_points)?;
-                self.call("at", [proposed(field)])
+                format!("at({})", proposed(field))
             }
             Point::Keypoint { name } => {
-                let name = self.literal(name);
-                self.missing_call("keypoint", [Code::text("facts"), name])
+                let name = self.dialect.text(name);
+                self.may_miss(format!("keypoint(facts.scene, {name})"))
             }
             Point::Last { end } => {
                 let end = match end {
                     End::Pick => "pick",
                     End::Place => "place",
                 };
-                let last = self.last(end);
-                self.call("at", [last])
+                format!("at({})", self.last(end))
             }
             Point::Mirror { of, about } => {
-                let (of, about) = (self.point(of)?, self.point(about)?);
-                self.call("mirror", [of, about])
+                format!("mirror({}, {})", self.point(of)?, self.point(about)?)
             }
             Point::Carried {
                 from,
@@ -144,77 +122,63 @@ impl<'a> Lowering<'a> {
                 distance,
                 px_per_m,
             } => {
-                let from = self.point(from)?;
-                let vector = self.direction(direction)?;
+                let (from, vector) = (self.point(from)?, self.direction(direction)?);
                 let length_px = self.scaled(distance, *px_per_m)?;
-                self.call("carried", [from, vector, length_px])
+                format!("carried({from}, {vector}, {length_px})")
             }
         })
     }
 
     /// Writes the square of a length.
-    fn square(&mut self, length: &Length) -> Result<Code, EmitError> {
+    fn square(&self, length: &Length) -> Result<String, EmitError> {
         Ok(match length {
-            Length::Constant { value } => {
-                let value = Code::text(number(*value)?);
-                self.call("square", [value])
-            }
+            Length::Constant { value } => format!("square({})", number(*value)?),
             Length::OfPoints(measure) => {
                 let points = measure.points().iter().map(|point| self.point(point));
-                let points = points.collect::<Result<Vec<_>, _>>()?;
-                self.call(helpers::of_measure(measure.name())?, points)
+                let points = points.collect::<Result<Vec<_>, _>>()?.join(", ");
+                format!("squared_{}({points})", measure.name())
             }
-            Length::Field { field, scale } => {
-                let value = self.scaled(field, *scale)?;
-                self.call("square", [value])
-            }
+            Length::Field { field, scale } => format!("square({})", self.scaled(field, *scale)?),
         })
     }
 
     /// Writes the metres of a field, times a factor.
-    fn scaled(&mut self, field: &str, factor: f64) -> Result<Code, EmitError> {
+    fn scaled(&self, field: &str, factor: f64) -> Result<String, EmitError> {
         let field = self.field(field, "a field of lengths", |choices| {
             matches!(choices, Choices::Lengths { .. })
         })?;
-        let metres = self.chosen(field, proposed(field));
-        let factor = Code::text(number(factor)?);
-        Ok(Code::infix(metres, "*", factor))
+        let metres = self.chosen(field, &proposed(field));
+        Ok(format!("{metres} * {}", number(factor)?))
     }
 
-    fn direction(&mut self, field: &str) -> Result<Code, EmitError> {
+    fn direction(&self, field: &str) -> Result<String, EmitError> {
         let field = self.direction_field(field)?;
-        Ok(self.chosen(field, proposed(field)))
+        Ok(self.chosen(field, &proposed(field)))
     }
 
-    fn heading(&mut self, heading: &Heading) -> Result<Code, EmitError> {
+    fn heading(&self, heading: &Heading) -> Result<String, EmitError> {
         Ok(match heading {
             Heading::Field { field } => self.direction(field)?,
             Heading::Last { field } => {
                 let field = self.direction_field(field)?;
-                let value = self.last(&field.identifier);
-                self.chosen(field, value)
+                self.chosen(field, &self.last(&field.identifier))
             }
             Heading::FromTo { from, to } => {
-                let (from, to) = (self.point(from)?, self.point(to)?);
-                self.call("from_to", [from, to])
+                format!("from_to({}, {})", self.point(from)?, self.point(to)?)
             }
             Heading::Constant {
                 vector: [right, down],
-            } => {
-                let [open, close] = self.dialect.pair;
-                let numbers = [Code::text(number(*right)?), Code::text(number(*down)?)];
-                Code::group(open, numbers, close)
-            }
+            } => self.dialect.pair(&number(*right)?, &number(*down)?),
         })
     }
 
-    fn number(&mut self, value: &Number) -> Result<Code, EmitError> {
+    fn number(&self, value: &Number) -> Result<String, EmitError> {
         Ok(match value {
             Number::Count { keypoint } => {
-                let keypoint = self.literal(keypoint);
-                self.missing_call("count", [Code::text("facts"), keypoint])
+                let keypoint = self.dialect.text(keypoint);
+                self.may_miss(format!("count(facts.scene, {keypoint})"))
             }
-            Number::Step => Code::text(self.dialect.step),
+            Number::Step => "facts.step".to_owned(),
             Number::Coverage { mask, flat_px } => {
                 // Python would raise an error where Rust gets infinity.
                 if *flat_px == 0.0 {
@@ -222,60 +186,27 @@ impl<'a> Lowering<'a> {
                         value: format!("coverage of {mask} / {flat_px}"),
                     });
                 }
-                let mask = self.literal(mask);
-                let area = self.missing_call("area_px", [Code::text("facts"), mask]);
-                Code::infix(area, "/", Code::text(number(*flat_px)?))
+                let mask = self.dialect.text(mask);
+                let area = self.may_miss(format!("area_px(facts.scene, {mask})"));
+                format!("{area} / {}", number(*flat_px)?)
             }
         })
     }
 
     /// Writes a part of the previous action.
-    fn last(&mut self, part: &str) -> Code {
-        let close = format!("){}.{part}", self.dialect.may_miss);
-        self.helpers.insert("last");
-        let open = format!("{}last(", self.dialect.private);
-        Code::group(open, [Code::text("facts")], close)
+    fn last(&self, part: &str) -> String {
+        format!("{}.{part}", self.may_miss("known(facts.last)".to_owned()))
     }
 
     /// Writes the meaning of a chosen value: metres, or a vector.
-    fn chosen(&mut self, field: &Field<'_>, value: Code) -> Code {
-        let table = self.table(field);
-        let name = self.literal(&field.declared.name);
-        self.missing_call("chosen", [table, value, name])
+    fn chosen(&self, field: &Field<'_>, value: &str) -> String {
+        let (table, name) = (&field.table, self.dialect.text(&field.declared.name));
+        self.may_miss(format!("chosen({table}, {value}, {name})"))
     }
 
-    /// Joins conditions. Fewer than two need a function, but no source text has so few.
-    fn joined(&mut self, helper: &'static str, sign: &'static str, parts: Vec<Code>) -> Code {
-        if parts.len() < 2 {
-            self.every(helper, parts)
-        } else {
-            Code::Joined { sign, parts }
-        }
-    }
-
-    fn every(&mut self, helper: &'static str, parts: Vec<Code>) -> Code {
-        self.helpers.insert(helper);
-        Code::group(format!("{helper}(["), parts, "])")
-    }
-
-    fn call(&mut self, helper: &'static str, arguments: impl IntoIterator<Item = Code>) -> Code {
-        self.helpers.insert(helper);
-        let open = format!("{}{helper}(", self.dialect.private);
-        Code::group(open, arguments, ")")
-    }
-
-    fn missing_call<const N: usize>(&mut self, helper: &'static str, arguments: [Code; N]) -> Code {
-        self.helpers.insert(helper);
-        let open = format!("{}{helper}(", self.dialect.private);
-        Code::group(open, arguments, format!("){}", self.dialect.may_miss))
-    }
-
-    fn literal(&self, text: &str) -> Code {
-        Code::text((self.dialect.text)(text))
-    }
-
-    fn table(&self, field: &Field<'_>) -> Code {
-        Code::text(format!("{}{}", self.dialect.private, field.table))
+    /// Writes a call that ends the check if something is missing.
+    fn may_miss(&self, call: String) -> String {
+        call + self.dialect.may_miss
     }
 
     fn direction_field(&self, name: &str) -> Result<&'a Field<'a>, EmitError> {
@@ -300,7 +231,34 @@ impl<'a> Lowering<'a> {
     }
 }
 
+/// Writes the formula of a measure over the names of its points.
+pub(super) fn formula(square: Square, points: &[String]) -> String {
+    match square {
+        Square::Coordinate(axis) => format!("signed_square({}[{axis}])", points[0]),
+        Square::Apart(axis) => {
+            format!("square({}[{axis}] - {}[{axis}])", points[0], points[1])
+        }
+        Square::Sum(one, other) => {
+            let (one, other) = (formula(*one, points), formula(*other, points));
+            format!("({one} + {other})")
+        }
+        Square::Larger(one, other) => {
+            let (one, other) = (formula(*one, points), formula(*other, points));
+            format!("larger({one}, {other})")
+        }
+    }
+}
+
+/// Joins conditions, one a line. Fewer than two need a function, but no source text has so few.
+fn joined(function: &str, sign: &str, parts: Vec<String>) -> String {
+    if parts.len() < 2 {
+        return format!("{function}([{}])", parts.concat());
+    }
+    let lines = parts.join(&format!("\n{sign} ")).replace('\n', "\n    ");
+    format!("(\n    {lines}\n)")
+}
+
 /// Writes the proposed value of a field.
-fn proposed(field: &Field<'_>) -> Code {
-    Code::text(format!("facts.action.{}", field.identifier))
+fn proposed(field: &Field<'_>) -> String {
+    format!("facts.action.{}", field.identifier)
 }

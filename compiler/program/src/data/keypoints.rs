@@ -263,8 +263,26 @@ impl Extractor {
     pub fn needs_depth(&self) -> bool {
         match self {
             Extractor::DepthMask { .. } => true,
-            Extractor::Corners { of, .. } => *of == Sight::Depth,
-            _ => false,
+            Extractor::Corners { of, .. } => match of {
+                Sight::Depth => true,
+                Sight::Mask | Sight::Picture | Sight::MisreadPicture => false,
+            },
+            Extractor::ColorMask { .. }
+            | Extractor::SplitMask { .. }
+            | Extractor::Closed { .. }
+            | Extractor::Largest { .. }
+            | Extractor::Union { .. }
+            | Extractor::Minus { .. }
+            | Extractor::Centroid { .. }
+            | Extractor::BoundingBox { .. }
+            | Extractor::BoxCenter { .. }
+            | Extractor::PictureCenter
+            | Extractor::Contour { .. }
+            | Extractor::EdgeMiddles { .. }
+            | Extractor::Along { .. }
+            | Extractor::Toward { .. }
+            | Extractor::Outermost { .. }
+            | Extractor::Fixed { .. } => false,
         }
     }
 
@@ -272,7 +290,52 @@ impl Extractor {
     pub fn refines(&self) -> Option<&str> {
         match self {
             Extractor::Closed { mask, .. } | Extractor::Largest { mask } => Some(mask),
-            _ => None,
+            // A mask made of two others refines neither.
+            Extractor::Union { .. } | Extractor::Minus { .. } => None,
+            Extractor::DepthMask { .. }
+            | Extractor::ColorMask { .. }
+            | Extractor::SplitMask { .. }
+            | Extractor::Corners { .. }
+            | Extractor::Centroid { .. }
+            | Extractor::BoundingBox { .. }
+            | Extractor::BoxCenter { .. }
+            | Extractor::PictureCenter
+            | Extractor::Contour { .. }
+            | Extractor::EdgeMiddles { .. }
+            | Extractor::Along { .. }
+            | Extractor::Toward { .. }
+            | Extractor::Outermost { .. }
+            | Extractor::Fixed { .. } => None,
+        }
+    }
+
+    /// Returns how many points it gives at most; `None` if the picture alone decides, or if it gives no points.
+    ///
+    /// - `keypoints`: those that it may use.
+    pub fn most_points(&self, keypoints: &[Keypoint]) -> Option<u32> {
+        match self {
+            Extractor::Corners { max, .. } => Some(*max),
+            Extractor::Along { count, .. } => Some(*count),
+            Extractor::Fixed { points } => u32::try_from(points.len()).ok(),
+            // Only earlier keypoints are used, so this ends.
+            Extractor::Toward { points, .. } => {
+                let used = keypoints.iter().find(|keypoint| keypoint.name == *points);
+                used.and_then(|used| used.extractor.most_points(keypoints))
+            }
+            Extractor::Centroid { .. }
+            | Extractor::BoxCenter { .. }
+            | Extractor::PictureCenter
+            | Extractor::Outermost { .. } => Some(1),
+            Extractor::EdgeMiddles { .. }
+            | Extractor::DepthMask { .. }
+            | Extractor::ColorMask { .. }
+            | Extractor::SplitMask { .. }
+            | Extractor::Closed { .. }
+            | Extractor::Largest { .. }
+            | Extractor::Union { .. }
+            | Extractor::Minus { .. }
+            | Extractor::BoundingBox { .. }
+            | Extractor::Contour { .. } => None,
         }
     }
 

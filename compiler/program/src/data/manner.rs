@@ -52,8 +52,18 @@ pub const PRESS: Arg = field(
     "after the release, the gripper presses this much of the crease, half of it on each side of the middle between pick and place; 0 presses nothing",
 );
 
+/// Returns the place of a field's value.
+type Slot = fn(&mut Manner) -> &mut Option<f64>;
+
+const SLOTS: [(Arg, Slot); 4] = [
+    (LIFT, |manner| &mut manner.lift_m),
+    (SPEED, |manner| &mut manner.speed_m_s),
+    (RELEASE_HEIGHT, |manner| &mut manner.release_height_m),
+    (PRESS, |manner| &mut manner.press_m),
+];
+
 /// Every field of a manner.
-pub const MANNERS: &[Arg] = &[LIFT, SPEED, RELEASE_HEIGHT, PRESS];
+pub const MANNERS: &[Arg] = &[SLOTS[0].0, SLOTS[1].0, SLOTS[2].0, SLOTS[3].0];
 
 const fn field(name: &'static str, range: Range, doc: &'static str) -> Arg {
     Arg::named(name, Kind::Quantity(range), doc).or(Without::Nothing)
@@ -115,13 +125,8 @@ impl Manner {
     }
 
     fn slot(&mut self, name: &str) -> Option<&mut Option<f64>> {
-        match name {
-            "lift" => Some(&mut self.lift_m),
-            "speed" => Some(&mut self.speed_m_s),
-            "release_height" => Some(&mut self.release_height_m),
-            "press" => Some(&mut self.press_m),
-            _ => None,
-        }
+        let (_, slot) = SLOTS.iter().find(|(arg, _)| arg.name == name)?;
+        Some(slot(self))
     }
 }
 

@@ -49,11 +49,6 @@ impl TwinRanges {
             None => RECORDED_SPACING_M,
         }
     }
-
-    /// Returns about the least distance between a twin's particles, metres: that of the smallest one.
-    pub fn least_spacing_m(&self, cloth: &Cloth) -> f64 {
-        self.size[0] * self.spacing_m(cloth)
-    }
 }
 
 /// What happens where twins and camera disagree.

@@ -3,6 +3,8 @@
 //! Markdown, LaTeX, quotation marks and full-width forms disappear here, so that nothing after it has to know them.
 //! Bytes keep their places: a token says where it stands in the answer.
 
+use crate::invisible::is_invisible;
+
 /// What a token is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Kind {
@@ -155,7 +157,7 @@ impl<'t> Lexer<'t> {
             let lines = rest.len() - rest.trim_start_matches(['\r', '\n', ' ', '\t']).len();
             let is_empty_line = rest[..lines].matches('\n').count() > 1;
             self.skip(lines, if is_empty_line { Gap::Block } else { Gap::Line });
-        } else if first.is_whitespace() || is_invisible(first) {
+        } else if first.is_whitespace() || first.is_control() || is_invisible(first) {
             self.skip(width, Gap::Space);
         } else if digit(first).is_some() || (number_length(rest) > 0 && !self.is_in_word()) {
             let length = number_length(rest);
@@ -378,12 +380,6 @@ fn word_length(text: &str) -> usize {
         before = letter;
     }
     text.len()
-}
-
-/// Returns whether a character has no width: joiners, marks of direction, a byte order mark.
-fn is_invisible(letter: char) -> bool {
-    matches!(letter, '\u{200b}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}' | '\u{ad}')
-        || letter.is_control()
 }
 
 /// Returns the plain form of a sign.

@@ -12,13 +12,11 @@
 //! and no policy's. Equal inputs give equal results on any number of threads.
 //!
 //! It is a beam search with growing width: 1, 2, 4 and so on. [`journal`] keeps finished trials, so that a stopped search
-//! goes on where it was. [`unoffered`] tries what the action space leaves out.
+//! goes on where it was.
 
 pub mod journal;
-pub mod unoffered;
 
 mod aim;
-mod between;
 mod offers;
 mod tree;
 
@@ -35,9 +33,9 @@ use fab_world::start::Start;
 use fab_world::{Grasp, Motion, SimulatedWorld, WorldError};
 use journal::TrialJournal;
 use serde::Serialize;
+use tree::Tree;
 
 pub use aim::Aim;
-pub use tree::Tree;
 
 /// Makes a fresh simulated world, equal to every other one that it makes.
 pub type MakeSimulated<'a> = dyn Fn() -> Result<SimulatedWorld, WorldError> + Sync + 'a;
@@ -192,44 +190,27 @@ impl Measure {
         }
     }
 
-    /// Returns what tells how promising a state within a rollout is: how far it is from the experts' state after as many
-    /// steps, or its own measure where nobody demonstrates the way.
-    fn on_the_way(self, value: f64, behind: f64) -> f64 {
-        match self.experts_lead() {
-            true => behind,
-            false => value,
-        }
-    }
-
-    /// Returns by how much an action that is not offered must be better to be worth naming, in the measure's unit: what
-    /// the report's digits show. Chosen, not measured; replays of recordings end 1.6 mm off on average.
-    fn least_gain(self) -> f64 {
-        match self.metric {
-            // Metres, printed as millimetres with one digit.
-            Metric::ParticleDistance => 0.0005,
-            // Fractions, printed with three digits.
-            Metric::Coverage | Metric::NormalizedImprovement => 0.001,
-        }
-    }
-
     fn experts_lead(self) -> bool {
         self.metric == Metric::ParticleDistance
     }
 }
 
 /// The result of a search.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Found {
     /// What is measured.
+    #[serde(skip)]
     pub measure: Measure,
     /// The measure of the untouched cloth.
     pub untouched: f64,
     /// The best actions, in order, from the start to the end of a rollout; `None` if the search was stopped before, or
     /// no rollout ends.
+    #[serde(skip)]
     pub best: Option<Vec<Taken>>,
     /// The best measure after each number of actions, from 1; as long as the deepest that was reached.
     pub after: Vec<f64>,
     /// The most promising actions so far, if none led to an end yet.
+    #[serde(skip)]
     pub under_way: Vec<Taken>,
     /// Trials, including those that the journal knew.
     pub trials: u32,
@@ -331,11 +312,11 @@ fn key_of(motion: &Motion) -> String {
 ///
 /// Fails if the task has nothing to measure, or the world, the vision or the journal does. An interrupt is a failure only
 /// before the first trial, while the experts' states are simulated.
-pub fn search(search: &Search<'_>) -> Result<(Found, Tree), BestError> {
+pub fn search(search: &Search<'_>) -> Result<Found, BestError> {
     let mut tree = Tree::at_start(search)?;
     for hint in search.hints {
         tree.follow(search, hint)?;
     }
     tree.widen(search, search.limits.trials.saturating_sub(tree.trials))?;
-    Ok((tree.found(search), tree))
+    Ok(tree.found(search))
 }

@@ -35,7 +35,7 @@ const MAX_HEIGHT_MM: f64 = 5.0;
 const MAX_CORNER_MM: f64 = 10.0;
 
 /// A measured value and its bound.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Check {
     /// Its name in files and JSON.
     pub name: &'static str,
@@ -44,8 +44,10 @@ pub struct Check {
     /// The largest value accepted.
     pub bound: f64,
     /// What was measured, with the value.
+    #[serde(skip)]
     pub text: String,
     /// What to do if it is too large.
+    #[serde(skip)]
     pub next: String,
 }
 
@@ -91,7 +93,7 @@ pub struct Corner {
 }
 
 /// The accuracy of a fit. Errors are distances in space between the tool and the fit's position for the pixel.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Accuracy {
     /// The error of each point, millimetres, in the order of the points.
     pub residual_mm: Vec<f64>,

@@ -4,6 +4,7 @@
 //! defaults filled in; else all faults. A test prints `docs/arm-settings.md` from the same rows. What one key requires
 //! of another is left to `check`.
 
+use fab_program::nearest::nearest;
 use std::fmt::Write as _;
 use toml::{Table, Value};
 
@@ -97,8 +98,6 @@ const ANGLE: Range = from(-360.0, 360.0);
 const HEIGHT: Accepts = Number(from(0.0, 0.5));
 /// The most faults that one message lists.
 const MAX_FAULTS: usize = 20;
-/// The longest unknown key for which a similar one is sought.
-const MAX_KEY: usize = 40;
 const MAX_SIDE_PX: i64 = 16_384;
 
 /// How the name of a key ends, and the unit of its numbers; the first one that fits.
@@ -868,13 +867,7 @@ fn unknown_key(found: &str, prefix: &str, shown: &str) -> String {
         .iter()
         .find(|key| key.name.rsplit('.').next() == Some(found))
         .map(|key| key.name.to_owned());
-    let near = here
-        .iter()
-        .filter(|_| found.len() <= MAX_KEY)
-        .map(|name| (strsim::damerau_levenshtein(found, name), name))
-        .min()
-        .filter(|(distance, _)| *distance <= (found.len() / 3).max(1))
-        .map(|(_, name)| format!("{shown}{name}"));
+    let near = nearest(found, here.iter().copied()).map(|name| format!("{shown}{name}"));
     let mut text = format!("`{shown}{found}` is not a setting");
     match elsewhere.or(near) {
         Some(meant) => _ = write!(text, "; did you mean `{meant}`?"),

@@ -65,7 +65,8 @@ fn a_text_is_read_without_its_mark_or_named() {
     // These begin as a BMP and a PPM picture do, and are texts.
     assert_eq!(read(b"BM,P6"), Ok("BM,P6".to_owned()));
     assert_eq!(read(b"P6"), Ok("P6".to_owned()));
-    let rows: [(&[u8], &str); 4] = [
+    let rows: [(&[u8], &str); 5] = [
+        (b"a\0b\0", "it is text in UTF-16; save it as UTF-8"),
         (b"\xff\xfea\0", "it is text in UTF-16; save it as UTF-8"),
         (
             b"version https://git-lfs.github.com/spec/v1\n",
@@ -74,7 +75,7 @@ fn a_text_is_read_without_its_mark_or_named() {
         (b"\x89PNG\r\n\x1a\n", "it is a PNG picture"),
         (
             b"caf\xe9",
-            "it is not UTF-8 text, byte 3 does not belong there",
+            "it is not UTF-8 text: byte 3, in line 1, is 0xe9, perhaps Latin-1; save it as UTF-8",
         ),
     ];
     for (bytes, told) in rows {

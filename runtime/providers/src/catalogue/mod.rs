@@ -26,8 +26,8 @@ pub use provider::{KeyNeed, Provider, RunsOn, Source, Wire};
 pub use tokens::{Flat, ImageTokens, Patches, Tiles, Tokens};
 
 use fab_base::files;
-use fab_compiler::diag::{among, nearest};
 use fab_model::Lowering;
+use fab_program::nearest::{among, nearest};
 use file::{AtLine, Gateway, ModelEntry, ProviderForm, Subject};
 use serde::Serialize;
 use std::path::Path;

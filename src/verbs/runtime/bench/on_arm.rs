@@ -34,12 +34,12 @@ pub fn check(arguments: &BenchArguments, suite: &Suite, io: &Io) -> Result<Optio
             "`--jobs {jobs}` is for the simulator: an arm carries rollouts out one at a time"
         )));
     }
-    let settings = Settings::load(arguments.arm.robot()).map_err(Failure::environment)?;
+    let settings = Settings::load(arguments.arm.robot())?;
     let cloths = match settings.driver {
         DriverKind::Simulated => Cloths::Simulated,
         DriverKind::Kinova | DriverKind::Trajectory | DriverKind::Ros2 => Cloths::ByHand,
     };
-    cloths.check(suite).map_err(Failure::environment)?;
+    cloths.check(suite)?;
     let settings = setting::arm::check(&arguments.arm, ArmMode::Execute, io)?;
     Ok(Some(Arm {
         about: world::about(arguments.arm.robot()).map_err(Failure::environment)?,

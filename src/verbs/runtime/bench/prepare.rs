@@ -2,17 +2,14 @@
 
 use crate::exit::Failure;
 use crate::io::Io;
-use crate::shipped;
-use crate::sources;
-use crate::verbs::runtime::bench::BenchArguments;
-use crate::verbs::runtime::bench::Shard;
+use crate::verbs::runtime::bench::{BenchArguments, Shard};
 use crate::verbs::runtime::setting;
-use crate::verbs::runtime::setting::model_arguments::ModelArguments;
-use crate::verbs::runtime::setting::model_arguments::OmitArgument;
-use crate::verbs::runtime::setting::model_arguments::PolicyArguments;
-use crate::verbs::runtime::setting::model_arguments::Purpose;
+use crate::verbs::runtime::setting::model_arguments::{
+    ModelArguments, OmitArgument, PolicyArguments, Purpose,
+};
 use crate::verbs::runtime::setting::models::Answering;
 use crate::verbs::runtime::setting::policies::Deciding;
+use crate::{shipped, sources};
 use fab_agent::examples::Examples;
 use fab_agent::policy::MakePolicy;
 use fab_agent::subgoals::{SubgoalError, SubgoalSet};
@@ -106,7 +103,7 @@ pub fn prepare(
             None => starts::generated(suite.starts_of(&program.task), &program.cloth),
             Some(recorded) => {
                 let points = starts::recorded(recorded, &program.task);
-                let points = points.map_err(Failure::environment)?;
+                let points = points?;
                 for point in &points {
                     let start = format!("{} of `{}`", point.number, recorded.display());
                     setting::check_spacing(&start, point.cloth.spacing_m, &program)?;
@@ -235,7 +232,7 @@ pub fn entries<'a>(
                 models: deciding.answering().map(Answering::models),
                 programs: programs.collect(),
                 subgoals,
-                examples: examples.map_err(Failure::environment)?,
+                examples: examples?,
                 varies: policy.varies(),
                 repeats: match policy.varies() {
                     true => arguments
@@ -287,14 +284,16 @@ fn refuse_or_say(
         .iter()
         .filter_map(|program| program.variant.as_deref());
     let names = quoted(names);
-    let there = match names.is_empty() {
-        true => "there is none".to_owned(),
-        false => format!("there is {names}"),
+    let there = if names.is_empty() {
+        "there is none".to_owned()
+    } else {
+        format!("there is {names}")
     };
     let why = format!("`{}` has no variant `{variant}`; {there}", prepared.file);
-    Err(match arguments.variant.is_some() {
-        true => Failure::usage(why),
-        false => Failure::environment(why),
+    Err(if arguments.variant.is_some() {
+        Failure::usage(why)
+    } else {
+        Failure::environment(why)
     })
 }
 
@@ -304,9 +303,9 @@ fn subgoals(
     folder: &Path,
     interrupt: &Interrupt,
 ) -> Result<Option<SubgoalSet>, Failure> {
-    let mut world = setting::world(program).map_err(Failure::environment)?;
+    let mut world = setting::world(program)?;
     match SubgoalSet::obtain(program, folder, world.as_mut(), interrupt) {
         Err(SubgoalError::World(WorldError::Interrupted)) => Ok(None),
-        obtained => Ok(Some(obtained.map_err(Failure::environment)?)),
+        obtained => Ok(Some(obtained?)),
     }
 }

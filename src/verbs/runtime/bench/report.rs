@@ -2,29 +2,53 @@
 
 use crate::exit::Failure;
 use crate::io::write_file;
+use crate::report::Report;
 use crate::verbs::runtime::bench::Shard;
 use fab_agent::outcome::Outcome;
 use fab_base::wording::{counted, quoted};
-use fab_bench::play::{Results, StopReason};
+use fab_bench::on_arm::ArmStop;
+use fab_bench::play::{self, Results, StopReason};
 use fab_bench::rows::Row;
-use fab_bench::{Answers, Bench};
-use fab_bench::{statistics, table};
-use serde_json::{Value, json};
+use fab_bench::vary::Vary;
+use fab_bench::{Answers, Bench, statistics, table};
+use fab_model::calls;
+use serde::Serialize;
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A suite that was run.
-pub struct Report<'a> {
-    /// The suite's name.
-    pub name: &'a str,
-    /// The plan.
-    pub bench: &'a Bench<'a>,
-    /// The outcome.
-    pub results: &'a Results,
-    /// The figures.
-    pub rows: &'a [Row],
+#[derive(Serialize)]
+pub struct BenchReport<'a> {
+    suite: &'a str,
     /// Total wall time, seconds.
-    pub wall_s: f64,
+    wall_s: f64,
+    params: &'a str,
+    vary: &'a Option<Vary>,
+    answers: Answers,
+    structured: bool,
+    out: &'a Path,
+    interrupted: bool,
+    capped: bool,
+    arm_left: &'a Option<ArmStop>,
+    cut_off: &'a [PathBuf],
+    calls: calls::Spent,
+    rollouts: Counts,
+    spent: play::Spent,
+    /// Mean over all actions.
+    planning_s: Option<f64>,
+    rows: &'a [Row],
+    #[serde(skip)]
+    bench: &'a Bench<'a>,
+    #[serde(skip)]
+    results: &'a Results,
+}
+
+/// How many rollouts there are.
+#[derive(Serialize)]
+struct Counts {
+    planned: usize,
+    finished: usize,
+    found: usize,
 }
 
 /// Describes what a suite is about to do.
@@ -70,55 +94,54 @@ pub fn plan(name: &str, bench: &Bench<'_>, shard: Option<Shard>) -> String {
     )
 }
 
-impl Report<'_> {
-    /// Returns the document that `--json` prints.
-    pub fn json(&self) -> Value {
-        json!({
-            "suite": self.name,
-            "wall_s": self.wall_s,
-            "params": self.results.params,
-            "vary": self.bench.suite.vary,
-            "answers": self.bench.answers,
-            "structured": self.bench.suite.structured,
-            "out": self.bench.out.display().to_string(),
-            "interrupted": self.results.stopped == Some(StopReason::Interrupted),
-            "capped": self.results.stopped == Some(StopReason::Capped),
-            "arm_left": self.results.arm_stop.as_ref().map(|stop| json!({
-                "run_dir": stop.folder.display().to_string(),
-                "why": stop.why,
-                "is_clear": stop.is_clear,
-            })),
-            "cut_off": self.results.cut_off.iter().map(|folder| folder.display().to_string()).collect::<Vec<_>>(),
-            "calls": self.bench.budget.spent(),
-            "rollouts": {
-                "planned": self.results.planned,
-                "finished": self.results.rollouts.len(),
-                "found": self.results.found,
+impl<'a> BenchReport<'a> {
+    /// Summarises a suite's results.
+    ///
+    /// - `rows`: the figures.
+    pub fn new(
+        name: &'a str,
+        bench: &'a Bench<'a>,
+        results: &'a Results,
+        rows: &'a [Row],
+        wall_s: f64,
+    ) -> BenchReport<'a> {
+        let steps = { results.rollouts.iter() }.flat_map(|played| &played.rollout.steps);
+        let planning: Vec<f64> = steps.filter_map(|step| step.spent.planning_s).collect();
+        BenchReport {
+            suite: name,
+            wall_s,
+            params: &results.params,
+            vary: &bench.suite.vary,
+            answers: bench.answers,
+            structured: bench.suite.structured,
+            out: &bench.out,
+            interrupted: results.stopped == Some(StopReason::Interrupted),
+            capped: results.stopped == Some(StopReason::Capped),
+            arm_left: &results.arm_stop,
+            cut_off: &results.cut_off,
+            calls: bench.budget.spent(),
+            rollouts: Counts {
+                planned: results.planned,
+                finished: results.rollouts.len(),
+                found: results.found,
             },
-            "spent": self.results.spent,
-            "planning_s": self.planning_s(),
-            "rows": self.rows,
-        })
-    }
-
-    /// Returns the tables as text for a terminal.
-    pub fn text(&self) -> String {
-        match self.rows.is_empty() {
-            true => "no rollout has finished: there is nothing to tabulate".to_owned(),
-            false => table::text(self.bench.suite, self.rows),
+            spent: results.spent,
+            planning_s: statistics::mean(&planning),
+            rows,
+            bench,
+            results,
         }
     }
 
     /// Writes table.csv, table.json and table.md.
     pub fn write(&self, out: &Path) -> Result<(), Failure> {
-        let json = serde_json::to_string_pretty(&self.json());
-        let json = json.map_err(Failure::environment)?;
+        let json = serde_json::to_string_pretty(self)?;
         let files = [
             ("table.csv", table::csv(self.rows)),
             ("table.json", json + "\n"),
             (
                 "table.md",
-                table::markdown(self.name, self.bench.suite, self.rows),
+                table::markdown(self.suite, self.bench.suite, self.rows),
             ),
         ];
         for (name, text) in files {
@@ -151,7 +174,7 @@ impl Report<'_> {
         lines.extend(self.failed());
         lines.extend(self.cut_off());
         lines.extend(self.arm_stop());
-        let calls = self.bench.budget.spent();
+        let calls = &self.calls;
         if calls.calls > 0 {
             lines.push(format!(
                 "calls: {}, {}, {}",
@@ -171,7 +194,7 @@ impl Report<'_> {
             "starts {:.1} s, rollouts {:.1} s, in all {:.1} s",
             spent.starts_s, spent.rollouts_s, self.wall_s
         ));
-        if let Some(planning_s) = self.planning_s() {
+        if let Some(planning_s) = self.planning_s {
             lines.push(format!(
                 "planning without the model: {:.0} ms per action (render, vision, prompt, parse, verify)",
                 planning_s * 1000.0
@@ -232,12 +255,13 @@ impl Report<'_> {
             ),
         })
     }
+}
 
-    /// Mean over all actions.
-    fn planning_s(&self) -> Option<f64> {
-        let rollouts = self.results.rollouts.iter();
-        let steps = rollouts.flat_map(|played| &played.rollout.steps);
-        let planning: Vec<f64> = steps.filter_map(|step| step.spent.planning_s).collect();
-        statistics::mean(&planning)
+impl Report for BenchReport<'_> {
+    fn text(&self) -> String {
+        match self.rows.is_empty() {
+            true => "no rollout has finished: there is nothing to tabulate".to_owned(),
+            false => table::text(self.bench.suite, self.rows),
+        }
     }
 }

@@ -21,9 +21,10 @@ pub struct SuiteFile {
 /// Finds a suite by its name or path, and reads it.
 pub fn find(wanted: &str) -> Result<SuiteFile, Failure> {
     let is_path = wanted.ends_with(".toml") || wanted.contains(['/', '\\']);
-    let path = match is_path {
-        true => PathBuf::from(wanted),
-        false => Path::new(FOLDER).join(format!("{wanted}.toml")),
+    let path = if is_path {
+        PathBuf::from(wanted)
+    } else {
+        Path::new(FOLDER).join(format!("{wanted}.toml"))
     };
     if !path.is_file() {
         return Err(Failure::usage(format!(

@@ -1,6 +1,6 @@
 //! The rollouts beside which the best is shown: its own actions again, the expert, random actions, the stand-in.
 //!
-//! In: a task at one start. Out: a row each. Rollouts are kept in run folders; a finished one is not run again.
+//! In: a search. Out: a row each. Rollouts are kept in run folders; a finished one is not run again.
 
 use crate::exit::Failure;
 use crate::io::Io;
@@ -19,21 +19,21 @@ use fab_model::calls::Budget;
 use fab_program::Metric;
 use fab_standins::Geometric;
 use fab_world::{World, WorldError};
+use serde::Serialize;
 use std::path::Path;
 
-/// How many rollouts of random actions a start gets.
+/// How many rollouts of random actions there are.
 const DRAWS: u32 = 5;
 
-/// One kind of rollouts at one start.
-#[derive(Clone, Debug)]
+/// One kind of rollouts.
+#[derive(Clone, Debug, Serialize)]
 pub struct Row {
+    #[serde(rename = "row")]
     pub name: &'static str,
     /// Whether it may look at the true state of the cloth, which no camera shows.
     pub oracle: bool,
     /// The measure at the end of each rollout, however it ended; empty if there is none.
     pub values: Vec<f64>,
-    /// Those of rollouts that are scored.
-    pub at_end: Vec<f64>,
     /// Whether each rollout reached the goal; empty without one.
     pub reached: Vec<bool>,
     /// Why each rollout that has no score, and is measured where it ended, has none.
@@ -48,54 +48,14 @@ impl Row {
             name,
             oracle,
             values: Vec::new(),
-            at_end: Vec::new(),
             reached: Vec::new(),
             unscored: Vec::new(),
             none: None,
         }
     }
-
-    /// Adds a rollout; `None` was interrupted.
-    ///
-    /// - `where_it_ended`: measures the last state of a rollout that has no score.
-    fn add(
-        &mut self,
-        rollout: Option<&Rollout>,
-        metric: Metric,
-        has_goal: bool,
-        where_it_ended: impl FnOnce(&Rollout) -> Result<Option<f64>, Failure>,
-    ) -> Result<(), Failure> {
-        let Some(rollout) = rollout else {
-            self.none = Some("interrupted".to_owned());
-            return Ok(());
-        };
-        let report = &rollout.report;
-        let measured = value(report, metric);
-        if report.outcome.is_scored() && measured.is_some() {
-            self.values.extend(measured);
-            self.at_end.extend(measured);
-            self.reached.extend(report.goal_reached);
-            return Ok(());
-        }
-        let why = report.stopped.as_deref();
-        let why = why.unwrap_or(report.outcome.name()).to_owned();
-        match measured {
-            Some(value) => self.values.push(value),
-            None => match where_it_ended(rollout)? {
-                Some(value) => self.values.push(value),
-                None => {
-                    self.none = Some(why);
-                    return Ok(());
-                }
-            },
-        }
-        self.reached.extend(has_goal.then_some(false));
-        self.unscored.push(why);
-        Ok(())
-    }
 }
 
-/// The rollouts of one start.
+/// The rollouts beside one search.
 pub struct Playing<'a> {
     pub search: &'a Search<'a>,
     pub examples: &'a Examples,
@@ -113,13 +73,7 @@ struct Play<'p> {
 
 impl Playing<'_> {
     /// Plays the policies; returns a row each, and what they decided, the best first. What was interrupted has no value.
-    ///
-    /// - `of`: what is shown of the start under way.
-    pub fn policies(
-        &self,
-        measure: Measure,
-        of: &str,
-    ) -> Result<(Vec<Row>, Vec<Vec<Choice>>), Failure> {
+    pub fn policies(&self) -> Result<(Vec<Row>, Vec<Vec<Choice>>), Failure> {
         let random = Random {
             seed: self.search.limits.seed,
         };
@@ -149,23 +103,16 @@ impl Playing<'_> {
             }
             rows.push(row);
         }
-        let played = in_parallel(
-            plays.len(),
-            self.search.limits.threads,
-            |index| self.play(&plays[index]),
-            |done| {
-                let what = format!("{of}: {done} of {} rollouts beside it", plays.len());
-                self.io.progress(&what);
-            },
-        );
-        self.io.progress("");
-        let has_goal = self.search.program.goal.is_some();
-        let mut aim = None;
+        let show = |done: usize| {
+            let what = format!("{done} of {} rollouts beside it", plays.len());
+            self.io.progress(&what);
+        };
+        let play = |index: usize| self.play(&plays[index]);
+        let played = in_parallel(plays.len(), self.search.limits.threads, play, show)?;
+        let measure = Measure::of(self.search.program)?;
         let mut decided = Vec::new();
-        for (play, rollout) in plays.iter().zip(played?) {
-            rows[play.row].add(rollout.as_ref(), measure.metric, has_goal, |it| {
-                self.last_of(it, &mut aim)
-            })?;
+        for (play, rollout) in plays.iter().zip(played) {
+            self.add(&mut rows[play.row], rollout.as_ref(), measure)?;
             let steps = rollout.iter().flat_map(|rollout| &rollout.steps);
             let choices: Vec<Choice> = steps.map_while(|step| Choice::of(&step.line)).collect();
             let scored = rollout.filter(|rollout| rollout.report.outcome.is_scored());
@@ -178,16 +125,40 @@ impl Playing<'_> {
         Ok((rows, decided.into_iter().map(|(_, it)| it).collect()))
     }
 
-    /// Measures the last state of a rollout; `None` after an interrupt, or if it cannot be measured.
-    ///
-    /// - `aim`: is made for the first rollout that needs it.
-    fn last_of(&self, rollout: &Rollout, aim: &mut Option<Aim>) -> Result<Option<f64>, Failure> {
-        if aim.is_none() {
-            *aim = unless_stopped(Aim::of(self.search)).map_err(Failure::environment)?;
+    /// Adds a rollout to its row; `None` was interrupted. One without a score is measured where it ended.
+    fn add(&self, row: &mut Row, rollout: Option<&Rollout>, of: Measure) -> Result<(), Failure> {
+        let Some(rollout) = rollout else {
+            row.none = Some("interrupted".to_owned());
+            return Ok(());
+        };
+        let report = &rollout.report;
+        let measured = value(report, of.metric);
+        if report.outcome.is_scored() && measured.is_some() {
+            row.values.extend(measured);
+            row.reached.extend(report.goal_reached);
+            return Ok(());
         }
-        let last = rollout.last.as_ref();
-        let last = last.unwrap_or(&self.search.start.positions);
-        Ok(aim.as_ref().and_then(|aim| aim.value(last)))
+        let why = report.stopped.as_deref();
+        let why = why.unwrap_or(report.outcome.name()).to_owned();
+        let ended = match measured {
+            Some(value) => Some(value),
+            None => {
+                let aim = unless_stopped(Aim::of(self.search))?;
+                let last = rollout.last.as_ref();
+                let last = last.unwrap_or(&self.search.start.positions);
+                aim.and_then(|aim| aim.value(last))
+            }
+        };
+        match ended {
+            Some(value) => {
+                row.values.push(value);
+                let has_goal = self.search.program.goal.is_some();
+                row.reached.extend(has_goal.then_some(false));
+                row.unscored.push(why);
+            }
+            None => row.none = Some(why),
+        }
+        Ok(())
     }
 
     /// Executes the best actions in a rollout of their own, and returns the row.
@@ -195,7 +166,7 @@ impl Playing<'_> {
     /// Fails if it ends elsewhere than the search found, or without a measure.
     pub fn best(&self, found: &Found) -> Result<Row, Failure> {
         let mut row = Row::new("best", true);
-        let Some(best) = &found.best else {
+        let Some((best, expected)) = found.best.as_ref().zip(found.value()) else {
             row.none = Some("no rollout ended yet".to_owned());
             return Ok(row);
         };
@@ -203,21 +174,28 @@ impl Playing<'_> {
             name: "best actions found".to_owned(),
             choices: best.iter().map(|taken| taken.choice.clone()).collect(),
         };
+        // The folder's name differs for different actions.
+        let name = Cache::key([format!("{:?}", following.choices).as_str()]);
         let rollout = self.play(&Play {
             row: 0,
-            folder: format!("best-{}", name_of(&following)),
+            folder: format!("best-{}", &name[..8]),
             make_policy: &following,
             repetition: 0,
         })?;
-        row.add(rollout.as_ref(), found.measure.metric, false, |_| Ok(None))?;
-        if rollout.is_none() {
+        let Some(rollout) = rollout else {
             // The search measured the same state.
-            row.values.extend(found.value());
-        }
-        let found = found.value();
-        match found.and_then(|found| contradiction(found, &row)) {
-            Some(why) => Err(Failure::environment(why)),
-            None => Ok(row),
+            row.none = Some("interrupted".to_owned());
+            row.values.push(expected);
+            return Ok(row);
+        };
+        self.add(&mut row, Some(&rollout), found.measure)?;
+        match row.values.first() {
+            // The same bits, but for metres that were written as millimetres.
+            Some(again) if (expected - again).abs() <= 1e-9 && row.unscored.is_empty() => Ok(row),
+            again => Err(Failure::environment(format!(
+                "the rollout of the best actions ends at {}, and the search found {expected}: the simulator did not repeat itself",
+                again.map_or("no measure".to_owned(), f64::to_string)
+            ))),
         }
     }
 
@@ -247,7 +225,7 @@ impl Playing<'_> {
             repetition: play.repetition,
             start_number: None,
         };
-        let world = make_world().map_err(Failure::environment)?;
+        let world = make_world()?;
         let identity = Identity {
             program: search.program.hash(),
             vary: world.variation(),
@@ -261,53 +239,29 @@ impl Playing<'_> {
             drawn_for: job.drawn_for(),
         };
         let folder = self.folder.join(&play.folder);
-        match record::find(&folder, &identity) {
-            FolderContents::Finished(rollout) => return Ok(Some(*rollout)),
-            FolderContents::Other(why) => {
-                return Err(Failure::environment(format!(
-                    "`{}` holds another rollout: {why}; name another `--out`, nothing is overwritten",
-                    folder.display()
-                )));
-            }
-            FolderContents::Unfinished => {}
-        }
-        let open = match folder.join(RECORD_FILE).is_file() {
-            true => RunFolder::reopen(&folder),
-            false => RunFolder::create(&folder),
+        let finished = || match record::find(&folder, &identity) {
+            FolderContents::Finished(rollout) => Ok(Some(*rollout)),
+            FolderContents::Unfinished => Ok(None),
+            FolderContents::Other(why) => Err(Failure::environment(format!(
+                "`{}` holds another rollout: {why}; name another `--out`, nothing is overwritten",
+                folder.display()
+            ))),
         };
-        let open = open.map_err(Failure::environment)?;
+        if let Some(rollout) = finished()? {
+            return Ok(Some(rollout));
+        }
+        let open = if folder.join(RECORD_FILE).is_file() {
+            RunFolder::reopen(&folder)
+        } else {
+            RunFolder::create(&folder)
+        }?;
         match rollout::run(&job, open, &mut |_| {}) {
             Err(RunError::World(WorldError::Interrupted)) => Ok(None),
             Err(error) => Err(Failure::environment(error)),
             Ok(ended) if ended.outcome == Outcome::Interrupted => Ok(None),
-            Ok(_) => match record::find(&folder, &identity) {
-                FolderContents::Finished(rollout) => Ok(Some(*rollout)),
-                FolderContents::Other(why) => Err(Failure::environment(why)),
-                FolderContents::Unfinished => Ok(None),
-            },
+            Ok(_) => finished(),
         }
     }
-}
-
-/// Says how the rollout of the best actions contradicts what the search found for them.
-fn contradiction(found: f64, best: &Row) -> Option<String> {
-    let again = match best.values.first() {
-        // The same bits, but for metres that were written as millimetres.
-        Some(again) if (found - again).abs() <= 1e-9 => return None,
-        Some(again) => format!("at {again}"),
-        None => {
-            let why = best.none.as_deref().unwrap_or("its record has none");
-            format!("without a measure ({why})")
-        }
-    };
-    Some(format!(
-        "the rollout of the best actions ends {again}, and the search found {found}: the simulator did not repeat itself"
-    ))
-}
-
-/// Returns a folder's name that differs for different actions.
-fn name_of(following: &Following) -> String {
-    Cache::key([format!("{:?}", following.choices).as_str()])[..8].to_owned()
 }
 
 /// Returns the measure at the end of a rollout: metres of distance, or a fraction.
@@ -316,26 +270,5 @@ fn value(report: &Report, metric: Metric) -> Option<f64> {
         Metric::ParticleDistance => Some(report.mean_particle_distance_mm? / 1000.0),
         Metric::Coverage => report.coverage,
         Metric::NormalizedImprovement => report.normalized_improvement,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_rollout_that_ends_elsewhere_or_without_a_measure_contradicts_the_search() {
-        let mut best = Row::new("best", true);
-        best.none = Some("no_candidates".to_owned());
-        let why = contradiction(0.012, &best).unwrap_or_default();
-        assert!(
-            why.contains("without a measure (no_candidates), and the search found 0.012"),
-            "{why}"
-        );
-        best.values = vec![0.013];
-        let why = contradiction(0.012, &best).unwrap_or_default();
-        assert!(why.contains("ends at 0.013"), "{why}");
-        best.values = vec![0.012 + 1e-12];
-        assert_eq!(contradiction(0.012, &best), None);
     }
 }

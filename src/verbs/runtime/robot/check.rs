@@ -5,17 +5,15 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::verbs::runtime::calibrate::report::checks_as_json;
-use clap::Args;
-use clap::ValueHint;
+use crate::report::Report;
+use clap::{Args, ValueHint};
 use fab_arm::calibration::{Accuracy, Calibration, METHOD};
 use fab_arm::guard::{Guard, Surface};
 use fab_arm::kinematics::reach::{Reach, Turn};
 use fab_arm::settings::{CameraSource, Settings};
 use nalgebra::Point3;
-use serde_json::{Value, json};
-use std::path::Path;
-use std::path::PathBuf;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `robot check`.
 #[derive(Args)]
@@ -29,9 +27,12 @@ pub struct RobotCheckArguments {
 }
 
 /// A place, and why it is out of reach if it is.
+#[derive(Serialize)]
 struct NamedPose {
+    #[serde(rename = "place")]
     name: &'static str,
     /// The settings' key of a place that a run needs. A corner out of reach only costs the points near it.
+    #[serde(skip)]
     needed: Option<&'static str>,
     at_m: [f64; 3],
     why_not: Option<String>,
@@ -44,95 +45,111 @@ struct Unusable {
 }
 
 /// An arm's settings, and what is wrong with what they name.
+#[derive(Serialize)]
 struct Inspection {
+    #[serde(skip)]
     settings: Settings,
-    places: Vec<NamedPose>,
-    calibration: Result<(Calibration, Accuracy), Unusable>,
+    name: String,
+    model: String,
+    calibration: CheckedCalibration,
+    reach: Vec<NamedPose>,
+    /// What prevents a run.
+    #[serde(skip)]
+    faults: Vec<String>,
+    /// What to do: about each fault, else to plan.
+    next: Vec<String>,
+    exit: u8,
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum CheckedCalibration {
+    Usable {
+        usable: bool,
+        made_on: String,
+        method: &'static str,
+        camera: String,
+        #[serde(flatten)]
+        accuracy: Box<Accuracy>,
+    },
+    Unusable {
+        usable: bool,
+        why: String,
+    },
 }
 
 /// Checks the settings and everything that they name.
 pub fn run(arguments: &RobotCheckArguments, io: &Io) -> Result<Exit, Failure> {
     let inspection = inspect(&arguments.robot)?;
-    let exit = match inspection.faults().is_empty() {
-        true => Exit::Done,
-        false => Exit::Environment,
-    };
-    let next = inspection.next(&arguments.robot);
-    match arguments.json {
-        true => io.json(&as_json(&inspection, &next, exit)),
-        false => io.data(&as_text(&inspection, &next)),
+    io.result(arguments.json, &inspection);
+    if inspection.faults.is_empty() {
+        return Ok(Exit::Done);
     }
-    if exit != Exit::Done {
-        io.talk("error: this arm cannot be used as it is set up");
-    }
-    Ok(exit)
+    io.talk("error: this arm cannot be used as it is set up");
+    Ok(Exit::Environment)
 }
 
 /// Returns the settings of an arm with which a plan or a run may begin; fails as `robot check` does, with what to do next.
 pub fn usable(robot: &Path) -> Result<Settings, Failure> {
     let inspection = inspect(robot)?;
-    let faults = inspection.faults();
-    if faults.is_empty() {
+    if inspection.faults.is_empty() {
         return Ok(inspection.settings);
     }
-    let next = inspection.next(robot);
     Err(Failure::environment(format!(
         "nothing is planned or moved, because `fabc robot check` refuses the arm of `{}`\n{}\nnext: {}",
         robot.display(),
-        faults.join("\n"),
-        next.join("\nnext: ")
+        inspection.faults.join("\n"),
+        inspection.next.join("\nnext: ")
     )))
 }
 
 fn inspect(robot: &Path) -> Result<Inspection, Failure> {
-    let settings = Settings::load(robot).map_err(Failure::environment)?;
-    Ok(Inspection {
-        places: places(&settings),
-        calibration: calibration(robot, &settings),
-        settings,
-    })
-}
-
-impl Inspection {
-    /// Says what prevents a run; empty if nothing does.
-    fn faults(&self) -> Vec<String> {
-        let calibration = self.calibration.as_ref().err();
-        let calibration =
-            calibration.map(|it| format!("the calibration cannot be used: {}", it.why));
-        let unreached = self.unreached().map(|(place, why)| {
-            let [x, y, z] = place.at_m;
-            format!(
-                "the {} ({x:.3}, {y:.3}, {z:.3}) is out of reach: {why}",
-                place.name
-            )
-        });
-        calibration.into_iter().chain(unreached).collect()
-    }
-
-    fn unreached(&self) -> impl Iterator<Item = (&NamedPose, &String)> {
-        let needed = self.places.iter().filter(|place| place.needed.is_some());
-        needed.filter_map(|place| Some((place, place.why_not.as_ref()?)))
-    }
-
-    /// Says what to do: about each fault, else to plan.
-    fn next(&self, robot: &Path) -> Vec<String> {
-        let calibration = self.calibration.as_ref().err().map(|it| it.next.clone());
-        let unreached = self.unreached().filter_map(|(place, _)| {
-            let key = place.needed?;
-            Some(format!(
-                "state another `{key}` in `{}`, or the box of `workspace` around it",
-                robot.display()
-            ))
-        });
-        let next: Vec<String> = calibration.into_iter().chain(unreached).collect();
-        match next.is_empty() {
-            true => vec![format!(
-                "`fabc run TASK --world arm --robot {} --plan-only`",
-                robot.display()
-            )],
-            false => next,
+    let settings = Settings::load(robot)?;
+    let (reach, file) = (places(&settings), robot.display());
+    let (mut faults, mut next) = (Vec::new(), Vec::new());
+    let calibration = match calibration(robot, &settings) {
+        Ok((made, compared)) => CheckedCalibration::Usable {
+            usable: true,
+            made_on: made.made_on,
+            method: METHOD,
+            camera: made.terms.camera,
+            accuracy: Box::new(compared),
+        },
+        Err(Unusable { why, next: cure }) => {
+            faults.push(format!("the calibration cannot be used: {why}"));
+            next.push(cure);
+            let usable = false;
+            CheckedCalibration::Unusable { usable, why }
+        }
+    };
+    for place in &reach {
+        let ([x, y, z], name) = (place.at_m, place.name);
+        if let (Some(key), Some(why)) = (place.needed, &place.why_not) {
+            faults.push(format!(
+                "the {name} ({x:.3}, {y:.3}, {z:.3}) is out of reach: {why}"
+            ));
+            next.push(format!(
+                "state another `{key}` in `{file}`, or the box of `workspace` around it"
+            ));
         }
     }
+    let mut exit = Exit::Environment;
+    if faults.is_empty() {
+        exit = Exit::Done;
+        next.push(format!(
+            "`fabc run TASK --world arm --robot {file} --plan-only`"
+        ));
+    }
+    Ok(Inspection {
+        name: settings.name.clone(),
+        model: settings.model.clone(),
+        settings,
+        calibration,
+        reach,
+        faults,
+        next,
+        exit: exit.code(),
+    })
 }
 
 fn places(settings: &Settings) -> Vec<NamedPose> {
@@ -215,72 +232,48 @@ fn calibration(robot: &Path, settings: &Settings) -> Result<(Calibration, Accura
     Ok((made, compared))
 }
 
-fn as_text(inspection: &Inspection, next: &[String]) -> String {
-    let settings = &inspection.settings;
-    let mut lines = vec![format!(
-        "settings     {}, {}: can be used",
-        settings.name, settings.model
-    )];
-    match &inspection.calibration {
-        Ok((made, compared)) => {
-            lines.push(format!(
-                "calibration  of {}, {METHOD}, camera {}: can be used; a point left out is {:.1} mm off",
-                made.made_on, made.terms.camera, compared.left_out_rms_mm
-            ));
-            lines.extend(compared.corners.iter().map(|corner| {
-                let [x, y, _] = corner.at_m;
-                let side = match corner.above_mm < 0.0 {
-                    true => "below",
-                    false => "above",
-                };
-                format!(
-                    "corner       ({x:.3}, {y:.3}): {:.1} mm {side} the table's middle, known to {:.1} mm",
-                    corner.above_mm.abs(),
-                    corner.error_mm
-                )
-            }));
+impl Report for Inspection {
+    fn text(&self) -> String {
+        let mut lines = vec![format!(
+            "settings     {}, {}: can be used",
+            self.name, self.model
+        )];
+        match &self.calibration {
+            CheckedCalibration::Usable {
+                made_on,
+                method,
+                camera,
+                accuracy,
+                ..
+            } => {
+                let left_out_mm = accuracy.left_out_rms_mm;
+                lines.push(format!(
+                    "calibration  of {made_on}, {method}, camera {camera}: can be used; a point left out is {left_out_mm:.1} mm off"
+                ));
+                lines.extend(accuracy.corners.iter().map(|corner| {
+                    let [x, y, _] = corner.at_m;
+                    let side = if corner.above_mm < 0.0 { "below" } else { "above" };
+                    format!(
+                        "corner       ({x:.3}, {y:.3}): {:.1} mm {side} the table's middle, known to {:.1} mm",
+                        corner.above_mm.abs(),
+                        corner.error_mm
+                    )
+                }));
+            }
+            CheckedCalibration::Unusable { why, .. } => {
+                lines.push(format!("calibration  cannot be used: {why}"));
+            }
         }
-        Err(unusable) => lines.push(format!("calibration  cannot be used: {}", unusable.why)),
+        lines.extend(self.reach.iter().map(|place| {
+            let [x, y, z] = place.at_m;
+            let why = place.why_not.as_ref();
+            let result = why.map_or("reached".to_owned(), |why| format!("out of reach: {why}"));
+            format!(
+                "reach        {} ({x:.3}, {y:.3}, {z:.3}): {result}",
+                place.name
+            )
+        }));
+        lines.extend(self.next.iter().map(|next| format!("next         {next}")));
+        lines.join("\n")
     }
-    for place in &inspection.places {
-        let [x, y, z] = place.at_m;
-        let result = match &place.why_not {
-            None => "reached".to_owned(),
-            Some(why) => format!("out of reach: {why}"),
-        };
-        lines.push(format!(
-            "reach        {} ({x:.3}, {y:.3}, {z:.3}): {result}",
-            place.name
-        ));
-    }
-    lines.extend(next.iter().map(|next| format!("next         {next}")));
-    lines.join("\n")
-}
-
-fn as_json(inspection: &Inspection, next: &[String], exit: Exit) -> Value {
-    let places: Vec<Value> = inspection
-        .places
-        .iter()
-        .map(|it| json!({ "place": it.name, "at_m": it.at_m, "why_not": it.why_not }))
-        .collect();
-    let calibration = match &inspection.calibration {
-        Ok((made, compared)) => json!({
-            "usable": true,
-            "left_out_mm": compared.left_out_rms_mm,
-            "made_on": made.made_on,
-            "method": METHOD,
-            "camera": made.terms.camera,
-            "corners": compared.corners,
-            "checks": checks_as_json(&compared.checks),
-        }),
-        Err(unusable) => json!({ "usable": false, "why": unusable.why }),
-    };
-    json!({
-        "name": inspection.settings.name,
-        "model": inspection.settings.model,
-        "calibration": calibration,
-        "reach": places,
-        "next": next,
-        "exit": exit.code(),
-    })
 }

@@ -17,7 +17,7 @@ use std::path::Path;
 ///
 /// - `why_real`: what cannot be done with a simulated arm, for the message.
 pub fn settings_of_real(robot: &Path, why_real: &str) -> Result<Settings, Failure> {
-    let settings = Settings::load(robot).map_err(Failure::environment)?;
+    let settings = Settings::load(robot)?;
     if settings.driver == DriverKind::Simulated {
         return Err(Failure::environment(format!(
             "the arm of `{}` is simulated: {why_real}",

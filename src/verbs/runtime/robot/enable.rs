@@ -7,16 +7,14 @@ use super::recover::{NO_ANSWER, describe, given_or_typed};
 use super::{connect, preflight};
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use clap::Args;
-use clap::ValueHint;
+use crate::report::Report;
+use clap::{Args, ValueHint};
 use fab_arm::driver::Arm;
 use fab_arm::guard::Guard;
-use fab_arm::last_run;
-use fab_arm::last_run::Recovery;
+use fab_arm::last_run::{self, Recovery};
 use fab_arm::log::{ARM_FILE, ArmLog, Entry};
-use serde_json::json;
-use std::path::Path;
-use std::path::PathBuf;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `robot enable`.
 #[derive(Args)]
@@ -53,11 +51,21 @@ pub fn run(arguments: &EnableArguments, io: &Io) -> Result<Exit, Failure> {
     let guard = Guard::level(&settings);
     let mut arm = connect::arm(&settings, guard).map_err(Failure::environment)?;
     enable(arm.as_mut(), robot, &how)?;
-    match arguments.json {
-        true => io.json(&json!({ "enabled": true, "how": how })),
-        false => io.data("enabled: the arm accepts motion again"),
-    }
+    io.result(arguments.json, &Enabled { enabled: true, how });
     Ok(Exit::Done)
+}
+
+/// An arm that accepts motion again.
+#[derive(Serialize)]
+struct Enabled {
+    enabled: bool,
+    how: String,
+}
+
+impl Report for Enabled {
+    fn text(&self) -> String {
+        "enabled: the arm accepts motion again".to_owned()
+    }
 }
 
 /// Enables an arm, and records it if its last run has a journal.
@@ -97,43 +105,4 @@ fn unfinished_note(robot: &Path) -> Option<String> {
 }
 
 #[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used)]
-
-    use super::*;
-    use fab_arm::driver::{ArmError, Opening, PortArm};
-    use fab_arm::settings::Settings;
-    use fab_arm::simulated::{SimulatedArm, Simulation};
-    use std::fs;
-
-    #[test]
-    fn an_arm_is_enabled_and_its_run_still_needs_recovery() {
-        let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("tasks/real/simulated.toml");
-        let settings = Settings::load(&shipped).unwrap();
-        let port = SimulatedArm::new(Simulation::of(&settings).unwrap(), None);
-        let (fingers, tolerance) = (settings.fingers, settings.tolerance);
-        let mut arm = PortArm::by_poses(port, Guard::level(&settings), fingers, tolerance);
-        let folder = tempfile::tempdir().unwrap();
-        let (robot, run) = (folder.path().join("robot.toml"), folder.path().join("run"));
-        fs::create_dir(&run).unwrap();
-        let begun = "{\"type\":\"begin\",\"action\":1,\"segment\":\"lift\",\"to_m\":null,\"hand\":null,\"from_m\":[0.4,0.1,0.02]}\n";
-        fs::write(run.join(ARM_FILE), begun).unwrap();
-        last_run::record(&robot, &run).unwrap();
-
-        arm.stop().unwrap();
-        let mut watch = |_: &_| Ok(());
-        let moved = arm.move_fingers(Opening::Closed, &mut watch);
-        assert_eq!(moved, Err(ArmError::Stopped));
-        enable(&mut arm, &robot, "the cable hung").unwrap();
-        arm.move_fingers(Opening::Closed, &mut watch).unwrap();
-        let line = "{\"type\":\"enabled\",\"how\":\"the cable hung\"}\n";
-        let journal = fs::read_to_string(run.join(ARM_FILE)).unwrap();
-        assert_eq!(journal, format!("{begun}{line}"));
-        let open = unfinished_note(&robot).unwrap();
-        assert!(open.contains("the hand may hold cloth"), "{open}");
-        // Without a run there is nothing to record, but the arm is enabled.
-        arm.stop().unwrap();
-        enable(&mut arm, &folder.path().join("other.toml"), "again").unwrap();
-        arm.move_fingers(Opening::Open, &mut watch).unwrap();
-    }
-}
+mod tests;

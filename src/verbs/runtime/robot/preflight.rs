@@ -5,8 +5,7 @@
 
 use super::recover::describe;
 use crate::io::Io;
-use fab_arm::last_run;
-use fab_arm::last_run::Recovery;
+use fab_arm::last_run::{self, Recovery};
 use fab_arm::log::{RunState, run_state};
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};

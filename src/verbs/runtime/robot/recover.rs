@@ -6,14 +6,12 @@
 use super::terminal::line_of;
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use clap::Args;
-use clap::ValueHint;
-use fab_arm::last_run;
-use fab_arm::last_run::Recovery;
+use crate::report::Report;
+use clap::{Args, ValueHint};
+use fab_arm::last_run::{self, Recovery};
 use fab_arm::log::{ARM_FILE, ArmLog, Entry, RunState, run_state};
-use serde_json::{Value, json};
-use std::path::Path;
-use std::path::PathBuf;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `robot recover`.
 #[derive(Args)]
@@ -49,6 +47,22 @@ pub fn run(arguments: &RecoverArguments, io: &Io) -> Result<Exit, Failure> {
     }
 }
 
+/// What is known of the arm, and what a person did about it.
+#[derive(Serialize)]
+struct Recovered {
+    #[serde(flatten)]
+    state: LastState,
+    recovered: Option<String>,
+}
+
+/// How the arm was left, as far as it is known.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum LastState {
+    Known(RunState),
+    Unknown { left: &'static str, why: String },
+}
+
 fn of_run(folder: &Path, arguments: &RecoverArguments, io: &Io) -> Result<Exit, Failure> {
     if !folder.is_dir() {
         return Err(Failure::environment(format!(
@@ -63,15 +77,15 @@ fn of_run(folder: &Path, arguments: &RecoverArguments, io: &Io) -> Result<Exit, 
             folder.display()
         )));
     }
-    let before = run_state(folder).map_err(Failure::environment)?;
-    if before == RunState::Clear {
-        return Ok(clear(arguments, io));
+    let state = run_state(folder)?;
+    if state == RunState::Clear {
+        return Ok(say(LastState::Known(state), None, arguments, io));
     }
-    let how = ask_what_was_done(&describe(&before), arguments, io)?;
-    let mut log = ArmLog::open(folder).map_err(Failure::environment)?;
+    let how = ask_what_was_done(&describe(&state), arguments, io)?;
+    let mut log = ArmLog::open(folder)?;
     let entry = Entry::Recovered { how: how.clone() };
-    log.write(&entry).map_err(Failure::environment)?;
-    Ok(noted(&as_json(&before, Some(&how)), &how, arguments, io))
+    log.write(&entry)?;
+    Ok(say(LastState::Known(state), Some(how), arguments, io))
 }
 
 /// Recovers an arm after its last run; if that run's journal is gone, the recovery is recorded beside the settings.
@@ -82,38 +96,41 @@ fn of_arm(robot: &Path, arguments: &RecoverArguments, io: &Io) -> Result<Exit, F
             robot.display()
         )));
     }
-    let why = match last_run::recovery(robot).map_err(Failure::environment)? {
-        Recovery::NotNeeded => return Ok(clear(arguments, io)),
+    let why = match last_run::recovery(robot)? {
+        Recovery::NotNeeded => {
+            return Ok(say(LastState::Known(RunState::Clear), None, arguments, io));
+        }
         Recovery::Needed { run, .. } => {
             io.talk(&format!("the last run is `{}`", run.display()));
             return of_run(&run, arguments, io);
         }
         Recovery::Unknown { why, .. } => why,
     };
-    let how = ask_what_was_done(
-        &format!("the state that the last run left the arm in is unknown: {why}"),
+    let state = format!("the state that the last run left the arm in is unknown: {why}");
+    let how = ask_what_was_done(&state, arguments, io)?;
+    last_run::record_recovery(robot, &how)?;
+    let left = "unknown";
+    Ok(say(
+        LastState::Unknown { left, why },
+        Some(how),
         arguments,
         io,
-    )?;
-    last_run::record_recovery(robot, &how).map_err(Failure::environment)?;
-    let read = json!({ "left": "unknown", "why": why, "recovered": how });
-    Ok(noted(&read, &how, arguments, io))
+    ))
 }
 
-fn clear(arguments: &RecoverArguments, io: &Io) -> Exit {
-    match arguments.json {
-        true => io.json(&as_json(&RunState::Clear, None)),
-        false => io.data("clear: no motion is open, and the hand holds nothing"),
-    }
+fn say(state: LastState, how: Option<String>, arguments: &RecoverArguments, io: &Io) -> Exit {
+    let recovered = how;
+    io.result(arguments.json, &Recovered { state, recovered });
     Exit::Done
 }
 
-fn noted(read: &Value, how: &str, arguments: &RecoverArguments, io: &Io) -> Exit {
-    match arguments.json {
-        true => io.json(read),
-        false => io.data(&format!("noted: {how}")),
+impl Report for Recovered {
+    fn text(&self) -> String {
+        match &self.recovered {
+            None => "clear: no motion is open, and the hand holds nothing".to_owned(),
+            Some(how) => format!("noted: {how}"),
+        }
     }
-    Exit::Done
 }
 
 /// Shows the state, and returns the description of what was done; fails without one.
@@ -126,12 +143,12 @@ fn ask_what_was_done(
     io.talk(&format!("note: {BY_HAND}"));
     let question = "what was done, in a few words (empty: change nothing):";
     let how = given_or_typed(arguments.how.as_ref(), question, io);
-    match how.is_empty() {
-        true => Err(Failure::environment(format!(
+    if how.is_empty() {
+        return Err(Failure::environment(format!(
             "{NO_ANSWER}, so that the arm counts as left in the middle: {state}"
-        ))),
-        false => Ok(how),
+        )));
     }
+    Ok(how)
 }
 
 /// Returns the text that was given as an option, or is typed as an answer; may be empty.
@@ -161,43 +178,22 @@ pub(super) fn describe(state: &RunState) -> String {
         return "clear".to_owned();
     };
     let segment = segment.text();
-    let progress = match is_verified {
-        true => "was verified and is the last there is",
-        false => "was begun and not verified",
+    let progress = if *is_verified {
+        "was verified and is the last there is"
+    } else {
+        "was begun and not verified"
     };
     let mut text = format!("`{segment}` of action {action} {progress}");
     if let Some([x, y, z]) = to_m {
         text += &format!("; the tool was to go to {x:.3}, {y:.3}, {z:.3} m");
     }
-    text += match may_hold {
-        true => "; the hand may hold cloth",
-        false => "; the hand holds nothing",
+    text += if *may_hold {
+        "; the hand may hold cloth"
+    } else {
+        "; the hand holds nothing"
     };
     if let Some(why) = why {
         text += &format!("; halted: {why}");
     }
     text
-}
-
-fn as_json(state: &RunState, how: Option<&str>) -> Value {
-    match state {
-        RunState::Clear => json!({ "left": "clear", "recovered": how }),
-        RunState::NeedsRecovery {
-            segment,
-            action,
-            to_m,
-            may_hold,
-            is_verified,
-            why,
-        } => json!({
-            "left": "unclear",
-            "segment": segment.text(),
-            "action": action,
-            "to_m": to_m,
-            "may_hold": may_hold,
-            "is_verified": is_verified,
-            "why": why,
-            "recovered": how,
-        }),
-    }
 }

@@ -17,7 +17,7 @@ use std::io::{BufRead, Read};
 use std::time::{Duration, Instant};
 
 /// How often a question is repeated after an unintelligible answer.
-const ATTEMPTS: u32 = 10;
+pub const ATTEMPTS: u32 = 10;
 
 /// The longest line that is read, bytes.
 pub const MAX_LINE: u64 = 4096;
@@ -117,11 +117,10 @@ impl TerminalSupervisor {
         let io = self.io.clone();
         io.progress("");
         hold_key::discard_typed();
-        ask_yes_no(
-            &mut || typed_line(&io),
-            &mut |text| io.talk(text),
-            &format!("{question} y or n:"),
-        )
+        let question = format!("{question} y or n:");
+        let (next, say) = (&mut || typed_line(&io), &mut |text: &str| io.talk(text));
+        // Silence means no.
+        choose(next, say, &question, yes_or_no).unwrap_or(false)
     }
 }
 
@@ -229,88 +228,30 @@ pub fn line_of(lines: &mut dyn BufRead) -> Option<String> {
     }
 }
 
-/// Asks until the answer is y or n. End of input, or too many other answers, mean no.
-fn ask_yes_no(
+/// Asks until an answer means something; `None` at the end of input, and after too many other answers.
+pub fn choose<T>(
     next: &mut dyn FnMut() -> Option<String>,
     say: &mut dyn FnMut(&str),
     question: &str,
-) -> bool {
-    say(question);
+    meant: impl Fn(&str) -> Option<T>,
+) -> Option<T> {
     for _ in 0..ATTEMPTS {
-        let Some(answer) = next() else {
-            return false;
-        };
-        match answer.trim().to_lowercase().as_str() {
-            "y" | "yes" => return true,
-            "n" | "no" => return false,
-            _ => say("y or n:"),
+        say(question);
+        if let Some(found) = meant(&next()?.trim().to_lowercase()) {
+            return Some(found);
         }
     }
-    false
+    None
+}
+
+/// Understands y and n.
+pub fn yes_or_no(answer: &str) -> Option<bool> {
+    match answer {
+        "y" | "yes" => Some(true),
+        "n" | "no" => Some(false),
+        _ => None,
+    }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use std::io::Write;
-    use std::sync::mpsc::{Receiver, channel};
-
-    /// A stderr that takes nothing until it is released.
-    struct Halted(Receiver<()>);
-
-    impl Write for Halted {
-        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-            let _ = self.0.recv();
-            Ok(bytes.len())
-        }
-
-        fn flush(&mut self) -> std::io::Result<()> {
-            Ok(())
-        }
-    }
-
-    #[test]
-    fn a_terminal_that_takes_nothing_holds_up_no_motion() {
-        let (release, halted) = channel();
-        let io = Io::new(".").with_stderr(Halted(halted));
-        let supervisor = TerminalSupervisor::new(Confirm::None, HoldToRun::Off, &io);
-        let Ok(mut supervisor) = supervisor else {
-            panic!("it asks nobody");
-        };
-        let (sender, done) = channel();
-        std::thread::spawn(move || {
-            for _ in 0..100 {
-                supervisor.note("paused: hold the space bar to go on");
-            }
-            sender.send(())
-        });
-        assert_eq!(done.recv_timeout(Duration::from_secs(60)), Ok(()));
-        drop(release);
-    }
-
-    #[test]
-    fn only_a_yes_confirms() {
-        for (typed, expected) in [
-            ("y\n", true),
-            (" YES \n", true),
-            ("what\n\nyes", true),
-            ("n\ny\n", false),
-            ("", false),
-            ("perhaps\n", false),
-        ] {
-            let mut said = Vec::new();
-            let mut say = |text: &str| said.push(text.to_owned());
-            let mut lines = typed.as_bytes();
-            let allowed = ask_yes_no(&mut || line_of(&mut lines), &mut say, "Move?");
-            assert_eq!(allowed, expected, "{typed:?}");
-            assert_eq!(said[0], "Move?");
-        }
-        let many = "x\n".repeat(ATTEMPTS as usize) + "y\n";
-        let mut lines = many.as_bytes();
-        assert!(!ask_yes_no(
-            &mut || line_of(&mut lines),
-            &mut |_| {},
-            "Move?"
-        ));
-    }
-}
+mod tests;

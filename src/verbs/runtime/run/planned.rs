@@ -1,76 +1,90 @@
 //! The output of `fabc run --plan-only`: the plan of the first action, segment by segment.
 
 use crate::exit::Failure;
-use crate::io::Io;
+use crate::report::Report;
 use fab_agent::rollout::Ended;
 use fab_arm::plan::Plan;
 use fab_arm::settings::{DriverKind, Settings};
 use fab_arm::world::{PLAN_FILE, PLAN_PICTURE, read_plan};
-use serde_json::json;
+use fab_base::table::{Align, aligned};
+use serde::Serialize;
 use std::path::Path;
 
-/// Prints the outcome and the plan, as text or as JSON.
-pub fn say(report: &Ended, settings: &Settings, as_json: bool, io: &Io) -> Result<(), Failure> {
-    let folder = Path::new(&report.took.run_dir);
-    let plan = match folder.join(PLAN_FILE).exists() {
-        true => Some(read_plan(folder).map_err(Failure::environment)?),
-        false => None,
-    };
-    if as_json {
-        let mut document =
-            serde_json::to_value(report).expect("a report has string keys and finite numbers");
-        document["plan"] = json!(plan);
-        io.json(&document);
-        return Ok(());
+/// The outcome, and the plan if there is one.
+#[derive(Serialize)]
+pub struct PlannedRun<'a> {
+    #[serde(flatten)]
+    report: Ended,
+    plan: Option<Plan>,
+    #[serde(skip)]
+    settings: &'a Settings,
+}
+
+impl PlannedRun<'_> {
+    /// Reads the plan of a run that ended.
+    pub fn of(report: Ended, settings: &Settings) -> Result<PlannedRun<'_>, Failure> {
+        let folder = Path::new(&report.took.run_dir);
+        let plan = match folder.join(PLAN_FILE).exists() {
+            true => Some(read_plan(folder).map_err(Failure::environment)?),
+            false => None,
+        };
+        Ok(PlannedRun {
+            report,
+            plan,
+            settings,
+        })
     }
-    io.data(&format!(
-        "outcome: {}; nothing moved",
-        report.outcome.name()
-    ));
-    match &plan {
-        Some(plan) => io.data(&table(plan, settings)),
-        None => io.data("no action was planned"),
+}
+
+impl Report for PlannedRun<'_> {
+    fn text(&self) -> String {
+        let outcome = self.report.outcome.name();
+        let (plan, drawing) = match &self.plan {
+            Some(plan) => (
+                table(plan, self.settings),
+                format!(" (drawing: {PLAN_PICTURE})"),
+            ),
+            None => ("no action was planned".to_owned(), String::new()),
+        };
+        let folder = &self.report.took.run_dir;
+        format!("outcome: {outcome}; nothing moved\n{plan}\nrun folder: {folder}{drawing}")
     }
-    let drawing = match plan {
-        Some(_) => format!(" (drawing: {PLAN_PICTURE})"),
-        None => String::new(),
-    };
-    io.data(&format!("run folder: {}{drawing}", report.took.run_dir));
-    Ok(())
 }
 
 fn table(plan: &Plan, settings: &Settings) -> String {
     let place = |[x, y, z]: [f64; 3]| format!("{x:.3}, {y:.3}, {z:.3} m");
-    let mut lines = vec![
-        format!(
-            "pick at {}, place at {}, in the base frame of `{}`",
-            place(plan.pick_m),
-            place(plan.place_m),
-            plan.model
-        ),
-        format!(
-            "{:<14}{:>8}{:>8}{:>8}{:>8}{:>8}   joints, degrees",
-            "segment", "x, m", "y, m", "z, m", "way, mm", "time, s"
-        ),
+    let mut lines = vec![format!(
+        "pick at {}, place at {}, in the base frame of `{}`",
+        place(plan.pick_m),
+        place(plan.place_m),
+        plan.model
+    )];
+    let titles = [
+        "segment",
+        "x, m",
+        "y, m",
+        "z, m",
+        "way, mm",
+        "time, s",
+        "joints, degrees",
     ];
-    for segment in &plan.segments {
-        let [x, y, z] = segment.to_m;
-        let name = segment.name.text();
-        let joints = segment.joints_deg.iter();
-        let joints: Vec<String> = joints.map(|angle| format!("{angle:.1}")).collect();
-        lines.push(match segment.hand {
-            Some(opening) => format!(
-                "{name:<14}fingers {}",
-                format!("{opening:?}").to_lowercase()
-            ),
-            None => format!(
-                "{name:<14}{x:>8.3}{y:>8.3}{z:>8.3}{:>8.1}{:>8.1}   {}",
-                segment.way_m * 1000.0,
-                segment.takes_s,
-                joints.join(" ")
-            ),
-        });
-    }
+    let mut rows = vec![titles.map(str::to_owned).to_vec()];
+    rows.extend(plan.segments.iter().map(|segment| {
+        let mut row = vec![segment.name.text().to_owned()];
+        match segment.hand {
+            Some(opening) => row.push(format!("{opening:?}").to_lowercase()),
+            None => {
+                row.extend(segment.to_m.map(|metres| format!("{metres:.3}")));
+                row.push(format!("{:.1}", segment.way_m * 1000.0));
+                row.push(format!("{:.1}", segment.takes_s));
+                let joints = segment.joints_deg.iter().map(|angle| format!("{angle:.1}"));
+                row.push(joints.collect::<Vec<_>>().join(" "));
+            }
+        }
+        row
+    }));
+    use Align::{Left, Right};
+    lines.extend(aligned(&[Left, Right, Right, Right, Right, Right], &rows));
     lines.push(format!(
         "in all {:.3} m in {:.1} s at up to {} m/s, without the fingers",
         plan.way_m(),

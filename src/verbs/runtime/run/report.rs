@@ -1,6 +1,7 @@
 //! The output of `fabc run`: a line per step while it runs, and a summary.
 
 use crate::io::Io;
+use crate::report::Report;
 use fab_agent::judgement::Judgement;
 use fab_agent::outcome::Outcome;
 use fab_agent::policy::{Attempt, Finding};
@@ -12,7 +13,9 @@ use fab_model::calls::Spent;
 use fab_program::verify::Verdict;
 use fab_program::{Goal, LEAST_SLIDE_MM, Metric};
 use fab_world::Grasp;
+use fab_world::film::Film;
 use fab_world::metrics::ClothMoved;
+use serde::Serialize;
 use std::path::Path;
 
 /// Shows one event on stderr, unless it belongs to one of the `earlier` actions, which were shown in an earlier run.
@@ -154,9 +157,10 @@ fn cloth(moved: &ClothMoved) -> String {
         ),
         None => format!(", cloth moved at most {:.0} mm", moved.farthest_mm),
     };
-    match slides {
-        true => format!("{held}, slid {:.0} mm", moved.slid_mm),
-        false => held,
+    if slides {
+        format!("{held}, slid {:.0} mm", moved.slid_mm)
+    } else {
+        held
     }
 }
 
@@ -204,8 +208,30 @@ fn refusal(attempt: &Attempt) -> Option<String> {
     }
 }
 
+/// What became of a rollout, and of its film if there was to be one.
+#[derive(Serialize)]
+pub struct RunReport<'a> {
+    #[serde(flatten)]
+    pub report: Ended,
+    #[serde(skip)]
+    pub goal: Option<&'a Goal>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub video: Option<Option<Film>>,
+}
+
+impl Report for RunReport<'_> {
+    fn text(&self) -> String {
+        let summary = summary(&self.report, self.goal);
+        match &self.video {
+            None => summary,
+            Some(None) => format!("{summary}\nvideo: none"),
+            Some(Some(film)) => format!("{summary}\n{film}"),
+        }
+    }
+}
+
 /// Summarizes a rollout.
-pub fn summary(report: &Ended, goal: Option<&Goal>) -> String {
+fn summary(report: &Ended, goal: Option<&Goal>) -> String {
     let mut lines = vec![format!("outcome: {}", report.outcome.name())];
     let words = report.stopped.as_deref();
     lines.extend(
@@ -278,9 +304,10 @@ pub fn summary(report: &Ended, goal: Option<&Goal>) -> String {
             report.took.experts_simulated
         ));
     }
-    let sheet = match Path::new(&report.took.run_dir).join(SHEET_FILE).exists() {
-        true => format!(" (contact sheet: {SHEET_FILE})"),
-        false => String::new(),
+    let sheet = if Path::new(&report.took.run_dir).join(SHEET_FILE).exists() {
+        format!(" (contact sheet: {SHEET_FILE})")
+    } else {
+        String::new()
     };
     lines.push(format!("run folder: {}{sheet}", report.took.run_dir));
     lines.join("\n")
@@ -340,51 +367,4 @@ fn questions(report: &Ended) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_rehearsed_step_names_the_taken_answer_and_the_first_by_measure_and_place() {
-        let said = |measures: &[Option<f64>], chosen: Option<u32>, calls: u32| {
-            // The first question of all had no usable answer, so the answers' numbers begin at 2.
-            let candidates = measures.iter().zip(2..).map(|(measure, attempt)| {
-                let (measure, twins, failed) = (*measure, Vec::new(), None);
-                RehearsedAnswer {
-                    attempt,
-                    measure,
-                    twins,
-                    failed,
-                }
-            });
-            let line = RehearsedStep {
-                candidates: candidates.collect(),
-                chosen,
-                calls,
-                ..RehearsedStep::default()
-            };
-            rehearsed(&line, 4.72)
-        };
-        let four = [Some(0.41), Some(0.93), Some(0.9), None];
-        let rows = [
-            (
-                said(&four, Some(3), 3),
-                "4 answers, 0.93 (2nd) taken in place of 0.41 (1st), 3 more questions, 4.7 s",
-            ),
-            (
-                said(&four[..1], Some(2), 1),
-                "1 answer, 0.41 (1st) taken, 1 more question, 4.7 s",
-            ),
-            (
-                said(&[None, None, None], Some(4), 2),
-                "3 answers, the 3rd taken in place of the 1st, 2 more questions, 4.7 s",
-            ),
-            (
-                said(&[], None, 0),
-                "0 answers, none taken, 0 more questions, 4.7 s",
-            ),
-        ];
-        for (said, expected) in rows {
-            assert_eq!(said, format!("rehearsed: {expected}"));
-        }
-    }
-}
+mod tests;

@@ -13,14 +13,11 @@ use fab_arm::directory::PictureSelection;
 use fab_arm::last_run;
 use fab_arm::settings::{DriverKind, Settings};
 use fab_arm::supervisor::{NoWatchdog, Supervisor, Unattended};
-use fab_arm::world;
-use fab_arm::world::{ArmWorld, PlanningWorld};
-use fab_arm::world::{FlatPicture, Parts, WithinReach};
+use fab_arm::world::{self, ArmWorld, FlatPicture, Parts, PlanningWorld, WithinReach};
 use fab_program::{ClothStart, Program};
 use fab_world::start::Start;
 use fab_world::{World, WorldError};
-use serde::Deserialize;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// The arm of `--world arm`, and who watches it.
@@ -80,7 +77,7 @@ the arm is stopped when its measured place, joint angles or speed are out of the
 /// Checks first of all that the settings are usable and that a supervisor can be asked.
 pub fn check(arguments: &ArmArguments, mode: ArmMode, io: &Io) -> Result<Settings, Failure> {
     let robot = arguments.robot();
-    let settings = Settings::load(robot).map_err(Failure::environment)?;
+    let settings = Settings::load(robot)?;
     let moves_real = mode == ArmMode::Execute && settings.driver != DriverKind::Simulated;
     if moves_real {
         // The state of the arm comes first: it does not depend on anything else.
@@ -215,13 +212,15 @@ fn supervisor(
     if is_simulated && arguments.confirm.is_none() && !arguments.hold_to_run {
         return Ok(Box::new(Unattended));
     }
-    let confirm = arguments.confirm.unwrap_or(match is_simulated {
-        true => Confirm::None,
-        false => Confirm::Each,
+    let confirm = arguments.confirm.unwrap_or(if is_simulated {
+        Confirm::None
+    } else {
+        Confirm::Each
     });
-    let hold = match arguments.hold_to_run {
-        true => HoldToRun::Space,
-        false => HoldToRun::Off,
+    let hold = if arguments.hold_to_run {
+        HoldToRun::Space
+    } else {
+        HoldToRun::Off
     };
     Ok(Box::new(TerminalSupervisor::new(confirm, hold, io)?))
 }

@@ -5,11 +5,9 @@
 
 use crate::exit::Failure;
 use crate::io::Io;
-use clap::Args;
-use clap::ValueHint;
+use clap::{Args, ValueHint};
 use fab_providers::catalogue::{Catalogue, Date, Profile};
-use serde::Deserialize;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
@@ -21,37 +19,27 @@ pub struct FactsArguments {
     pub models: Option<PathBuf>,
 }
 
-/// A user's file, and how its path is known.
+/// A user's file.
 pub struct UserFile {
     pub path: PathBuf,
-    pub named_by: NamedBy,
-}
-
-/// How the path of a user's file is known.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum NamedBy {
-    /// From a flag or a variable: the file must exist.
-    User,
-    /// The default path: the file may be missing.
-    Place,
+    /// Whether a flag or a variable names it, so that it must exist; the default path may be missing.
+    pub is_named: bool,
 }
 
 impl UserFile {
     /// Returns whether to use it: it was named explicitly, or it exists.
     pub fn counts(&self) -> bool {
-        self.named_by == NamedBy::User || self.path.exists()
+        self.is_named || self.path.exists()
     }
 }
 
 /// Returns the file of model facts: `--models`, else `FABC_MODELS`, else the one in the user's folder.
 pub fn facts_file(flag: Option<&Path>, io: &Io) -> Option<UserFile> {
-    match flag {
-        Some(path) => Some(UserFile {
-            path: path.to_owned(),
-            named_by: NamedBy::User,
-        }),
-        None => user_file("FABC_MODELS", "models.toml", io),
-    }
+    let flag = flag.map(|path| UserFile {
+        path: path.to_owned(),
+        is_named: true,
+    });
+    flag.or_else(|| user_file("FABC_MODELS", "models.toml", io))
 }
 
 /// Returns the file of keys: `FABC_KEYS`, else the one in the user's folder.
@@ -61,17 +49,14 @@ pub fn keys_file(io: &Io) -> Option<UserFile> {
 
 fn user_file(variable: &str, name: &str, io: &Io) -> Option<UserFile> {
     let named = io.variable(variable).filter(|value| !value.is_empty());
-    let named = named.map(|path| UserFile {
-        path: path.into(),
-        named_by: NamedBy::User,
-    });
-    named.or_else(|| {
-        io.user_folder(dirs::config_dir, "XDG_CONFIG_HOME", ".config")
-            .map(|folder| UserFile {
-                path: folder.join("fabc").join(name),
-                named_by: NamedBy::Place,
-            })
-    })
+    let (path, is_named) = match named {
+        Some(path) => (path.into(), true),
+        None => {
+            let folder = io.user_folder(dirs::config_dir, "XDG_CONFIG_HOME", ".config")?;
+            (folder.join("fabc").join(name), false)
+        }
+    };
+    Some(UserFile { path, is_named })
 }
 
 /// Returns the embedded catalogue, overlaid by the user's file.

@@ -3,8 +3,32 @@
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::{shipped, sources};
+use clap::Args;
 use fab_base::wording::quoted;
 use fab_program::Material;
+use fab_sim::Params;
+use fab_world::simulated;
+
+/// What a simulated cloth is made of.
+#[derive(Args)]
+pub struct MaterialArguments {
+    /// A cloth of a shipped material, or of `FILE.fab:NAME`, in its colours; default: the recorded scene's cloth.
+    #[arg(long, value_name = "NAME")]
+    pub material: Option<String>,
+}
+
+impl MaterialArguments {
+    /// Returns the simulator's parameters for the cloth, and its material if one is named.
+    pub fn params(&self, io: &Io) -> Result<(Params, Option<Material>), Failure> {
+        let named = self.material.as_deref();
+        let material = named.map(|name| find(name, io)).transpose()?;
+        let params = Params {
+            material: material.as_ref().map(simulated::material),
+            ..Params::default()
+        };
+        Ok((params, material))
+    }
+}
 
 /// The shipped materials, relative to the tasks folder.
 const SHIPPED: &str = "lib/materials.fab";

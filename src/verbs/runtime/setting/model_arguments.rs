@@ -3,7 +3,7 @@
 use super::catalogue::FactsArguments;
 use clap::{Args, ValueEnum, ValueHint};
 use fab_model::Reasoning;
-use fab_model::calls::Usd;
+use fab_model::calls::{Caps, Usd};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -109,12 +109,38 @@ pub struct SpendArguments {
     /// Add every question with its answer to this recording, for `--model replay:FILE`.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub record: Option<PathBuf>,
-    /// Stop before models may cost more than this, US dollars, for the whole run with its earlier parts.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub caps: CapArguments,
+}
+
+/// When asking stops.
+#[derive(Args, Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct CapArguments {
+    /// Stop before models may cost more than this, US dollars, with all earlier parts of the run.
     #[arg(long, value_name = "USD", value_parser = dollars)]
     pub max_cost: Option<Usd>,
-    /// Stop before more calls than this are sent, for the whole run with its earlier parts.
+    /// Stop before more calls than this are sent, with all earlier parts of the run.
     #[arg(long, value_name = "N")]
     pub max_calls: Option<u64>,
+}
+
+impl CapArguments {
+    /// Returns the caps.
+    pub fn caps(self) -> Caps {
+        Caps {
+            cost: self.max_cost,
+            calls: self.max_calls,
+        }
+    }
+
+    /// Returns these caps, and others where these are not given.
+    pub fn or(self, other: CapArguments) -> CapArguments {
+        CapArguments {
+            max_cost: self.max_cost.or(other.max_cost),
+            max_calls: self.max_calls.or(other.max_calls),
+        }
+    }
 }
 
 /// Why models are looked up.
@@ -129,9 +155,10 @@ pub enum Purpose {
 impl SpendArguments {
     /// Returns why models are looked up.
     pub fn purpose(&self) -> Purpose {
-        match self.estimate {
-            true => Purpose::Estimating,
-            false => Purpose::Asking,
+        if self.estimate {
+            Purpose::Estimating
+        } else {
+            Purpose::Asking
         }
     }
 }

@@ -5,17 +5,15 @@ use super::remote::Providers;
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::verbs::render::camera::TargetModelArguments;
-use crate::verbs::runtime::setting::model_arguments::ModelArguments;
-use crate::verbs::runtime::setting::model_arguments::Purpose;
-use crate::verbs::runtime::setting::model_arguments::ReachArguments;
-use crate::verbs::runtime::setting::model_arguments::SpendArguments;
+use crate::verbs::runtime::setting::model_arguments::{
+    ModelArguments, Purpose, ReachArguments, SpendArguments,
+};
 use fab_agent::rollout::FirstQuestion;
 use fab_base::interrupt::Interrupt;
-use fab_model::Models;
-use fab_model::calls::{Budget, Caps, Spent};
+use fab_model::calls::{Budget, Spent};
 use fab_model::lowering::{Lowering, Points};
 use fab_model::recording::{Recorder, Replay};
-use fab_model::{Model, ModelError, ModelRole, Request};
+use fab_model::{Model, ModelError, ModelRole, Models, Request};
 use fab_providers::catalogue::{Facts, Profile, Wire};
 use fab_providers::probe::Subject;
 use fab_providers::remote::{Lengths, Remote};
@@ -129,37 +127,26 @@ pub fn models(
         interrupt,
         providers: None,
     };
-    let models = match arguments.model.is_empty() {
-        true => ByRole::Both(DEFAULT_MODEL.to_owned()),
-        false => by_role("--model", &arguments.model)?,
+    let [vision, text] = if arguments.model.is_empty() {
+        [DEFAULT_MODEL; 2].map(str::to_owned)
+    } else {
+        by_role("--model", &arguments.model)?
     };
-    let urls = match arguments.reach.base_url.is_empty() {
-        true => None,
-        false => Some(by_role("--base-url", &arguments.reach.base_url)?),
+    let [vision_url, text_url] = if arguments.reach.base_url.is_empty() {
+        [None, None]
+    } else {
+        by_role("--base-url", &arguments.reach.base_url)?.map(Some)
     };
-    match (models, urls) {
-        (ByRole::Both(name), None) => finder.both(&name, None, io),
-        (ByRole::Both(name), Some(ByRole::Both(url))) => finder.both(&name, Some(&url), io),
-        (models, urls) => {
-            let [vision, text] = models.each();
-            let [vision_url, text_url] = match urls {
-                Some(urls) => urls.each().map(Some),
-                None => [None, None],
-            };
-            Ok(Answering {
-                vision: finder.model(&vision, vision_url.as_deref(), ModelRole::Vision, io)?,
-                text: finder.model(&text, text_url.as_deref(), ModelRole::Text, io)?,
-            })
-        }
-    }
-}
-
-/// A model that is looked into.
-pub enum Examined {
-    /// It is embedded, and its interface has no facts.
-    Embedded(Arc<dyn Model>),
-    /// It has a provider.
-    Provided(Box<Varied>),
+    let model = finder.model(&vision, vision_url.as_deref(), ModelRole::Vision, io)?;
+    let is_shared = vision == text && vision_url == text_url && !vision.starts_with(REPLAY);
+    Ok(Answering {
+        text: if is_shared {
+            model.clone()
+        } else {
+            finder.model(&text, text_url.as_deref(), ModelRole::Text, io)?
+        },
+        vision: model,
+    })
 }
 
 /// A provider's model that can be asked under other facts than the known ones.
@@ -169,29 +156,32 @@ pub struct Varied {
     providers: RefCell<Providers>,
 }
 
-/// Finds the model that the command line names, for questions about itself.
-pub fn examined(
+/// Finds the provider's model that the command line names, for questions about itself.
+pub fn varied(
     name: &str,
     reach: &ReachArguments,
     interrupt: &Interrupt,
     io: &Io,
-) -> Result<Examined, Failure> {
-    if let Some(model) = embedded(name, ModelRole::Vision)? {
-        return Ok(Examined::Embedded(Arc::from(model)));
+) -> Result<Varied, Failure> {
+    if embedded(name, ModelRole::Vision)?.is_some() {
+        return Err(Failure::usage(format!(
+            "`{name}` has no interface to find out about: name a provider's model, `PROVIDER:NAME`"
+        )));
     }
-    let base_url = match reach.base_url.is_empty() {
-        true => None,
-        false => Some(by_role("--base-url", &reach.base_url)?.each()[0].clone()),
+    let base_url = if reach.base_url.is_empty() {
+        None
+    } else {
+        Some(by_role("--base-url", &reach.base_url)?[0].clone())
     };
     let mut providers = Providers::new(reach, interrupt, io)?;
     let profile = providers.profile(name)?;
     // Fails here rather than between questions if there is no key or no address.
     providers.model(&profile, base_url.as_deref(), Purpose::Asking)?;
-    Ok(Examined::Provided(Box::new(Varied {
+    Ok(Varied {
         profile,
         base_url,
         providers: RefCell::new(providers),
-    })))
+    })
 }
 
 impl Varied {
@@ -234,20 +224,6 @@ struct Finder<'a> {
 }
 
 impl Finder<'_> {
-    fn both(&mut self, name: &str, base_url: Option<&str>, io: &Io) -> Result<Answering, Failure> {
-        if name.starts_with(REPLAY) {
-            return Ok(Answering {
-                vision: self.model(name, base_url, ModelRole::Vision, io)?,
-                text: self.model(name, base_url, ModelRole::Text, io)?,
-            });
-        }
-        let model = self.model(name, base_url, ModelRole::Vision, io)?;
-        Ok(Answering {
-            vision: model.clone(),
-            text: model,
-        })
-    }
-
     fn model(
         &mut self,
         name: &str,
@@ -280,7 +256,7 @@ impl Finder<'_> {
 pub fn without_provider(name: &str) -> Result<Arc<dyn Model>, Failure> {
     if let Some(file) = name.strip_prefix(REPLAY) {
         let replay = Replay::load(Path::new(file), ModelRole::Vision);
-        return Ok(Arc::new(replay.map_err(Failure::environment)?.by_words()));
+        return Ok(Arc::new(replay?.by_words()));
     }
     let model = embedded(name, ModelRole::Vision)?;
     model.map(Arc::from).ok_or_else(|| {
@@ -322,27 +298,11 @@ impl TargetModel {
     }
 }
 
-/// An option that applies to both roles or names a value for each.
-enum ByRole {
-    Both(String),
-    Each { vision: String, text: String },
-}
-
-impl ByRole {
-    /// Returns the values for vision and for text.
-    fn each(self) -> [String; 2] {
-        match self {
-            ByRole::Both(both) => [both.clone(), both],
-            ByRole::Each { vision, text } => [vision, text],
-        }
-    }
-}
-
-/// Parses `X`, or `vision=X` and `text=Y`.
-fn by_role(flag: &str, values: &[String]) -> Result<ByRole, Failure> {
+/// Parses `X`, or `vision=X` and `text=Y`; returns the values for vision and for text.
+fn by_role(flag: &str, values: &[String]) -> Result<[String; 2], Failure> {
     let wrong = |why: &str| {
         Failure::usage(format!(
-            "{why}; write `{flag} X` for both roles, or `{flag} vision=X {flag} text=Y`"
+            "`{flag}` {why}; write `{flag} X` for both roles, or `{flag} vision=X {flag} text=Y`"
         ))
     };
     let (mut both, mut vision, mut text) = (None, None, None);
@@ -353,47 +313,36 @@ fn by_role(flag: &str, values: &[String]) -> Result<ByRole, Failure> {
             _ => (&mut both, value.as_str()),
         };
         if place.replace(value.to_owned()).is_some() {
-            return Err(wrong(&format!("`{flag}` says the same role twice")));
+            return Err(wrong("says the same role twice"));
         }
     }
-    match (both, vision, text) {
-        (Some(both), None, None) => Ok(ByRole::Both(both)),
-        (None, Some(vision), Some(text)) => Ok(ByRole::Each { vision, text }),
-        (Some(both), Some(vision), None) => Ok(ByRole::Each { vision, text: both }),
-        (Some(both), None, Some(text)) => Ok(ByRole::Each { vision: both, text }),
-        (Some(_), Some(_), Some(_)) => Err(wrong(&format!(
-            "`{flag}` names both roles and a third for neither"
-        ))),
-        (None, Some(_), None) => Err(wrong(&format!("`{flag}` names nothing for `text`"))),
-        (None, None, Some(_)) => Err(wrong(&format!("`{flag}` names nothing for `vision`"))),
-        (None, None, None) => Err(wrong(&format!("`{flag}` says nothing"))),
+    if both.is_some() && vision.is_some() && text.is_some() {
+        return Err(wrong("names both roles and a third for neither"));
     }
+    let vision = vision.or(both.clone());
+    let vision = vision.ok_or_else(|| wrong("names nothing for `vision`"))?;
+    let text = text
+        .or(both)
+        .ok_or_else(|| wrong("names nothing for `text`"))?;
+    Ok([vision, text])
 }
 
 /// Finds a model that needs no provider; `None` for any other name.
 fn embedded(name: &str, role: ModelRole) -> Result<Option<Box<dyn Model>>, Failure> {
     if let Some(file) = name.strip_prefix(REPLAY) {
-        let replay = Replay::load(Path::new(file), role).map_err(Failure::environment)?;
+        let replay = Replay::load(Path::new(file), role)?;
         return Ok(Some(Box::new(replay)));
     }
-    let mut parts = name.split(':');
-    let errors = parts.nth(3).map_or(Some(Errors::Mixed), Errors::from_word);
-    let is_longer = parts.next().is_some();
-    let mut parts = name.split(':');
-    let parts = [parts.next(), parts.next(), parts.next(), parts.next()];
-    let found: Option<Box<dyn Model>> = match parts {
-        [Some("geometric"), None, ..] => Some(Box::new(Geometric)),
-        [Some("random"), seed, None, _] => {
-            seed_of(seed).map(|seed| Box::new(Random::seeded(seed)) as Box<dyn Model>)
-        }
-        [Some("imperfect"), Some(rate), seed, _] if !is_longer => rate
-            .parse()
-            .ok()
-            .zip(seed_of(seed))
-            .zip(errors)
-            .and_then(|((rate, seed), errors)| Imperfect::with_errors(rate, seed, errors))
-            .map(|model| Box::new(model) as Box<dyn Model>),
-        [Some("geometric" | "random" | "imperfect"), ..] | [_, None, ..] => None,
+    let parts: Vec<&str> = name.split(':').collect();
+    let found: Option<Box<dyn Model>> = match parts[..] {
+        ["geometric"] => Some(Box::new(Geometric)),
+        ["random"] => Some(Box::new(Random::seeded(DEFAULT_SEED))),
+        ["random", seed] => match seed.parse() {
+            Ok(seed) => Some(Box::new(Random::seeded(seed))),
+            Err(_) => None,
+        },
+        ["imperfect", rate, ref more @ ..] => imperfect(rate, more),
+        [_] | ["geometric" | "random", ..] => None,
         _ => return Ok(None),
     };
     found.map(Some).ok_or_else(|| {
@@ -403,17 +352,21 @@ fn embedded(name: &str, role: ModelRole) -> Result<Option<Box<dyn Model>>, Failu
     })
 }
 
-fn seed_of(text: Option<&str>) -> Option<u64> {
-    text.map_or(Some(DEFAULT_SEED), |text| text.parse().ok())
+/// Returns geometric with a share of wrong answers; `more` may have a seed, and a kind of errors after it.
+fn imperfect(rate: &str, more: &[&str]) -> Option<Box<dyn Model>> {
+    let (seed, errors) = match *more {
+        [] => (DEFAULT_SEED, Errors::Mixed),
+        [seed] => (seed.parse().ok()?, Errors::Mixed),
+        [seed, errors] => (seed.parse().ok()?, Errors::from_word(errors)?),
+        _ => return None,
+    };
+    let model = Imperfect::with_errors(rate.parse().ok()?, seed, errors)?;
+    Some(Box::new(model))
 }
 
 /// Makes the budget from the command line; an interrupt ends waits for calls under way.
 pub fn budget(arguments: &SpendArguments, interrupt: &Interrupt) -> Budget {
-    let caps = Caps {
-        cost: arguments.max_cost,
-        calls: arguments.max_calls,
-    };
-    Budget::new(caps, Spent::default()).interrupted_by(interrupt)
+    Budget::new(arguments.caps.caps(), Spent::default()).interrupted_by(interrupt)
 }
 
 /// Opens the recording that the command line names.

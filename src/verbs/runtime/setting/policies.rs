@@ -3,9 +3,7 @@
 use super::models::{self, Answering};
 use crate::exit::Failure;
 use crate::io::Io;
-use crate::verbs::runtime::setting::model_arguments::ModelArguments;
-use crate::verbs::runtime::setting::model_arguments::PolicyArguments;
-use crate::verbs::runtime::setting::model_arguments::Purpose;
+use crate::verbs::runtime::setting::model_arguments::{ModelArguments, PolicyArguments, Purpose};
 use fab_agent::policy::{Expert, External, MakePolicy, Policy, Prompted, Random, Sight};
 use fab_base::child::CommandLine;
 use fab_base::interrupt::Interrupt;

@@ -4,9 +4,7 @@ use super::catalogue::{self, UserFile};
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::verbs::runtime::setting;
-use crate::verbs::runtime::setting::model_arguments::OmitArgument;
-use crate::verbs::runtime::setting::model_arguments::Purpose;
-use crate::verbs::runtime::setting::model_arguments::ReachArguments;
+use crate::verbs::runtime::setting::model_arguments::{OmitArgument, Purpose, ReachArguments};
 use fab_base::interrupt::Interrupt;
 use fab_model::lowering::{Lowering, Points};
 use fab_providers::catalogue::{Catalogue, KeyNeed, Profile};
@@ -43,9 +41,10 @@ impl Providers {
             // An unusable key matters only if its provider is used.
             keys.extend(key(&provider.key_env, io).ok().flatten());
         }
-        let answers = match arguments.no_cache {
-            true => Answers::none(),
-            false => Answers::kept_in(setting::cache_of("answers", io)),
+        let answers = if arguments.no_cache {
+            Answers::none()
+        } else {
+            Answers::kept_in(setting::cache_of("answers", io))
         };
         Ok(Providers {
             arguments: arguments.clone(),
@@ -123,9 +122,10 @@ impl Providers {
         let profile = self.catalogue.find(name);
         let profile = profile.map_err(|error| Failure::usage(error.to_string()))?;
         for notice in profile.notices(catalogue::today(&self.io)) {
-            let weight = match notice.is_warning() {
-                true => "warning",
-                false => "note",
+            let weight = if notice.is_warning() {
+                "warning"
+            } else {
+                "note"
             };
             self.io.talk(&format!("{weight}: {name}: {notice}"));
         }
@@ -135,9 +135,10 @@ impl Providers {
     /// Returns the form in which a model gets points.
     pub fn lowering(&self, profile: &Profile) -> Lowering {
         let known = profile.lowering();
-        let points = match self.arguments.marks {
-            true => Points::Marks,
-            false => known.points,
+        let points = if self.arguments.marks {
+            Points::Marks
+        } else {
+            known.points
         };
         Lowering { points, ..known }
     }

@@ -77,14 +77,6 @@ pub fn external(
     ))
 }
 
-/// Returns the failure for a world that cannot be made.
-pub fn failure(error: WorldError) -> Failure {
-    match error {
-        WorldError::Interrupted => Failure::interrupted(),
-        error => Failure::environment(error),
-    }
-}
-
 /// Fails if a rollout cannot be resumed in a world, because the world cannot reproduce its start.
 pub fn check_repeats(world: &dyn World) -> Result<(), Failure> {
     match world.repeats() {

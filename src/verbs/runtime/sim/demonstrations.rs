@@ -1,18 +1,16 @@
 //! Recorded demonstrations of folds, as listed in a manifest.
 //!
 //! In: a folder with `manifest.json`; the manifest's paths are relative to the parent of that folder. Out: actions and
-//! positions in the world frame. Recorded points are y-up: world = (x, -z, y). All input is untrusted until checked;
-//! nothing outside the folder is read.
+//! positions in the world frame. Recorded points are y-up: world = (x, -z, y).
 
 use crate::exit::Failure;
 use crate::sources;
+use fab_sim::{Params, Simulator};
 use fab_world::start::{Grid, Start, StartFrame, Up};
 use serde::Deserialize;
-use std::fs;
+use std::collections::BTreeSet;
+use std::fmt;
 use std::path::{Path, PathBuf};
-
-/// The longest name of a task, bytes.
-const MAX_NAME: usize = 64;
 
 /// One recorded demonstration; its positions stay on disk until needed.
 pub struct Demonstration {
@@ -20,13 +18,11 @@ pub struct Demonstration {
     pub task: String,
     /// Its number within the task.
     pub id: u64,
-    /// The cloth.
-    pub grid: fab_sim::Grid,
     /// The picks and places, in order.
     pub picks: Vec<Pick>,
+    grid: fab_sim::Grid,
     frame: StartFrame,
-    start: PathBuf,
-    end: PathBuf,
+    folder: PathBuf,
 }
 
 /// One recorded pick and place.
@@ -70,10 +66,14 @@ struct Step {
     pick_keypoint: usize,
 }
 
-/// Reads the manifest, and finds the files of every entry.
+/// Reads the manifest, and selects by task and by ids.
 ///
 /// Fails on the first error and names its entry; [`Demonstration::positions`] checks the positions.
-pub fn read(folder: &Path) -> Result<Vec<Demonstration>, Failure> {
+pub fn read(
+    folder: &Path,
+    task: Option<&str>,
+    ids: Option<&[u64]>,
+) -> Result<Vec<Demonstration>, Failure> {
     let path = folder.join("manifest.json");
     let shown = path.display();
     let wrong =
@@ -88,33 +88,49 @@ pub fn read(folder: &Path) -> Result<Vec<Demonstration>, Failure> {
     if manifest.entries.is_empty() {
         return Err(wrong("its `entries` are empty".to_owned()));
     }
-    let real = fs::canonicalize(folder).map_err(|error| wrong(error.to_string()))?;
-    let entries = manifest.entries.into_iter().enumerate();
-    entries
-        .map(|(number, value)| {
-            let at = |why: String| wrong(format!("entry {number} (counted from 0): {why}"));
-            let entry: Entry =
-                serde_json::from_value(value).map_err(|error| at(error.to_string()))?;
-            demonstration(entry, &real).map_err(at)
-        })
-        .collect()
+    let mut found = Vec::new();
+    for (number, value) in manifest.entries.into_iter().enumerate() {
+        let entry = serde_json::from_value(value).map_err(|error| error.to_string());
+        let read = entry.and_then(|entry| demonstration(entry, folder));
+        let at = |why| wrong(format!("entry {number} (counted from 0): {why}"));
+        found.push(read.map_err(at)?);
+    }
+    if let Some(task) = task {
+        let there = listed(found.iter().map(|it| it.task.clone()));
+        found.retain(|it| it.task == task);
+        if found.is_empty() {
+            return Err(Failure::usage(format!(
+                "`--task {task}`: there is no such task; there are {there}"
+            )));
+        }
+    }
+    if let Some(ids) = ids {
+        if let Some(absent) = ids.iter().find(|id| found.iter().all(|it| it.id != **id)) {
+            return Err(Failure::usage(format!(
+                "no demonstration has the id {absent}; there are {}",
+                listed(found.iter().map(|it| it.id))
+            )));
+        }
+        found.retain(|it| ids.contains(&it.id));
+    }
+    Ok(found)
+}
+
+/// Lists the available values for a message, sorted and without duplicates; a very long list is cut.
+pub fn listed<T: Ord + fmt::Display>(values: impl Iterator<Item = T>) -> String {
+    const MOST: usize = 50;
+    let values: BTreeSet<T> = values.collect();
+    let mut names: Vec<String> = values.iter().take(MOST).map(T::to_string).collect();
+    if values.len() > MOST {
+        names.push(format!("and {} more", values.len() - MOST));
+    }
+    names.join(", ")
 }
 
 fn demonstration(entry: Entry, folder: &Path) -> Result<Demonstration, String> {
-    let grid = fab_sim::Grid::new(
-        entry.dimx as usize,
-        entry.dimy as usize,
-        entry.spacing_m as f32,
-    )
-    .map_err(|error| error.to_string())?;
-    // Names are printed, and a terminal would interpret control characters.
-    let plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
-    if !(1..=MAX_NAME).contains(&entry.task.len()) || !entry.task.chars().all(plain) {
-        return Err(format!(
-            "`task` {:?} is not a name; write 1 to {MAX_NAME} letters, digits, `_`, `-` or `.`",
-            entry.task.chars().take(MAX_NAME).collect::<String>()
-        ));
-    }
+    let (dimx, dimy, spacing_m) = (entry.dimx, entry.dimy, entry.spacing_m);
+    let grid = fab_sim::Grid::new(dimx as usize, dimy as usize, spacing_m as f32)
+        .map_err(|error| error.to_string())?;
     if entry.steps.is_empty() {
         return Err("it has no `steps`".to_owned());
     }
@@ -127,25 +143,22 @@ fn demonstration(entry: Entry, folder: &Path) -> Result<Demonstration, String> {
             place: on_table(step.place_world_m),
             particle: particle.ok_or_else(|| {
                 let number = step.pick_keypoint;
-                format!(
-                    "`pick_keypoint` {number} is not from 0 to {}",
-                    keypoints.len() - 1
-                )
+                format!("`pick_keypoint` {number} is not from 0 to 7")
             })?,
         })
     });
+    let declared = Grid {
+        dimx,
+        dimy,
+        spacing_m,
+    };
     Ok(Demonstration {
         picks: picks.collect::<Result<_, String>>()?,
         frame: StartFrame {
-            grid: Grid {
-                dimx: entry.dimx,
-                dimy: entry.dimy,
-                spacing_m: entry.spacing_m,
-            },
+            grid: declared,
             up: Up::Y,
         },
-        start: file_of(&entry, "init_pos.npy", folder)?,
-        end: file_of(&entry, "final_pos.npy", folder)?,
+        folder: folder.join("..").join(&entry.dir),
         task: entry.task,
         id: entry.id,
         grid,
@@ -167,29 +180,26 @@ fn keypoints(dimx: usize, dimy: usize) -> [usize; 8] {
     ]
 }
 
-/// Finds a file of an entry and returns its real path below `folder`, which must be a real path too.
-fn file_of(entry: &Entry, name: &str, folder: &Path) -> Result<PathBuf, String> {
-    let above = folder.parent().unwrap_or(folder);
-    let path = entry.dir.join(name);
-    let shown = path.display();
-    let real = fs::canonicalize(above.join(&path))
-        .map_err(|error| format!("cannot find `{shown}` below `{}`: {error}", above.display()))?;
-    if !real.starts_with(folder) {
-        return Err(format!(
-            "`{shown}` leads out of `{}`; right would be a path below it",
-            folder.display()
-        ));
-    }
-    Ok(real)
-}
-
 impl Demonstration {
     /// Reads and checks the positions before and after.
     pub fn positions(&self) -> Result<Positions, Failure> {
-        let load = |path: &Path| Start::load(path, Some(self.frame)).map_err(Failure::environment);
+        let load = |name| Start::load(&self.folder.join(name), Some(self.frame));
         Ok(Positions {
-            start: load(&self.start)?.positions,
-            end: load(&self.end)?.positions,
+            start: load("init_pos.npy")?.positions,
+            end: load("final_pos.npy")?.positions,
         })
+    }
+
+    /// Lays the cloth at recorded positions.
+    pub fn lay(&self, start: &[[f32; 3]], params: &Params) -> Result<Simulator, Failure> {
+        Simulator::from_positions(self.grid, start, params).map_err(|error| {
+            Failure::environment(format!("the start of {self} is no cloth's: {error}"))
+        })
+    }
+}
+
+impl fmt::Display for Demonstration {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "`{}` {}", self.task, self.id)
     }
 }

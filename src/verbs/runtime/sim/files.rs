@@ -1,17 +1,17 @@
-//! The files that the `sim` verbs read and write: states in; pictures, positions and meshes out.
+//! The files that the `sim` verbs read and write: states and outlines in; positions with a description out.
 
 use super::SPACING_M;
 use crate::exit::Failure;
+use crate::io::write_file;
 use crate::sources;
-use crate::verbs::runtime::setting;
-use crate::verbs::runtime::setting::FrameArguments;
-use clap::Args;
-use clap::ValueHint;
+use crate::verbs::runtime::setting::{self, FrameArguments};
+use clap::{Args, ValueHint};
+use fab_base::npy;
 use fab_sim::Mask;
 use fab_world::start::{Grid, Outline, Start, StartFrame, Up};
-use serde_json::{Value, json};
-use std::path::Path;
-use std::path::PathBuf;
+use serde::Serialize;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
 
 /// A file of particle positions, its frame and outline.
 #[derive(Args)]
@@ -40,7 +40,7 @@ pub struct ClothState {
 pub fn read_state(arguments: &StateArguments) -> Result<ClothState, Failure> {
     let stated = setting::stated_frame(&arguments.frame, SPACING_M)?;
     let path = &arguments.file;
-    let start = Start::load(path, stated).map_err(Failure::environment)?;
+    let start = Start::load(path, stated)?;
     let Grid {
         dimx,
         dimy,
@@ -48,14 +48,27 @@ pub fn read_state(arguments: &StateArguments) -> Result<ClothState, Failure> {
     } = start.grid;
     let grid = fab_sim::Grid::new(dimx as usize, dimy as usize, spacing_m as f32)
         .map_err(|error| Failure::environment(format!("`{}`: {error}", path.display())))?;
-    let described = match &start.outline {
-        Some(outline) => Some(described_outline(outline, grid, path)?),
-        None => None,
-    };
-    let mask = match (&arguments.outline, described) {
-        (Some(outline), described) => stated_outline(outline, grid, path, described)?,
-        (None, Some(described)) => described,
-        (None, None) => Mask::full(grid),
+    let described = start.outline.map(|outline| {
+        let mask = Mask::parse(&outline.text(), grid.spacing_m).map_err(|error| error.to_string());
+        mask.and_then(|mask| fits(mask, grid, path)).map_err(|why| {
+            Failure::environment(format!("the description of `{}`: {why}", path.display()))
+        })
+    });
+    let described = described.transpose()?;
+    let mask = match &arguments.outline {
+        None => described.unwrap_or_else(|| Mask::full(grid)),
+        Some(outline) => {
+            let mask = fits(read_outline(outline, grid.spacing_m)?, grid, path)
+                .map_err(|why| wrong_outline(outline, &why))?;
+            if described.is_some_and(|described| described != mask) {
+                return Err(Failure::usage(format!(
+                    "`--outline {}` differs from the outline in the description of `{}`; leave `--outline` out",
+                    outline.display(),
+                    path.display()
+                )));
+            }
+            mask
+        }
     };
     Ok(ClothState {
         positions: start.positions,
@@ -66,50 +79,12 @@ pub fn read_state(arguments: &StateArguments) -> Result<ClothState, Failure> {
 
 /// Reads an outline from a file; the grid has the size of the outline.
 pub fn read_outline(path: &Path, spacing_m: f32) -> Result<Mask, Failure> {
-    let wrong = |why: String| wrong_outline(path, &why);
-    let text = sources::read_text(path).map_err(wrong)?;
-    Mask::parse(&text, spacing_m).map_err(|error| wrong(error.to_string()))
+    let text = sources::read_text(path).map_err(|why| wrong_outline(path, &why))?;
+    Mask::parse(&text, spacing_m).map_err(|error| wrong_outline(path, &error.to_string()))
 }
 
 fn wrong_outline(path: &Path, why: &str) -> Failure {
     Failure::environment(format!("the outline `{}`: {why}", path.display()))
-}
-
-/// Returns the outline in a state's description.
-fn described_outline(
-    outline: &Outline,
-    grid: fab_sim::Grid,
-    state: &Path,
-) -> Result<Mask, Failure> {
-    Mask::parse(&outline.text(), grid.spacing_m)
-        .map_err(|error| error.to_string())
-        .and_then(|mask| fits(mask, grid, state))
-        .map_err(|why| {
-            let state = state.display();
-            Failure::environment(format!("the description of `{state}`: {why}"))
-        })
-}
-
-/// Reads the outline that the command line names for a state; it must not contradict the description.
-fn stated_outline(
-    path: &Path,
-    grid: fab_sim::Grid,
-    state: &Path,
-    described: Option<Mask>,
-) -> Result<Mask, Failure> {
-    let mask = fits(read_outline(path, grid.spacing_m)?, grid, state)
-        .map_err(|why| wrong_outline(path, &why))?;
-    match described {
-        Some(described) if described != mask => Err(Failure::usage(format!(
-            "`--outline {}` has {} particles, and the description of `{}` an outline of {} or of others; \
-             leave `--outline` out",
-            path.display(),
-            mask.count(),
-            state.display(),
-            described.count()
-        ))),
-        _ => Ok(mask),
-    }
 }
 
 /// Checks that an outline fits a state's grid.
@@ -131,32 +106,41 @@ pub fn size(grid: fab_sim::Grid) -> String {
 
 /// Rejects an output that would overwrite the input.
 pub fn not_onto_itself(input: &Path, output: &Path) -> Result<(), Failure> {
-    let same = match (input.canonicalize(), output.canonicalize()) {
-        (Ok(input), Ok(output)) => input == output,
-        _ => false,
-    };
-    if same {
-        return Err(Failure::usage(format!(
+    let real = |path: &Path| path.canonicalize().ok();
+    match real(input).zip(real(output)) {
+        Some((input, there)) if input == there => Err(Failure::usage(format!(
             "`-o {}` is the file that is read; name another one",
             output.display()
-        )));
+        ))),
+        _ => Ok(()),
     }
-    Ok(())
 }
 
-/// Describes positions in the world frame in the format of a start's description, with the verb that wrote them.
-pub fn description(grid: &Grid, mask: &Mask, made_by: &str) -> Value {
-    let frame = StartFrame {
-        grid: *grid,
-        up: Up::Z,
-    };
-    let mut value =
-        serde_json::to_value(frame).expect("a frame has string keys and finite numbers");
-    if let Some(outline) = outline_of(mask) {
-        value["outline"] = json!(outline);
+/// What stands beside positions in the world frame: a start's description, and the verb that wrote it.
+#[derive(Serialize)]
+pub struct Description<T> {
+    #[serde(flatten)]
+    frame: StartFrame,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    outline: Option<Outline>,
+    made_by: &'static str,
+    #[serde(flatten)]
+    more: T,
+}
+
+impl<T: Serialize> Description<T> {
+    /// Describes a cloth; `more` has fields that no reader of a start needs.
+    pub fn of(grid: &Grid, mask: &Mask, made_by: &'static str, more: T) -> Description<T> {
+        Description {
+            frame: StartFrame {
+                grid: *grid,
+                up: Up::Z,
+            },
+            outline: outline_of(mask),
+            made_by,
+            more,
+        }
     }
-    value["made_by"] = made_by.into();
-    value
 }
 
 /// Returns the outline of a cloth with missing particles; `None` for a complete cloth.
@@ -164,14 +148,33 @@ pub fn outline_of(mask: &Mask) -> Option<Outline> {
     (!mask.is_full()).then(|| Outline::new(&mask.to_string()))
 }
 
-/// Returns whether a description was written by the named verb, which then may replace it.
-pub fn is_made_by(made_by: &str, description: &Path) -> bool {
-    let bytes = sources::read_bounded(description).unwrap_or_default();
-    serde_json::from_slice::<Value>(&bytes).is_ok_and(|value| value["made_by"] == made_by)
+/// Refuses positions whose description is there and was not written by the named verb.
+pub fn check_replaceable(path: &Path, made_by: &str) -> Result<(), Failure> {
+    let beside = path.with_extension("json");
+    let bytes = sources::read_bounded(&beside).unwrap_or_default();
+    if serde_json::from_slice::<Value>(&bytes).is_ok_and(|value| value["made_by"] == made_by) {
+        return Ok(());
+    }
+    let is_there = |path: &&Path| path.symlink_metadata().is_ok();
+    match [beside.as_path(), path].iter().find(|path| is_there(path)) {
+        Some(there) => Err(Failure::environment(format!(
+            "`{}` is there already and was not written by `{made_by}`; choose another `-o`",
+            there.display()
+        ))),
+        None => Ok(()),
+    }
 }
 
-/// Returns a JSON document as the bytes of a file.
-pub fn json_bytes(value: &Value) -> Vec<u8> {
-    let text = serde_json::to_string_pretty(value).expect("a JSON value can be written");
-    (text + "\n").into_bytes()
+/// Writes positions and their description; returns the path of the description.
+pub fn write_positions(
+    path: &Path,
+    positions: &[[f32; 3]],
+    description: &impl Serialize,
+) -> Result<PathBuf, Failure> {
+    let beside = path.with_extension("json");
+    let text = serde_json::to_string_pretty(description).expect("a description can be written");
+    // The description comes first: positions without it would block the next call.
+    write_file(&beside, format!("{text}\n").as_bytes())?;
+    write_file(path, &npy::encode(positions))?;
+    Ok(beside)
 }

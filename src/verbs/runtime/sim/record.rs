@@ -1,21 +1,19 @@
 //! `fabc sim record`: a film of picks and places, given or recorded, without any model.
 
-use super::SPACING_M;
 use super::demonstrations;
 use super::files::{self, StateArguments};
 use super::render::{self, CameraArgument};
-use super::replay;
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::verbs::runtime::setting::{FrameArguments, materials};
+use crate::report::Report;
+use crate::verbs::runtime::setting::FrameArguments;
+use crate::verbs::runtime::setting::materials::MaterialArguments;
 use crate::verbs::runtime::video::{self, ViewArgument};
-use clap::Args;
-use clap::ValueHint;
-use fab_sim::{Grid, Manner, Mask, Params, SimError, Simulator};
-use fab_world::film::{self, FilmPlan, Recorder};
+use clap::{Args, ValueHint};
+use fab_sim::{Manner, Mask, Params, SimError, Simulator};
+use fab_world::film::{self, Film, FilmPlan, Recorder};
 use fab_world::simulated;
 use serde::Serialize;
-use serde_json::json;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -27,13 +25,11 @@ pub struct RecordArguments {
     pub from: Option<PathBuf>,
     #[command(flatten)]
     pub frame: FrameArguments,
-    /// Particles along each side of the flat cloth, 6.25 mm apart; default: 40.
-    #[arg(long, value_name = "N", conflicts_with = "from")]
-    pub size: Option<u32>,
-    /// What the cloth is made of, with its colours: the name of a shipped material, or `FILE.fab:NAME`; default: the
-    /// recorded scene's cloth.
-    #[arg(long, value_name = "NAME")]
-    pub material: Option<String>,
+    /// Particles along each side of the flat cloth, 6.25 mm apart.
+    #[arg(long, value_name = "N", default_value_t = 40, conflicts_with = "from")]
+    pub size: u32,
+    #[command(flatten)]
+    pub cloth: MaterialArguments,
     /// Pick at the first point and place at the second: metres from the table's centre. One for each motion, in order.
     #[arg(long = "move", value_name = "X,Y:X,Y", allow_hyphen_values = true)]
     pub moves: Vec<Move>,
@@ -57,11 +53,8 @@ pub struct RecordArguments {
     pub json: bool,
 }
 
-/// Particles along each side of the flat cloth if the command line does not say.
-const DEFAULT_SIZE: u32 = 40;
-
 /// A pick and a place, table coordinates, metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Move {
     pick: [f32; 2],
     place: [f32; 2],
@@ -76,104 +69,82 @@ impl FromStr for Move {
             let number = |text: &str| text.trim().parse().ok().filter(|it: &f32| it.is_finite());
             Some([number(x)?, number(y)?])
         };
-        text.split_once(':')
-            .and_then(|(pick, place)| {
-                Some(Move {
-                    pick: point(pick)?,
-                    place: point(place)?,
-                })
-            })
-            .ok_or_else(|| {
-                "write the pick and the place in metres from the table's centre, such as `-0.12,0.12:0.1,-0.1`".to_owned()
-            })
+        let points = text.split_once(':').and_then(|(pick, place)| {
+            let (pick, place) = (point(pick)?, point(place)?);
+            Some(Move { pick, place })
+        });
+        points.ok_or_else(|| {
+            "write the pick and the place in metres from the table's centre, such as `-0.12,0.12:0.1,-0.1`".to_owned()
+        })
     }
 }
 
 /// What was done.
 #[derive(Serialize)]
 struct Moved {
-    pick: [f32; 2],
-    place: [f32; 2],
+    #[serde(flatten)]
+    asked: Move,
     /// Index of the held particle; null if nothing was held.
     grasped: Option<usize>,
     steps: u32,
+}
+
+/// The film, and what it shows.
+#[derive(Serialize)]
+struct Recorded {
+    params: String,
+    video: Film,
+    moves: Vec<Moved>,
+    digest: String,
 }
 
 /// Moves the cloth, films it, and reports.
 pub fn run(arguments: &RecordArguments, io: &Io) -> Result<Exit, Failure> {
     let interrupt = io.interrupt()?;
     video::check_file("--out", &arguments.out)?;
-    let material = arguments.material.as_deref();
-    let material = material.map(|name| materials::find(name, io)).transpose()?;
-    let params = Params {
-        material: material.as_ref().map(simulated::material),
-        ..Params::default()
-    };
-    let (mut cloth, moves) = cloth(arguments, &params)?;
+    let (params, material) = arguments.cloth.params(io)?;
+    let (mut cloth, asked) = cloth(arguments, &params)?;
     let recorder = Recorder::new(FilmPlan {
         path: arguments.out.clone(),
         view: ViewArgument::film(arguments.view),
         camera: render::camera(arguments.camera, None)?,
-        motions: u32::try_from(moves.len()).unwrap_or(u32::MAX),
+        motions: u32::try_from(asked.len()).unwrap_or(u32::MAX),
         max_bytes: film::MAX_BYTES,
     });
     recorder.begin(&cloth, &simulated::look(material.as_ref()));
-    let mut moved = Vec::new();
-    let mut is_interrupted = false;
-    for (number, Move { pick, place }) in moves.iter().copied().enumerate() {
-        io.progress(&format!("motion {} of {}", number + 1, moves.len()));
-        match film::pick_and_place(
-            &mut cloth,
-            &Manner::default(),
-            pick,
-            place,
-            Some(&recorder),
-            &interrupt,
-        ) {
-            Ok(done) => moved.push(Moved {
-                pick,
-                place,
-                grasped: done.grasped,
-                steps: done.steps,
-            }),
-            Err(SimError::Interrupted { .. }) => {
-                is_interrupted = true;
-                break;
-            }
-            Err(error) => {
-                io.progress("");
-                return Err(Failure::environment(format!(
-                    "motion {}: {error}",
-                    number + 1
-                )));
-            }
+    let mut moves = Vec::new();
+    for (number, asked) in (1..).zip(asked.iter().copied()) {
+        io.progress(&format!("motion {number}"));
+        let (manner, Move { pick, place }) = (Manner::default(), asked);
+        let recorder = Some(&recorder);
+        let done = film::pick_and_place(&mut cloth, &manner, pick, place, recorder, &interrupt);
+        io.progress("");
+        let done = match done {
+            Ok(done) => done,
+            Err(SimError::Interrupted { .. }) => break,
+            Err(error) => return Err(Failure::environment(format!("motion {number}: {error}"))),
+        };
+        if done.grasped.is_none() {
+            io.talk(&format!("note: motion {number} grasped nothing"));
         }
+        moves.push(Moved {
+            asked,
+            grasped: done.grasped,
+            steps: done.steps,
+        });
     }
-    io.progress("");
-    let film = recorder.finish().map_err(Failure::environment)?;
-    let film = film.expect("a film with a begin has a picture");
-    for (number, _) in moved
-        .iter()
-        .enumerate()
-        .filter(|(_, it)| it.grasped.is_none())
-    {
-        io.talk(&format!("note: motion {} grasped nothing", number + 1));
-    }
-    io.report(
-        arguments.json,
-        || {
-            json!({
-                "params": params.hash(),
-                "video": film,
-                "moves": moved,
-                "digest": cloth.digest(),
-            })
-        },
-        || film.to_string(),
-    );
-    Ok(match is_interrupted {
-        true => Exit::Interrupted,
-        false => Exit::Done,
+    let film = recorder.finish()?;
+    let recorded = Recorded {
+        params: params.hash(),
+        video: film.expect("a film with a begin has a picture"),
+        moves,
+        digest: cloth.digest(),
+    };
+    io.result(arguments.json, &recorded);
+    Ok(if recorded.moves.len() < asked.len() {
+        Exit::Interrupted
+    } else {
+        Exit::Done
     })
 }
 
@@ -187,21 +158,18 @@ fn cloth(arguments: &RecordArguments, params: &Params) -> Result<(Simulator, Vec
             )));
         }
         let ids = arguments.id.map(|id| vec![id]);
-        let all = demonstrations::read(folder)?;
-        let found = replay::choose(all, arguments.task.as_deref(), ids.as_deref())?;
+        let found = demonstrations::read(folder, arguments.task.as_deref(), ids.as_deref())?;
         let [one] = &found[..] else {
-            let named = found.iter().map(|it| format!("`{}` {}", it.task, it.id));
             return Err(Failure::usage(format!(
                 "one demonstration is filmed at a time; choose it with `--task NAME --id ID`: {}",
-                replay::listed(named)
+                demonstrations::listed(found.iter().map(ToString::to_string))
             )));
         };
-        let start = one.positions()?.start;
         let moves = one.picks.iter().map(|it| Move {
             pick: it.pick,
             place: it.place,
         });
-        return Ok((replay::lay(one, &start, params)?, moves.collect()));
+        return Ok((one.lay(&one.positions()?.start, params)?, moves.collect()));
     }
     if arguments.id.is_some() || arguments.task.is_some() {
         return Err(Failure::usage(
@@ -213,24 +181,28 @@ fn cloth(arguments: &RecordArguments, params: &Params) -> Result<(Simulator, Vec
             "there is nothing to film; give `--move X,Y:X,Y`, or a folder of demonstrations",
         ));
     }
-    let Some(file) = &arguments.from else {
-        let size = arguments.size.unwrap_or(DEFAULT_SIZE);
-        let grid = Grid::new(size as usize, size as usize, SPACING_M as f32)
-            .map_err(|error| Failure::usage(format!("`--size {size}`: {error}")))?;
-        let laid =
-            Simulator::from_positions(Mask::full(grid), &grid.flat_positions(params), params);
-        let laid =
-            laid.map_err(|error| Failure::environment(format!("the flat cloth: {error}")))?;
-        return Ok((laid, arguments.moves.clone()));
+    let (mask, positions, named) = match &arguments.from {
+        None => {
+            let grid = super::square(arguments.size)?;
+            let positions = grid.flat_positions(params);
+            (Mask::full(grid), positions, "the flat cloth".to_owned())
+        }
+        Some(file) => {
+            let state = files::read_state(&StateArguments {
+                file: file.clone(),
+                frame: arguments.frame.clone(),
+                outline: None,
+            })?;
+            (state.mask, state.positions, format!("`{}`", file.display()))
+        }
     };
-    let state = files::read_state(&StateArguments {
-        file: file.clone(),
-        frame: arguments.frame.clone(),
-        outline: None,
-    })?;
-    let laid = Simulator::from_positions(state.mask, &state.positions, params);
-    let laid = laid.map_err(|error| {
-        Failure::environment(format!("`{}` is no cloth's state: {error}", file.display()))
-    })?;
+    let laid = Simulator::from_positions(mask, &positions, params)
+        .map_err(|error| Failure::environment(format!("{named} is no cloth's state: {error}")))?;
     Ok((laid, arguments.moves.clone()))
+}
+
+impl Report for Recorded {
+    fn text(&self) -> String {
+        self.video.to_string()
+    }
 }

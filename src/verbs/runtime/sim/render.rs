@@ -1,18 +1,15 @@
 //! `fabc sim render`: a picture of particle positions, in colour or as depth.
 
-use super::files;
+use super::files::{self, StateArguments};
 use crate::exit::{Exit, Failure};
 use crate::io::{Io, write_file};
-use crate::verbs::runtime::setting::materials;
-use crate::verbs::runtime::sim::files::StateArguments;
-use clap::Args;
-use clap::ValueEnum;
-use clap::ValueHint;
-use fab_base::files::ends_in;
+use crate::report::Report;
+use crate::verbs::runtime::setting::{self, materials::MaterialArguments};
+use clap::{Args, ValueEnum, ValueHint};
 use fab_sim::{Frame, ImageUp, Params, TopDownCamera};
 use fab_world::simulated;
 use image::{DynamicImage, GrayImage, ImageFormat, RgbImage};
-use serde_json::json;
+use serde::Serialize;
 use std::io::Cursor;
 use std::path::PathBuf;
 
@@ -30,12 +27,10 @@ pub struct DrawArguments {
     /// The picture's side, pixels; default: the camera's own.
     #[arg(long, value_name = "PX")]
     pub size: Option<u32>,
-    /// The material whose colours the cloth has: the name of a shipped one, or `FILE.fab:NAME`; default: the recorded
-    /// scene's cloth.
-    #[arg(long, value_name = "NAME", conflicts_with = "depth")]
-    pub material: Option<String>,
+    #[command(flatten)]
+    pub cloth: MaterialArguments,
     /// Draw the distance from the camera instead of colour: grey is the whole part of 255 per metre.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "material")]
     pub depth: bool,
     /// Print one JSON document.
     #[arg(long)]
@@ -43,7 +38,8 @@ pub struct DrawArguments {
 }
 
 /// The paper's cameras; both look straight down with a field of view of 45 degrees.
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, Serialize, ValueEnum)]
+#[serde(rename_all = "snake_case")]
 pub enum CameraArgument {
     /// 0.65 m above the table, 224 pixels, +Y of the table is up.
     Folding,
@@ -54,52 +50,44 @@ pub enum CameraArgument {
 /// Grey levels per metre in a depth picture, as in the recorded data.
 const GREY_PER_M: f32 = 255.0;
 
+/// The picture that was written.
+#[derive(Serialize)]
+struct Drawn {
+    params: String,
+    file: String,
+    size_px: u32,
+    camera: CameraArgument,
+    cloth_px: usize,
+}
+
 /// Draws the picture and writes it.
 pub fn run(arguments: &DrawArguments, io: &Io) -> Result<Exit, Failure> {
     let camera = camera(arguments.camera, arguments.size)?;
     let path = output_path(arguments)?;
-    let material = arguments.material.as_deref();
-    let material = material.map(|name| materials::find(name, io)).transpose()?;
+    let (_, material) = arguments.cloth.params(io)?;
     let state = files::read_state(&arguments.state)?;
     files::not_onto_itself(&arguments.state.file, &path)?;
-    let frame = camera.render(
-        state.mask,
-        &state.positions,
-        &simulated::look(material.as_ref()),
-    );
+    let look = simulated::look(material.as_ref());
+    let frame = camera.render(state.mask, &state.positions, &look);
     // The table is at the camera's height, up to rounding.
     let nearer = |depth: &&f32| **depth < camera.height_m - 1e-4;
     let cloth_px = frame.depth_m.iter().filter(nearer).count();
     if cloth_px == 0 {
         io.talk("note: no part of the cloth is in the picture");
     }
-    let picture = if arguments.depth {
-        depth_picture(&frame)
-    } else {
-        colour_picture(frame)
-    };
     let mut bytes = Vec::new();
-    picture
+    picture(frame, arguments.depth)
         .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)
         .expect("a picture in memory can be encoded");
     write_file(&path, &bytes)?;
-    let file = path.display().to_string();
-    io.report(
-        arguments.json,
-        || {
-            json!({
-                "params": Params::default().hash(),
-                "file": file,
-                "size_px": camera.size_px,
-                "camera": match arguments.camera {
-                    CameraArgument::Folding => "folding",
-                    CameraArgument::Smoothing => "smoothing",
-                },
-                "cloth_px": cloth_px,
-            })
-        },
-        || file.clone(),
-    );
+    let drawn = Drawn {
+        params: Params::default().hash(),
+        file: path.display().to_string(),
+        size_px: camera.size_px,
+        camera: arguments.camera,
+        cloth_px,
+    };
+    io.result(arguments.json, &drawn);
     Ok(Exit::Done)
 }
 
@@ -118,12 +106,7 @@ pub fn camera(camera: CameraArgument, side_px: Option<u32>) -> Result<TopDownCam
 /// Returns the path of the picture; a default path must not exist yet.
 fn output_path(arguments: &DrawArguments) -> Result<PathBuf, Failure> {
     if let Some(path) = &arguments.out {
-        if !ends_in(path, "png") {
-            return Err(Failure::usage(format!(
-                "`-o {}` is no PNG file; name one that ends in `.png`",
-                path.display()
-            )));
-        }
+        setting::check_ending("-o", path, "png")?;
         return Ok(path.clone());
     }
     let stem = arguments.state.file.file_stem().unwrap_or_default();
@@ -137,17 +120,20 @@ fn output_path(arguments: &DrawArguments) -> Result<PathBuf, Failure> {
     Ok(path)
 }
 
-fn colour_picture(frame: Frame) -> DynamicImage {
-    RgbImage::from_raw(frame.width, frame.height, frame.rgb)
-        .expect("a frame holds width * height pixels")
-        .into()
-}
-
-fn depth_picture(frame: &Frame) -> DynamicImage {
+fn picture(frame: Frame, is_depth: bool) -> DynamicImage {
+    let (width, height) = (frame.width, frame.height);
     // Casts saturate: everything farther than 1 m is white.
     let grey = |depth_m: &f32| (GREY_PER_M * depth_m) as u8;
-    let greys = frame.depth_m.iter().map(grey).collect();
-    GrayImage::from_raw(frame.width, frame.height, greys)
-        .expect("a frame holds width * height pixels")
-        .into()
+    let picture = match is_depth {
+        true => GrayImage::from_raw(width, height, frame.depth_m.iter().map(grey).collect())
+            .map(DynamicImage::from),
+        false => RgbImage::from_raw(width, height, frame.rgb).map(DynamicImage::from),
+    };
+    picture.expect("a frame holds width * height pixels")
+}
+
+impl Report for Drawn {
+    fn text(&self) -> String {
+        self.file.clone()
+    }
 }

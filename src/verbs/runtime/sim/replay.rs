@@ -4,19 +4,17 @@
 //! is the mean distance between particles of the same index, as in the scoring of folds.
 
 use super::demonstrations::{self, Demonstration};
-use super::parallel::{in_parallel, threads};
+use super::parallel::{ThreadArguments, in_parallel, threads};
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::verbs::runtime::sim::parallel::ThreadArguments;
-use clap::Args;
-use clap::ValueHint;
+use crate::report::Report;
+use clap::{Args, ValueHint};
 use fab_base::interrupt::Interrupt;
-use fab_sim::{Params, SimError, Simulator};
+use fab_base::table::{Align, aligned};
+use fab_sim::{Params, SimError};
 use fab_world::metrics::mean_particle_distance_m;
 use serde::Serialize;
-use serde_json::{Value, json};
-use std::collections::BTreeSet;
-use std::fmt::Display;
+use serde_json::Value;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -37,12 +35,17 @@ pub struct ReplayArguments {
     pub changes: Vec<String>,
     #[command(flatten)]
     pub threads: ThreadArguments,
-    /// List each demonstration, not only each task.
-    #[arg(long)]
-    pub each: bool,
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,
+}
+
+/// All replays.
+#[derive(Serialize)]
+struct Replays {
+    params: String,
+    rows: Vec<Row>,
+    entries: Vec<Replayed>,
 }
 
 /// The result of one replay.
@@ -78,15 +81,11 @@ struct Row {
 pub fn run(arguments: &ReplayArguments, io: &Io) -> Result<Exit, Failure> {
     let interrupt = io.interrupt()?;
     let params = params(&arguments.changes)?;
-    let wanted = choose(
-        demonstrations::read(&arguments.folder)?,
-        arguments.task.as_deref(),
-        arguments.ids.as_deref(),
-    )?;
+    let ids = arguments.ids.as_deref();
+    let wanted = demonstrations::read(&arguments.folder, arguments.task.as_deref(), ids)?;
     // Damaged files should be reported before minutes have passed.
     for demonstration in &wanted {
-        let start = demonstration.positions()?.start;
-        lay(demonstration, &start, &params)?;
+        demonstration.lay(&demonstration.positions()?.start, &params)?;
     }
     let n_threads = threads(&arguments.threads).min(wanted.len());
     let (began, total) = (Instant::now(), wanted.len());
@@ -105,17 +104,13 @@ pub fn run(arguments: &ReplayArguments, io: &Io) -> Result<Exit, Failure> {
         entries.len(),
         began.elapsed().as_secs_f64()
     ));
-    let rows = rows(&entries);
-    if arguments.json {
-        io.json(&json!({ "params": params.hash(), "rows": rows, "entries": entries }));
-    } else {
-        if arguments.each {
-            io.data(&table_of_entries(&entries));
-        }
-        io.data(&table(&rows));
-        io.data(&format!("simulator parameters {}", params.hash()));
-    }
-    Ok(if entries.len() < total {
+    let replays = Replays {
+        params: params.hash(),
+        rows: rows(&entries),
+        entries,
+    };
+    io.result(arguments.json, &replays);
+    Ok(if replays.entries.len() < total {
         Exit::Interrupted
     } else {
         Exit::Done
@@ -124,70 +119,21 @@ pub fn run(arguments: &ReplayArguments, io: &Io) -> Result<Exit, Failure> {
 
 /// Returns the default parameters with the requested changes.
 fn params(changes: &[String]) -> Result<Params, Failure> {
-    let mut values =
-        serde_json::to_value(Params::default()).expect("a struct of numbers is a JSON object");
+    let mut params = Params::default();
     for change in changes {
         let wrong = |why: String| Failure::usage(format!("`--set {change}`: {why}"));
         let (name, text) = change
             .split_once('=')
             .ok_or_else(|| wrong("write NAME=VALUE, such as `substeps=8`".to_owned()))?;
-        let value: Value = serde_json::from_str(text).map_err(|_| {
+        let mut values = serde_json::to_value(&params).expect("a struct of numbers is an object");
+        values[name] = serde_json::from_str::<Value>(text).map_err(|_| {
             wrong(format!(
                 "`{text}` is neither a number nor a list of numbers"
             ))
         })?;
-        values[name] = value;
-        // Checked after each change, so that the message names the wrong one.
-        serde_json::from_value::<Params>(values.clone())
-            .map_err(|error| wrong(error.to_string()))?;
+        params = serde_json::from_value(values).map_err(|error| wrong(error.to_string()))?;
     }
-    Ok(serde_json::from_value(values).expect("it was read after the last change"))
-}
-
-/// Selects the demonstrations that the command line asks for.
-pub fn choose(
-    mut all: Vec<Demonstration>,
-    task: Option<&str>,
-    ids: Option<&[u64]>,
-) -> Result<Vec<Demonstration>, Failure> {
-    if let Some(task) = task {
-        let there = listed(all.iter().map(|it| it.task.as_str()));
-        all.retain(|it| it.task == task);
-        if all.is_empty() {
-            return Err(Failure::usage(format!(
-                "`--task {task}`: there is no such task; there are {there}"
-            )));
-        }
-    }
-    if let Some(ids) = ids {
-        if let Some(absent) = ids.iter().find(|id| all.iter().all(|it| it.id != **id)) {
-            let there = listed(all.iter().map(|it| it.id));
-            return Err(Failure::usage(format!(
-                "`--ids`: no demonstration has the id {absent}; there are {there}"
-            )));
-        }
-        all.retain(|it| ids.contains(&it.id));
-    }
-    Ok(all)
-}
-
-/// Lists the available values for a message, sorted and without duplicates; a very long list is cut.
-pub fn listed<T: Ord + Display>(values: impl Iterator<Item = T>) -> String {
-    const MOST: usize = 50;
-    let values: BTreeSet<T> = values.collect();
-    let mut names: Vec<String> = values.iter().take(MOST).map(T::to_string).collect();
-    if values.len() > MOST {
-        names.push(format!("and {} more", values.len() - MOST));
-    }
-    names.join(", ")
-}
-
-/// Lays the cloth of a demonstration.
-pub fn lay(it: &Demonstration, start: &[[f32; 3]], params: &Params) -> Result<Simulator, Failure> {
-    Simulator::from_positions(it.grid, start, params).map_err(|error| {
-        let (task, id) = (&it.task, it.id);
-        Failure::environment(format!("the start of `{task}` {id} is no cloth's: {error}"))
-    })
+    Ok(params)
 }
 
 /// Replays one demonstration; `None` if it was interrupted.
@@ -197,18 +143,13 @@ fn replay(
     interrupt: &Interrupt,
 ) -> Result<Option<Replayed>, Failure> {
     let positions = it.positions()?;
-    let mut cloth = lay(it, &positions.start, params)?;
+    let mut cloth = it.lay(&positions.start, params)?;
     let mut picks_as_recorded = 0;
     for pick in &it.picks {
         match cloth.pick_and_place(pick.pick, pick.place, &|| interrupt.is_raised()) {
             Ok(done) => picks_as_recorded += usize::from(done.grasped == Some(pick.particle)),
             Err(SimError::Interrupted { .. }) => return Ok(None),
-            Err(error) => {
-                return Err(Failure::environment(format!(
-                    "`{}` {}: {error}",
-                    it.task, it.id
-                )));
-            }
+            Err(error) => return Err(Failure::environment(format!("{it}: {error}"))),
         }
     }
     let error_m = mean_particle_distance_m(&cloth.positions(), &positions.end)
@@ -227,58 +168,57 @@ fn replay(
 
 /// Summarizes by task, in the order in which tasks first occur.
 fn rows(entries: &[Replayed]) -> Vec<Row> {
-    let mut tasks: Vec<&str> = Vec::new();
+    let mut by_task: Vec<Vec<&Replayed>> = Vec::new();
     for entry in entries {
-        if !tasks.contains(&entry.task.as_str()) {
-            tasks.push(&entry.task);
+        match by_task.iter_mut().find(|it| it[0].task == entry.task) {
+            Some(of_task) => of_task.push(entry),
+            None => by_task.push(vec![entry]),
         }
     }
-    let row = |task: &&str| {
-        let of_task = || entries.iter().filter(|entry| entry.task == **task);
-        let n = of_task().count();
-        let mean = |value: &dyn Fn(&Replayed) -> f64| of_task().map(value).sum::<f64>() / n as f64;
-        let mean_mm = mean(&|entry| entry.error_mm);
-        let as_recorded: usize = of_task().map(|entry| entry.picks_as_recorded).sum();
-        let picks: usize = of_task().map(|entry| entry.picks).sum();
+    let row = |of_task: &Vec<&Replayed>| {
+        let n = of_task.len();
+        let errors_mm = || of_task.iter().map(|entry| entry.error_mm);
+        let mean_mm = errors_mm().sum::<f64>() / n as f64;
+        let squares: f64 = errors_mm().map(|error| (error - mean_mm).powi(2)).sum();
+        let as_recorded: usize = of_task.iter().map(|entry| entry.picks_as_recorded).sum();
+        let picks: usize = of_task.iter().map(|entry| entry.picks).sum();
         Row {
-            task: (*task).to_owned(),
+            task: of_task[0].task.clone(),
             n,
             mean_mm,
-            sd_mm: mean(&|entry| (entry.error_mm - mean_mm).powi(2)).sqrt(),
-            max_mm: of_task().map(|entry| entry.error_mm).fold(0.0, f64::max),
+            sd_mm: (squares / n as f64).sqrt(),
+            max_mm: errors_mm().fold(0.0, f64::max),
             grasps: format!("{as_recorded}/{picks}"),
         }
     };
-    tasks.iter().map(row).collect()
+    by_task.iter().map(row).collect()
 }
 
-fn table(rows: &[Row]) -> String {
-    let width = rows.iter().map(|row| row.task.len()).max().unwrap_or(0);
-    let mut lines = vec![format!(
-        "{:<width$} {:>4} {:>9} {:>8} {:>8}   grasped as recorded",
-        "task", "n", "mean mm", "sd mm", "max mm"
-    )];
-    lines.extend(rows.iter().map(|row| {
-        format!(
-            "{:<width$} {:>4} {:>9.2} {:>8.2} {:>8.2}   {}",
-            row.task, row.n, row.mean_mm, row.sd_mm, row.max_mm, row.grasps
-        )
-    }));
-    lines.join("\n")
-}
-
-fn table_of_entries(entries: &[Replayed]) -> String {
-    let longest = entries.iter().map(|entry| entry.task.len()).max();
-    let width = longest.unwrap_or(0);
-    let mut lines = vec![format!(
-        "{:<width$} {:>4} {:>9} {:>8}   grasped as recorded",
-        "task", "id", "error mm", "steps"
-    )];
-    lines.extend(entries.iter().map(|entry| {
-        format!(
-            "{:<width$} {:>4} {:>9.2} {:>8}   {}/{}",
-            entry.task, entry.id, entry.error_mm, entry.steps, entry.picks_as_recorded, entry.picks
-        )
-    }));
-    lines.join("\n") + "\n"
+impl Report for Replays {
+    fn text(&self) -> String {
+        use Align::{Left, Right};
+        let heading = [
+            "task",
+            "n",
+            "mean mm",
+            "sd mm",
+            "max mm",
+            "grasped as recorded",
+        ];
+        let mut table = vec![heading.map(str::to_owned)];
+        table.extend(self.rows.iter().map(|row| {
+            let [mean, sd, max] = [row.mean_mm, row.sd_mm, row.max_mm].map(|mm| format!("{mm:.2}"));
+            [
+                row.task.clone(),
+                row.n.to_string(),
+                mean,
+                sd,
+                max,
+                row.grasps.clone(),
+            ]
+        }));
+        let mut lines = aligned(&[Left, Right, Right, Right, Right, Left], &table);
+        lines.push(format!("simulator parameters {}", self.params));
+        lines.join("\n")
+    }
 }

@@ -7,9 +7,8 @@ use crate::verbs::new::simulator::point_text;
 use fab_agent::scene::Scene;
 use fab_agent::subgoals::Demonstrated;
 use fab_program::scene::SceneView;
-use fab_program::space;
 use fab_program::{
-    ActionField, Choices, ClothPoint, Extractor, Fold, Keypoint, Moment, PixelPoint, Program, Value,
+    ActionField, Choices, ClothPoint, Fold, KeypointShape, PixelPoint, Program, Value, space,
 };
 
 /// Largest distance of an offered point from a demonstrated one, pixels of a 224 px picture.
@@ -87,9 +86,10 @@ impl Step<'_> {
         if nearest_px <= limit_px {
             return None;
         }
-        let place = match name == "place" && self.fold.fraction != 1.0 {
-            true => format!("short of {}", point_text(point)),
-            false => point_text(point),
+        let place = if name == "place" && self.fold.fraction != 1.0 {
+            format!("short of {}", point_text(point))
+        } else {
+            point_text(point)
         };
         Some(format!(
             "step {} {name}s {place} at ({}, {}); the nearest offered `{name}` is {nearest_px:.0} px away, so that no \
@@ -105,7 +105,7 @@ impl Step<'_> {
 /// Returns how to offer the point, as the end of a sentence.
 ///
 /// - `at`: where the point is in the picture behind `scene`.
-pub fn cure(
+fn cure(
     program: &Program,
     scene: &Scene,
     field: &ActionField,
@@ -122,15 +122,8 @@ pub fn cure(
         nearest(points.into_iter().map(Value::Point).collect(), at)
             .is_some_and(|distance_px| distance_px <= limit_px)
     };
-    let names = program
-        .keypoints
-        .iter()
-        .filter(|keypoint| {
-            use fab_program::KeypointShape::{Point, Points};
-            matches!(keypoint.extractor.shape(), Point | Points)
-        })
-        .map(|keypoint| &keypoint.name);
-    if let Some(known) = names.clone().find(has_it) {
+    let mut names = program.keypoints.iter().map(|keypoint| &keypoint.name);
+    if let Some(known) = names.find(has_it) {
         return format!(": offer it, {}", offer(known));
     }
     let is_middle = matches!(
@@ -138,37 +131,24 @@ pub fn cure(
         ClothPoint::Particle { right, front } if [right, front].contains(&0.5)
             && [right, front].iter().any(|at| [0.0, 1.0].contains(at))
     );
-    let is_free = |name: &str| program.keypoints.iter().all(|known| known.name != name);
-    let nothing_finds_it = || {
-        let masks = program.keypoints.iter().filter(|keypoint| {
-            let is_mask = keypoint.extractor.shape() == fab_program::KeypointShape::Mask;
-            is_mask && scene.distance_px(&keypoint.name, at) == Some(0.0)
-        });
-        match masks.map(|keypoint| &keypoint.name).next() {
-            Some(mask) => format!(
-                "; no keypoint of the task finds it: `{}: any of {mask}` offers each point of the mask",
-                field.name
-            ),
-            None => "; offer a keypoint that finds it".to_owned(),
-        }
-    };
-    let middles = |it: &&Keypoint| matches!(it.extractor, Extractor::EdgeMiddles { .. });
-    if let (true, Some(sides)) = (is_middle, program.keypoints.iter().find(middles)) {
-        let name = &sides.name;
-        return match sides.moment == Moment::Start {
-            true => nothing_finds_it(),
-            false => format!(
-                "; `{name}` follows the outline as it is now, and `at: start` keeps the sides' middles of the unfolded cloth"
-            ),
-        };
-    }
-    match is_middle && !is_free("cloth") && is_free("rim") && is_free("sides") {
-        true => format!(
+    let has = |name: &str| program.keypoints.iter().any(|known| known.name == name);
+    if is_middle && has("cloth") && !has("rim") && !has("sides") {
+        return format!(
             ": offer it,\n    keypoints {{\n        rim = contour(cloth, tolerance: 4px)\n        \
              sides = edge_middles(rim)\n    }}\nand {}, and say `{{{{ sides }}}}` in a prompt",
             offer("sides")
+        );
+    }
+    let masks = program.keypoints.iter().filter(|keypoint| {
+        let is_mask = keypoint.extractor.shape() == KeypointShape::Mask;
+        is_mask && scene.distance_px(&keypoint.name, at) == Some(0.0)
+    });
+    match masks.map(|keypoint| &keypoint.name).next() {
+        Some(mask) => format!(
+            "; no keypoint of the task finds it: `{}: any of {mask}` offers each point of the mask",
+            field.name
         ),
-        false => nothing_finds_it(),
+        None => "; offer a keypoint that finds it".to_owned(),
     }
 }
 

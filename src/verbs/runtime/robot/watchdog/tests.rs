@@ -1,0 +1,87 @@
+//! Tests of `watchdog`.
+
+#![allow(clippy::unwrap_used)]
+
+use super::*;
+use std::io::{Write, pipe};
+
+/// Long enough that a loaded machine does not time out.
+const LONG: Duration = Duration::from_secs(600);
+const SHORT: Duration = Duration::from_millis(60);
+
+/// Watches these lines, then end of input; returns how it ended, what it acknowledged, and how often the arm was
+/// stopped.
+fn watch_lines(typed: &'static str) -> (WatchEnd, String, u32) {
+    let (mut n_stops, mut acknowledged) = (0, Vec::new());
+    let ended = keep_watch(
+        &lines_of(typed.as_bytes()),
+        LONG,
+        &mut |line| acknowledged.push(line.to_owned()),
+        &mut || {
+            n_stops += 1;
+            Ok(())
+        },
+    );
+    (ended, acknowledged.join(" "), n_stops)
+}
+
+#[test]
+fn lines_that_end_while_it_watches_stop_the_arm_and_each_is_acknowledged() {
+    for (typed, acknowledged) in [
+        ("watch\n", "watch"),
+        ("watch\nbeat\nbeat", "watch beat beat"),
+        ("rest\nwatch\nhello\n", "rest watch"),
+        ("stop\nwatch\n", ""),
+        ("watch\nstop\nrest\n", "watch"),
+    ] {
+        let expected = (WatchEnd::Stopped, acknowledged.to_owned(), 1);
+        assert_eq!(watch_lines(typed), expected, "{typed:?}");
+    }
+    for (typed, acknowledged) in [
+        ("", ""),
+        ("beat\n", ""),
+        ("watch\nbeat\nrest\n", "watch beat rest"),
+        ("watch\nrest\nbeat\n", "watch rest"),
+    ] {
+        let expected = (WatchEnd::AtRest, acknowledged.to_owned(), 0);
+        assert_eq!(watch_lines(typed), expected, "{typed:?}");
+    }
+}
+
+#[test]
+fn silence_while_it_watches_stops_the_arm() {
+    for typed in ["watch\n", "watch\nbeat\nnoise\n"] {
+        let (reader, mut writer) = pipe().unwrap();
+        writer.write_all(typed.as_bytes()).unwrap();
+        let begun = Instant::now();
+        let ended = keep_watch(&lines_of(reader), SHORT, &mut |_| {}, &mut || Ok(()));
+        assert_eq!(ended, WatchEnd::Stopped, "{typed:?}");
+        assert!(begun.elapsed() >= SHORT);
+        drop(writer);
+    }
+}
+
+#[test]
+fn stopping_is_tried_again() {
+    let mut n_tries = 0;
+    let ended = keep_watch(
+        &lines_of("watch".as_bytes()),
+        LONG,
+        &mut |_| {},
+        &mut || {
+            n_tries += 1;
+            match n_tries {
+                3 => Ok(()),
+                _ => Err("no answer".to_owned()),
+            }
+        },
+    );
+    assert_eq!((ended, n_tries), (WatchEnd::Stopped, 3));
+    let ended = keep_watch(
+        &lines_of("watch".as_bytes()),
+        LONG,
+        &mut |_| {},
+        &mut || Err("no answer".to_owned()),
+    );
+    assert_eq!(ended, WatchEnd::NotStopped("no answer".to_owned()));
+}

@@ -1,0 +1,48 @@
+//! Tests of `report`.
+
+use super::*;
+
+#[test]
+fn a_rehearsed_step_names_the_taken_answer_and_the_first_by_measure_and_place() {
+    let said = |measures: &[Option<f64>], chosen: Option<u32>, calls: u32| {
+        // The first question of all had no usable answer, so the answers' numbers begin at 2.
+        let candidates = measures.iter().zip(2..).map(|(measure, attempt)| {
+            let (measure, twins, failed) = (*measure, Vec::new(), None);
+            RehearsedAnswer {
+                attempt,
+                measure,
+                twins,
+                failed,
+            }
+        });
+        let line = RehearsedStep {
+            candidates: candidates.collect(),
+            chosen,
+            calls,
+            ..RehearsedStep::default()
+        };
+        rehearsed(&line, 4.72)
+    };
+    let four = [Some(0.41), Some(0.93), Some(0.9), None];
+    let rows = [
+        (
+            said(&four, Some(3), 3),
+            "4 answers, 0.93 (2nd) taken in place of 0.41 (1st), 3 more questions, 4.7 s",
+        ),
+        (
+            said(&four[..1], Some(2), 1),
+            "1 answer, 0.41 (1st) taken, 1 more question, 4.7 s",
+        ),
+        (
+            said(&[None, None, None], Some(4), 2),
+            "3 answers, the 3rd taken in place of the 1st, 2 more questions, 4.7 s",
+        ),
+        (
+            said(&[], None, 0),
+            "0 answers, none taken, 0 more questions, 4.7 s",
+        ),
+    ];
+    for (said, expected) in rows {
+        assert_eq!(said, format!("rehearsed: {expected}"));
+    }
+}
