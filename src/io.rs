@@ -82,49 +82,6 @@ pub struct Captured {
     pub stderr: String,
 }
 
-/// Makes the hidden characters of a text visible, except the command's own colours.
-fn shown(text: &str, color: Color) -> Cow<'_, str> {
-    if !text.chars().any(is_hidden) {
-        return Cow::Borrowed(text);
-    }
-    if color == Color::Plain {
-        return visible(text);
-    }
-    let mut result = String::with_capacity(text.len());
-    let mut parts = text.split('\x1b');
-    result.push_str(&visible(parts.next().unwrap_or_default()));
-    for part in parts {
-        match style(part) {
-            Some(end) => {
-                result.push('\x1b');
-                result.push_str(&part[..end]);
-                result.push_str(&visible(&part[end..]));
-            }
-            None => {
-                result.push_str(&visible("\x1b"));
-                result.push_str(&visible(part));
-            }
-        }
-    }
-    Cow::Owned(result)
-}
-
-/// Returns the end of colours and weights after an escape character, such as `[1;4;32m` or `[38;5;9m`; `None` for anything
-/// else, such as `[8m`, which hides text.
-fn style(text: &str) -> Option<usize> {
-    let inside = text.strip_prefix('[')?;
-    let length = inside.find('m')?;
-    let codes = &inside[..length];
-    let is_number = |code: &str| code.len() <= 3 && code.bytes().all(|it| it.is_ascii_digit());
-    let is_style = match codes.strip_prefix("38;5;") {
-        Some(color) => is_number(color),
-        None => codes
-            .split(';')
-            .all(|code| is_number(code) && code.trim_start_matches('0') != "8"),
-    };
-    is_style.then_some(length + 2)
-}
-
 /// Writes the hidden characters of a JSON document, which are all inside of its strings, as JSON escapes them.
 fn json_shown(text: &str) -> Cow<'_, str> {
     if !text.chars().any(is_hidden) {
@@ -132,9 +89,10 @@ fn json_shown(text: &str) -> Cow<'_, str> {
     }
     let mut result = String::with_capacity(text.len());
     for character in text.chars() {
-        match is_hidden(character) {
-            true => result.push_str(&format!("\\u{:04x}", u32::from(character))),
-            false => result.push(character),
+        if is_hidden(character) {
+            result.push_str(&format!("\\u{:04x}", u32::from(character)));
+        } else {
+            result.push(character);
         }
     }
     Cow::Owned(result)
@@ -227,23 +185,21 @@ impl Io {
     /// Writes data and a line end to stdout. On a terminal, hidden characters of foreign text are made visible;
     /// programs get the bytes as they are.
     pub(crate) fn data(&self, text: &str) {
-        match self.streams.terminals[1] {
-            true => self.write_data(&visible(text)),
-            false => self.write_data(text),
+        if self.streams.terminals[1] {
+            self.painted_data(&visible(text));
+        } else {
+            self.painted_data(text);
         }
     }
 
     /// Does the same as [`Io::data`] for a text with the command's own colours, whose foreign parts are visible.
     pub(crate) fn painted_data(&self, text: &str) {
-        match self.streams.terminals[1] {
-            true => self.write_data(&shown(text, self.data_color())),
-            false => self.write_data(text),
-        }
+        self.write_data(&format!("{text}\n"));
     }
 
     fn write_data(&self, text: &str) {
         // A closed pipe (`| head`) means the reader has seen enough, so it is not an error.
-        if let Err(error) = lock(&self.streams.stdout).write(&format!("{text}\n"))
+        if let Err(error) = lock(&self.streams.stdout).write(text)
             && error.kind() != ErrorKind::BrokenPipe
         {
             self.streams.lost.get_or_init(|| error.to_string());
@@ -253,7 +209,7 @@ impl Io {
     /// Writes one JSON document to stdout.
     pub(crate) fn json(&self, value: &serde_json::Value) {
         let text = serde_json::to_string_pretty(value).expect("a JSON value can be written");
-        self.write_data(&json_shown(&text));
+        self.painted_data(&json_shown(&text));
     }
 
     /// Writes a verb's result: as JSON if `--json` was given, otherwise as text.
@@ -263,23 +219,20 @@ impl Io {
         to_json: impl FnOnce() -> serde_json::Value,
         to_text: impl FnOnce() -> String,
     ) {
-        match json {
-            true => self.json(&to_json()),
-            false => self.data(&to_text()),
+        if json {
+            self.json(&to_json());
+        } else {
+            self.data(&to_text());
         }
     }
 
     /// Writes a line of talk to stderr; hidden characters, such as those of a provider's error, are made visible.
     pub(crate) fn talk(&self, text: &str) {
-        self.write_talk(&visible(text));
+        self.painted_talk(&visible(text));
     }
 
     /// Does the same as [`Io::talk`] for a text with the command's own colours, whose foreign parts are visible.
     pub(crate) fn painted_talk(&self, text: &str) {
-        self.write_talk(&shown(text, self.talk_color()));
-    }
-
-    fn write_talk(&self, text: &str) {
         let _ = lock(&self.streams.stderr).write(&format!("{text}\n"));
     }
 
@@ -321,32 +274,34 @@ impl Io {
         let refused = self
             .variable("NO_COLOR")
             .is_some_and(|value| !value.is_empty());
-        match is_terminal && !refused {
-            true => Color::Ansi,
-            false => Color::Plain,
+        if is_terminal && !refused {
+            Color::Ansi
+        } else {
+            Color::Plain
         }
     }
 
     /// Sets the width of a command's help.
     pub(crate) fn command(&self, command: clap::Command) -> clap::Command {
-        match self.is_process() {
-            true => command,
-            false => command.term_width(HELP_COLUMNS),
+        if self.is_process() {
+            command
+        } else {
+            command.term_width(HELP_COLUMNS)
         }
     }
 
     /// Writes a help text or a command-line error.
     pub(crate) fn help(&self, error: &clap::Error) {
-        if self.is_process() {
-            // A closed pipe means the reader has seen enough of the help.
-            let _ = error.print();
-            return;
-        }
-        let sink = match error.use_stderr() {
-            true => &self.streams.stderr,
-            false => &self.streams.stdout,
+        let text = error.render();
+        let in_color = |color| match color {
+            Color::Ansi => text.ansi().to_string(),
+            Color::Plain => text.to_string(),
         };
-        let _ = lock(sink).write(&error.render().to_string());
+        if error.use_stderr() {
+            let _ = lock(&self.streams.stderr).write(&in_color(self.talk_color()));
+        } else {
+            self.write_data(&in_color(self.data_color()));
+        }
     }
 
     // --- Input -------------------------------------------------------------------------
@@ -626,66 +581,4 @@ mod folder {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn hidden_characters_are_made_visible_and_colours_are_kept_where_they_are_wanted() {
-        for (text, plain, colored) in [
-            ("a line\n\twith é", "a line\n\twith é", "a line\n\twith é"),
-            (
-                "\x1b[1mbold\x1b[0m",
-                "\\u{1b}[1mbold\\u{1b}[0m",
-                "\x1b[1mbold\x1b[0m",
-            ),
-            ("\x1b[38;5;9mred", "\\u{1b}[38;5;9mred", "\x1b[38;5;9mred"),
-            ("\x1b[1;4;32mnew", "\\u{1b}[1;4;32mnew", "\x1b[1;4;32mnew"),
-            ("\x1b[38;5;9;8m", "\\u{1b}[38;5;9;8m", "\\u{1b}[38;5;9;8m"),
-            ("\x1b[1;08mno", "\\u{1b}[1;08mno", "\\u{1b}[1;08mno"),
-            ("\x1b[8mhidden", "\\u{1b}[8mhidden", "\\u{1b}[8mhidden"),
-            (
-                "\x1b[2J\x1b]0;x\x07",
-                "\\u{1b}[2J\\u{1b}]0;x\\u{7}",
-                "\\u{1b}[2J\\u{1b}]0;x\\u{7}",
-            ),
-            (
-                "\0 \u{202e}m\x1b",
-                "\\u{0} \\u{202e}m\\u{1b}",
-                "\\u{0} \\u{202e}m\\u{1b}",
-            ),
-        ] {
-            assert_eq!(shown(text, Color::Plain), plain);
-            assert_eq!(shown(text, Color::Ansi), colored);
-        }
-    }
-
-    #[test]
-    fn a_json_document_with_hidden_characters_has_the_same_value() {
-        let value = serde_json::json!({ "said": "a\u{202e}b\x1b\u{9b}\u{7f}\n" });
-        let text = json_shown(&value.to_string()).into_owned();
-        assert!(!text.chars().any(is_hidden), "{text}");
-        assert_eq!(
-            serde_json::from_str::<serde_json::Value>(&text).ok(),
-            Some(value)
-        );
-    }
-
-    #[test]
-    fn foreign_words_are_visible_and_a_terminal_does_not_take_their_colours() {
-        for is_terminal in [false, true] {
-            let mut io = Io::new(".");
-            let streams = Arc::get_mut(&mut io.streams).expect("nobody else has the streams");
-            streams.terminals = [false, is_terminal, is_terminal];
-            io.talk("error: \x1b[2Jbad \x1b[31m key");
-            let seen = "error: \\u{1b}[2Jbad \\u{1b}[31m key\n";
-            assert_eq!(io.captured().stderr, seen);
-            io.data("bad \x1b[31m key");
-            let seen = match is_terminal {
-                true => "bad \\u{1b}[31m key\n",
-                // A program gets the bytes as they are.
-                false => "bad \x1b[31m key\n",
-            };
-            assert_eq!(io.captured().stdout, seen);
-        }
-    }
-}
+mod tests;

@@ -5,17 +5,39 @@
 //! tasks embedded in the program. Embedded tasks are written to the user's cache, in a folder named by the hash of
 //! their contents, so that all other code reads them as files.
 
-mod embedded;
-
 use crate::exit::Failure;
 use crate::io::Io;
-use embedded::FILES;
 use fab_base::cache::Cache;
 use fab_base::files;
 use fab_base::wording::quoted;
 use fab_compiler::diag::nearest;
+use rust_embed::Embed;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+
+/// The embedded tasks, with their libraries, pinned subgoal pictures and demonstrations; without snapshots, suites, tasks
+/// that need an arm, the paper's folds of measured cloths, and tasks that rehearse. `include` in `Cargo.toml` says what
+/// the package holds of them.
+#[derive(Embed)]
+#[folder = "tasks/"]
+#[exclude = "snapshots/*"]
+#[exclude = "suites/*"]
+#[exclude = "real/*"]
+#[exclude = "textiles/*"]
+#[exclude = "rehearsed/*"]
+#[exclude = "lib/rehearsed.fab"]
+struct Embedded;
+
+/// Each embedded file's path relative to `tasks/`, and its bytes.
+static FILES: LazyLock<BTreeMap<Cow<'static, str>, Cow<'static, [u8]>>> = LazyLock::new(|| {
+    let files = Embedded::iter();
+    files
+        .filter_map(|path| Some((path.clone(), Embedded::get(&path)?.data)))
+        .collect()
+});
 
 /// Where an installation keeps the shipped tasks, relative to the parent of the program's folder.
 const INSTALLED: &str = "share/fabc/tasks";
@@ -53,7 +75,7 @@ pub fn find_beside(folder: &Path, word: &str, io: &Io) -> Result<String, Failure
     if let Some(path) = installed.filter(|path| path.is_file()) {
         return Ok(found(&path, "shipped with fabc"));
     }
-    if FILES.iter().any(|(path, _)| *path == name) {
+    if FILES.contains_key(name.as_str()) {
         return Ok(found(&unpacked(io)?.join(&name), "shipped with fabc"));
     }
     Err(Failure::environment(format!(
@@ -100,24 +122,29 @@ pub fn check_own(file: &str, io: &Io) -> Result<(), Failure> {
 ///
 /// - `path`: relative to the tasks folder.
 pub fn text(path: &str) -> &'static str {
-    let file = FILES.iter().find(|(name, _)| *name == path);
-    let (_, bytes) = file.expect("every file that the program itself uses is embedded");
+    let bytes = FILES.get(path);
+    let bytes = bytes.expect("every file that the program itself uses is embedded");
     std::str::from_utf8(bytes).expect("a shipped source is UTF-8")
 }
 
 /// Returns the embedded libraries, with their paths relative to the tasks.
 pub fn libraries() -> impl Iterator<Item = (&'static str, &'static [u8])> {
-    let files = FILES.iter().filter(|(path, _)| path.starts_with("lib/"));
-    files.map(|(path, bytes)| (*path, *bytes))
+    of_shipped(|path| path.starts_with("lib/"))
+}
+
+fn of_shipped(
+    is_meant: impl Fn(&str) -> bool,
+) -> impl Iterator<Item = (&'static str, &'static [u8])> {
+    let files = FILES.iter().map(|(path, bytes)| (&**path, &**bytes));
+    files.filter(move |(path, _)| is_meant(path))
 }
 
 /// Returns how to get a file that is missing and shipped, as the end of a sentence.
 pub fn library_hint(missing: &Path) -> Option<String> {
-    let is_library = |it: &&str| it.starts_with("lib/") && missing.ends_with(it);
     if missing.exists() {
         return None;
     }
-    let path = FILES.iter().map(|(path, _)| *path).find(is_library)?;
+    let (path, _) = libraries().find(|(path, _)| missing.ends_with(path))?;
     Some(format!(
         "; fabc ships `{path}`, and `fabc new library` copies it beside your task"
     ))
@@ -132,10 +159,9 @@ pub fn task_files(
     }
     let own = [format!("{word}.fab"), format!("demos/{word}.jsonl")];
     let pictures = format!("{word}.subgoals/");
-    let files = FILES
-        .iter()
-        .filter(move |(path, _)| own.iter().any(|own| own == path) || path.starts_with(&pictures));
-    Ok(files.map(|(path, bytes)| (*path, *bytes)))
+    Ok(of_shipped(move |path| {
+        own.iter().any(|own| own == path) || path.starts_with(&pictures)
+    }))
 }
 
 /// Says that no shipped task has this name.
@@ -155,10 +181,7 @@ fn is_name(word: &str) -> bool {
 
 /// Returns the names of the embedded tasks.
 fn names() -> impl Iterator<Item = &'static str> {
-    let files = FILES.iter().map(|(path, _)| *path);
-    files
-        .filter(|path| !path.contains('/'))
-        .filter_map(|path| path.strip_suffix(".fab"))
+    of_shipped(|path| !path.contains('/')).filter_map(|(path, _)| path.strip_suffix(".fab"))
 }
 
 /// Returns where an installation would keep the tasks, whether or not the folder exists.
@@ -172,7 +195,7 @@ fn installed(io: &Io) -> Option<PathBuf> {
 fn embedded_folder(io: &Io) -> Option<PathBuf> {
     let parts = FILES
         .iter()
-        .flat_map(|(path, bytes)| [path.as_bytes(), bytes]);
+        .flat_map(|(path, bytes)| [path.as_bytes(), &**bytes]);
     let hash = &Cache::key(parts)[..16];
     Some(io.cache_folder()?.join("tasks").join(hash))
 }
@@ -184,9 +207,9 @@ fn unpacked(io: &Io) -> Result<PathBuf, Failure> {
             "the shipped tasks need a folder, and there is no cache folder; name one in FABC_CACHE_DIR",
         )
     })?;
-    for (path, bytes) in FILES {
-        let path = folder.join(path);
-        if fs::read(&path).is_ok_and(|present| present == *bytes) {
+    for (path, bytes) in FILES.iter() {
+        let path = folder.join(&**path);
+        if fs::read(&path).is_ok_and(|present| present == **bytes) {
             continue;
         }
         let above = path.parent().unwrap_or(&folder);

@@ -9,6 +9,7 @@ pub mod completions;
 pub mod explain;
 pub mod manual;
 pub mod new;
+pub mod price;
 pub mod render;
 pub mod review;
 #[cfg(feature = "runtime")]

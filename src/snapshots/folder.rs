@@ -1,188 +1,174 @@
 //! A folder of snapshots on disk.
 //!
-//! In: its path. Out: the names and contents of its snapshots. Opening it first finishes an interrupted change; without
-//! one it writes nothing, so that read-only folders can be read. Other files in the folder are left alone.
+//! In: its path. Out: the names and contents of its snapshots, and changed files. Other files are left alone.
 
-use super::disk::{Disk, System};
-use super::format::{self, Contents, MAX_PICTURE_BYTES, MAX_TEXT_BYTES, Snapshot};
-use super::journal::{self, Lock};
-use super::name::{Name, Side};
-use super::{SnapshotError, change::Operation};
+use super::format::{self, Contents, Snapshot};
+use super::{Name, SnapshotError};
+use fab_base::files;
 use std::collections::BTreeSet;
-use std::fs::{self, File};
-use std::io::{ErrorKind, Read};
+use std::fs;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-/// The most files that are read.
-const MAX_FILES: usize = 200_000;
+/// The longest snapshot file without its picture, bytes.
+const MAX_TEXT_BYTES: u64 = 4 << 20;
+/// The longest picture, bytes.
+const MAX_PICTURE_BYTES: u64 = 32 << 20;
+
+/// Whether a snapshot is accepted or pending.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The user looked at it and accepted it.
+    Accepted,
+    /// It is proposed.
+    Pending,
+}
+
+impl Side {
+    fn extension(self) -> &'static str {
+        match self {
+            Side::Accepted => ".snap",
+            Side::Pending => ".snap.new",
+        }
+    }
+}
 
 /// A folder of snapshots.
 #[derive(Debug)]
 pub struct Folder {
     path: PathBuf,
-    accepted: BTreeSet<Name>,
-    pending: BTreeSet<Name>,
+    /// The names of the snapshots that were accepted when it was opened.
+    pub accepted: BTreeSet<Name>,
+    /// The names of those that were pending.
+    pub pending: BTreeSet<Name>,
 }
 
 impl Folder {
-    /// Opens a folder; one that does not exist is empty.
-    ///
-    /// Finishes an interrupted change first: completes it if its journal was written, otherwise discards it.
+    /// Lists the snapshots of a folder; one that does not exist is empty.
     pub fn open(path: impl Into<PathBuf>) -> Result<Folder, SnapshotError> {
-        let path = path.into();
-        if journal::is_interrupted(&path) {
-            let _lock = Lock::take(&path)?;
-            journal::recover(&System, &path)?;
-        }
         let mut folder = Folder {
-            path,
+            path: path.into(),
             accepted: BTreeSet::new(),
             pending: BTreeSet::new(),
         };
-        folder.list()?;
-        Ok(folder)
-    }
-
-    /// Returns the names of all snapshots, accepted or pending, in order.
-    pub fn names(&self) -> impl Iterator<Item = &Name> {
-        self.accepted.union(&self.pending)
-    }
-
-    /// Returns the names of all accepted snapshots, in order.
-    pub fn accepted_names(&self) -> impl Iterator<Item = &Name> {
-        self.accepted.iter()
-    }
-
-    /// Returns the names of all pending snapshots, in order.
-    pub fn pending_names(&self) -> impl Iterator<Item = &Name> {
-        self.pending.iter()
-    }
-
-    /// Reads an accepted snapshot; `None` if there is none.
-    pub fn accepted(&self, name: &Name) -> Result<Option<Snapshot>, SnapshotError> {
-        self.read(name, Side::Accepted)
-    }
-
-    /// Reads a pending snapshot; `None` if there is none.
-    pub fn pending(&self, name: &Name) -> Result<Option<Snapshot>, SnapshotError> {
-        self.read(name, Side::Pending)
-    }
-
-    /// Returns the path of an accepted snapshot, whether or not it exists.
-    pub fn accepted_path(&self, name: &Name) -> PathBuf {
-        self.path.join(name.file(Side::Accepted))
-    }
-
-    /// Returns the path of a pending snapshot, whether or not it exists.
-    pub fn pending_path(&self, name: &Name) -> PathBuf {
-        self.path.join(name.file(Side::Pending))
-    }
-
-    /// Applies all of a change or nothing, even if the process is stopped; waits a while for another process.
-    ///
-    /// Fails and changes nothing if one operation is impossible: see [`Operation`]. Creates the folder if it is
-    /// missing.
-    pub fn apply(&mut self, operations: &[Operation]) -> Result<(), SnapshotError> {
-        self.apply_on(&System, operations)
-    }
-
-    pub(super) fn apply_on(
-        &mut self,
-        disk: &dyn Disk,
-        operations: &[Operation],
-    ) -> Result<(), SnapshotError> {
-        if operations.is_empty() {
-            return Ok(());
-        }
-        disk.make_folder(&self.path)
-            .map_err(|error| SnapshotError::unwritable(&self.path, &error))?;
-        let _lock = Lock::take(&self.path)?;
-        journal::recover(disk, &self.path)?;
-        let (new_files, steps) = super::change::steps(self, operations)?;
-        journal::commit(disk, &self.path, &new_files, &steps)?;
-        self.list()
-    }
-
-    fn list(&mut self) -> Result<(), SnapshotError> {
-        let unreadable = |error: &std::io::Error| SnapshotError::unreadable(&self.path, error);
-        self.accepted.clear();
-        self.pending.clear();
-        let entries = match fs::read_dir(&self.path) {
-            Ok(entries) => entries,
-            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
-            Err(error) => return Err(unreadable(&error)),
-        };
-        for (count, entry) in entries.enumerate() {
-            if count >= MAX_FILES {
-                return Err(SnapshotError::TooMany {
-                    path: self.path.clone(),
-                    most: MAX_FILES,
-                });
+        match fs::read_dir(&folder.path) {
+            Ok(entries) => {
+                for entry in entries.flatten() {
+                    folder.add(&entry.file_name().to_string_lossy());
+                }
+                Ok(folder)
             }
-            let file = entry.map_err(|error| unreadable(&error))?.file_name();
-            match file.to_str().and_then(Name::of_file) {
-                Some((name, Side::Accepted)) => self.accepted.insert(name),
-                Some((name, Side::Pending)) => self.pending.insert(name),
-                None => false,
-            };
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(folder),
+            Err(error) => Err(SnapshotError::Unreadable {
+                path: folder.path,
+                why: error.to_string(),
+            }),
         }
-        Ok(())
     }
 
-    pub(super) fn read(&self, name: &Name, side: Side) -> Result<Option<Snapshot>, SnapshotError> {
-        let path = self.path.join(name.file(side));
-        let Some(bytes) = read_bounded(&path, MAX_TEXT_BYTES)? else {
+    fn add(&mut self, file: &str) {
+        let name = |name: &str| Name(name.to_owned());
+        if let Some(accepted) = file.strip_suffix(Side::Accepted.extension()) {
+            self.accepted.insert(name(accepted));
+        } else if let Some(pending) = file.strip_suffix(Side::Pending.extension()) {
+            self.pending.insert(name(pending));
+        }
+    }
+
+    /// Returns the path of a snapshot, whether or not it exists.
+    pub fn file(&self, name: &Name, side: Side) -> PathBuf {
+        self.path.join(format!("{name}{}", side.extension()))
+    }
+
+    /// Reads a snapshot; `None` if there is none.
+    pub fn read(&self, name: &Name, side: Side) -> Result<Option<Snapshot>, SnapshotError> {
+        let path = self.file(name, side);
+        if !path.exists() {
             return Ok(None);
+        }
+        let read = |path: &Path, most| {
+            files::read(path, most).map_err(|why| SnapshotError::Unreadable {
+                path: path.to_owned(),
+                why,
+            })
         };
-        let parsed = format::parse(&bytes).map_err(|why| SnapshotError::Format {
+        let bytes = read(&path, MAX_TEXT_BYTES)?;
+        let (metadata, text) = format::parse(&bytes).map_err(|why| SnapshotError::Format {
             path: path.clone(),
             why,
         })?;
-        let contents = match parsed.text {
+        let contents = match text {
             Some(text) => Contents::Text(text),
-            None => {
-                let picture = self.path.join(name.picture(side));
-                match read_bounded(&picture, MAX_PICTURE_BYTES)? {
-                    Some(bytes) => Contents::Picture(bytes),
-                    None => return Err(SnapshotError::PictureMissing { path, picture }),
-                }
+            None => Contents::Picture(read(&picture_of(&path), MAX_PICTURE_BYTES)?),
+        };
+        Ok(Some(Snapshot { metadata, contents }))
+    }
+
+    /// Makes a snapshot pending, in place of one that is pending under its name.
+    pub fn propose(&self, name: &Name, snapshot: &Snapshot) -> Result<(), SnapshotError> {
+        let path = self.file(name, Side::Pending);
+        let file = format::write(snapshot).map_err(|why| SnapshotError::Format {
+            path: path.clone(),
+            why,
+        })?;
+        let write = || {
+            fs::create_dir_all(&self.path)?;
+            // A reader never finds a file without its picture.
+            if let Contents::Picture(bytes) = &snapshot.contents {
+                replace(&picture_of(&path), bytes)?;
+            }
+            replace(&path, file.as_bytes())
+        };
+        unless(&path, write())
+    }
+
+    /// Accepts a pending snapshot; fails if it is no longer the one that the user looked at.
+    pub fn accept(&self, name: &Name, seen: &Snapshot) -> Result<(), SnapshotError> {
+        let [from, to] = [Side::Pending, Side::Accepted].map(|side| self.file(name, side));
+        if self.read(name, Side::Pending)?.as_ref() != Some(seen) {
+            return Err(SnapshotError::Changed { path: from });
+        }
+        let moved = match seen.contents {
+            Contents::Text(_) => {
+                fs::rename(&from, &to).and_then(|()| remove_file(&picture_of(&to)))
+            }
+            Contents::Picture(_) => {
+                fs::rename(picture_of(&from), picture_of(&to)).and_then(|()| fs::rename(&from, &to))
             }
         };
-        Ok(Some(Snapshot {
-            metadata: parsed.metadata,
-            contents,
-        }))
+        unless(&to, moved)
+    }
+
+    /// Removes a snapshot, if there is one.
+    pub fn remove(&self, name: &Name, side: Side) -> Result<(), SnapshotError> {
+        let path = self.file(name, side);
+        let removed = remove_file(&path).and_then(|()| remove_file(&picture_of(&path)));
+        unless(&path, removed)
     }
 }
 
-/// Reads a file; `None` if there is none. Reads only plain files: a pipe may never end, and a link may lead anywhere.
-fn read_bounded(path: &Path, most: u64) -> Result<Option<Vec<u8>>, SnapshotError> {
-    let unreadable = |error: std::io::Error| SnapshotError::unreadable(path, &error);
-    let found = match fs::symlink_metadata(path) {
-        Ok(found) => found,
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(unreadable(error)),
-    };
-    if !found.is_file() {
-        let why = match found.is_symlink() {
-            true => "it is a link, and a snapshot is a file of its own",
-            false => "it is not a file",
-        };
-        return Err(SnapshotError::Format {
-            path: path.to_owned(),
-            why: why.to_owned(),
-        });
+/// Returns the path of the picture that belongs to a snapshot file.
+fn picture_of(file: &Path) -> PathBuf {
+    file.with_added_extension(format::PICTURE)
+}
+
+/// Writes a file under another name and renames it. Nothing is synced: what is pending can be proposed again.
+fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let part = path.with_added_extension("part");
+    fs::write(&part, bytes)?;
+    fs::rename(&part, path)
+}
+
+fn remove_file(path: &Path) -> io::Result<()> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
+        removed => removed,
     }
-    let mut bytes = Vec::new();
-    let file = File::open(path).map_err(unreadable)?;
-    file.take(most + 1)
-        .read_to_end(&mut bytes)
-        .map_err(unreadable)?;
-    if bytes.len() as u64 > most {
-        return Err(SnapshotError::TooLarge {
-            path: path.to_owned(),
-            most,
-        });
-    }
-    Ok(Some(bytes))
+}
+
+fn unless(path: &Path, changed: io::Result<()>) -> Result<(), SnapshotError> {
+    changed.map_err(|error| SnapshotError::Unwritable {
+        path: path.to_owned(),
+        error,
+    })
 }

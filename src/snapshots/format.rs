@@ -1,21 +1,19 @@
 //! insta's file format: YAML between two `---` lines, then the text; a picture's bytes are in a separate file.
 //!
-//! In: bytes. Out: a [`Snapshot`], or an error message; and back. Nothing here touches files.
+//! In: text. Out: a [`Snapshot`], or an error message; and back. Nothing here touches files.
 
-use super::Metadata;
 use fab_base::kinds::without_mark;
-use serde_json::{Map, Value};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::Value;
+use std::fmt;
 
 /// The extension of pictures; this is the only supported binary format.
 pub const PICTURE: &str = "png";
-/// The longest snapshot file without its picture, bytes.
-pub const MAX_TEXT_BYTES: u64 = 4 << 20;
-/// The longest picture, bytes.
-pub const MAX_PICTURE_BYTES: u64 = 32 << 20;
-/// The longest front matter, bytes.
-const MAX_HEADER_BYTES: usize = 512 << 10;
 /// The line before and after the front matter.
 const FENCE: &str = "---";
+/// How a line begins with which git marks a merge conflict.
+const CONFLICT: &str = "<<<<<<< ";
 
 /// A snapshot: metadata and contents.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,108 +38,210 @@ impl Contents {
     pub fn is_same(&self, other: &Contents) -> bool {
         match (self, other) {
             (Contents::Text(one), Contents::Text(other)) => normal(one) == normal(other),
-            (Contents::Picture(one), Contents::Picture(other)) => one == other,
-            _ => false,
+            _ => self == other,
         }
     }
 }
 
-/// A parsed snapshot file, without the picture that may belong to it.
-#[derive(Debug)]
-pub struct Parsed {
-    pub metadata: Metadata,
-    /// The text; `None` if the contents are a picture beside the file.
-    pub text: Option<String>,
+impl Snapshot {
+    /// Makes a snapshot of these details.
+    pub fn of(source: &str, description: String, info: Info, contents: Contents) -> Snapshot {
+        let metadata = Metadata {
+            source: Some(source.to_owned()),
+            description: Some(description),
+            info: Some(info),
+            ..Metadata::default()
+        };
+        Snapshot { metadata, contents }
+    }
 }
 
-/// Reads a snapshot file.
-pub fn parse(bytes: &[u8]) -> Result<Parsed, String> {
+/// The front matter of a snapshot. Keys that only other tools write are ignored.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Metadata {
+    /// The source file, relative to the folder that holds `snapshots/`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub source: Option<String>,
+    /// A one-line description for people.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub description: Option<String>,
+    /// Details written by `fabc`; absent in snapshots that other tools wrote.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "ours")]
+    pub info: Option<Info>,
+    /// Set in files of pictures alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    extension: Option<String>,
+    /// Set in files of pictures alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    snapshot_kind: Option<String>,
+}
+
+/// Details that `fabc` writes about a snapshot.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Info {
+    /// The task.
+    pub task: String,
+    /// The variant; absent for the task itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub variant: Option<String>,
+    /// The stage; absent for scenes and pictures.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stage: Option<String>,
+    /// The pinned scene.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scene: Option<String>,
+    /// What the picture shows; only for pictures.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub picture: Option<String>,
+    /// Estimated tokens; only for prompt texts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tokens: Option<u64>,
+    /// Hash of the inputs of a scene or picture.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub drawn_from: Option<String>,
+    /// Hash of a picture's bytes when it was drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bytes: Option<String>,
+    /// Where the lines of a prompt text come from, in order.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub origin: Vec<Origin>,
+}
+
+/// Reads details that `fabc` wrote, which name a task; those of other tools count as none.
+fn ours<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Info>, D::Error> {
+    let info = Value::deserialize(from)?;
+    if !info["task"].is_string() {
+        return Ok(None);
+    }
+    let info = serde_json::from_value(info).map_err(|error| format!("`info`: {error}"));
+    info.map(Some).map_err(D::Error::custom)
+}
+
+/// Where some lines of a prompt text come from; written `3-6 visual_context lib/folding.fab:28`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct Origin {
+    /// The first of these lines, from 1.
+    pub from: u32,
+    /// The last of these lines.
+    pub to: u32,
+    /// The component, `STAGE.say`, `check.NAME`, or a word such as `frame`; contains no blanks.
+    pub component: String,
+    /// The file and line, if known.
+    pub place: Option<(String, u32)>,
+}
+
+impl fmt::Display for Origin {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}-{} {}", self.from, self.to, self.component)?;
+        match &self.place {
+            Some((file, line)) => write!(f, " {file}:{line}"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl From<Origin> for String {
+    fn from(origin: Origin) -> String {
+        origin.to_string()
+    }
+}
+
+impl TryFrom<String> for Origin {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Origin, String> {
+        let parsed = || {
+            let mut parts = text.splitn(3, ' ');
+            let (from, to) = parts.next()?.split_once('-')?;
+            let (from, to) = (from.parse().ok()?, to.parse().ok()?);
+            let component = parts.next()?.to_owned();
+            let place = match parts.next() {
+                Some(place) => {
+                    let (file, line) = place.rsplit_once(':')?;
+                    Some((file.to_owned(), line.parse().ok()?))
+                }
+                None => None,
+            };
+            let is_range = 1 <= from && from <= to && !component.is_empty();
+            is_range.then_some(Origin {
+                from,
+                to,
+                component,
+                place,
+            })
+        };
+        parsed().ok_or_else(|| {
+            format!("`{text}` is not an origin; one is `FROM-TO COMPONENT FILE:LINE`")
+        })
+    }
+}
+
+/// Reads a snapshot file: its metadata, and its text or `None` if its contents are a picture beside it.
+pub fn parse(bytes: &[u8]) -> Result<(Metadata, Option<String>), String> {
     let text = std::str::from_utf8(without_mark(bytes)).map_err(|error| {
-        format!(
-            "it is not UTF-8 from byte {} on",
-            error.valid_up_to().saturating_add(1)
-        )
+        let at = error.valid_up_to() + 1;
+        format!("it is not UTF-8 from byte {at} on")
     })?;
-    let mut lines = text.split_inclusive('\n');
-    if lines.next().map(str::trim_end) != Some(FENCE) {
-        return Err("it does not begin with a line `---`".to_owned());
+    let text = text.replace("\r\n", "\n");
+    if let Some(at) = text.lines().position(|line| line.starts_with(CONFLICT)) {
+        return Err(format!("line {} begins a merge conflict", at + 1));
     }
-    let start = text.find('\n').map_or(text.len(), |end| end + 1);
-    let mut end = start;
-    let mut rest = None;
-    for line in lines {
-        if line.trim_end() == FENCE {
-            rest = Some(end + line.len());
-            break;
-        }
-        end += line.len();
+    let rest = text.strip_prefix("---\n");
+    let rest = rest.ok_or("it does not begin with a line `---`")?;
+    let (yaml, text) = match rest.strip_prefix("---\n") {
+        Some(text) => ("", text),
+        None => rest
+            .split_once("\n---\n")
+            .or_else(|| Some((rest.strip_suffix("\n---")?, "")))
+            .ok_or("the line `---` after the metadata is missing")?,
+    };
+    let mut metadata = match yaml {
+        "" => Metadata::default(),
+        yaml => read_yaml(yaml)?,
+    };
+    let extension = metadata.extension.take();
+    if metadata.snapshot_kind.take().as_deref() != Some("binary") {
+        return Ok((metadata, Some(normal(text))));
     }
-    let rest = rest.ok_or("the line `---` after the metadata is missing")?;
-    let mut map = yaml(&text[start..end])?;
-    let is_binary = map
-        .shift_remove("snapshot_kind")
-        .is_some_and(|kind| kind == "binary");
-    if is_binary {
-        let extension = map.shift_remove("extension");
-        if extension.as_ref().and_then(Value::as_str) != Some(PICTURE) {
-            let found = extension.map_or("nothing".to_owned(), |value| format!("`{value}`"));
-            return Err(format!(
-                "of binary snapshots `extension: {PICTURE}` alone is known, and it says {found}"
-            ));
-        }
+    if extension.as_deref() == Some(PICTURE) {
+        return Ok((metadata, None));
     }
-    Ok(Parsed {
-        metadata: Metadata::of_map(map)?,
-        text: (!is_binary).then(|| normal(&text[rest..])),
-    })
+    Err(format!(
+        "of binary snapshots `extension: {PICTURE}` alone is known"
+    ))
 }
 
 /// Writes a snapshot file, without the bytes of a picture.
-pub fn write(snapshot: &Snapshot) -> Result<Vec<u8>, String> {
-    let mut map = snapshot
-        .metadata
-        .to_map()
-        .map_err(|error| error.to_string())?;
-    if let Contents::Picture(_) = snapshot.contents {
-        map.insert("extension".to_owned(), Value::from(PICTURE));
-        map.insert("snapshot_kind".to_owned(), Value::from("binary"));
-    }
-    let options = serde_saphyr::ser_options! { prefer_block_scalars: false };
-    let header = match map.is_empty() {
-        true => String::new(),
-        false => serde_saphyr::to_string_with_options(&map, options)
-            .map_err(|error| format!("the metadata cannot be written: {error}"))?,
+pub fn write(snapshot: &Snapshot) -> Result<String, String> {
+    let mut metadata = snapshot.metadata.clone();
+    let text = match &snapshot.contents {
+        Contents::Text(text) => format!("{}\n", normal(text)),
+        Contents::Picture(_) => {
+            metadata.extension = Some(PICTURE.to_owned());
+            metadata.snapshot_kind = Some("binary".to_owned());
+            String::new()
+        }
     };
-    let mut file = format!("{FENCE}\n{header}{FENCE}\n");
-    if let Contents::Text(text) = &snapshot.contents {
-        file.push_str(&normal(text));
-        file.push('\n');
-    }
-    match parse(file.as_bytes()) {
-        Ok(_) if file.len() as u64 <= MAX_TEXT_BYTES => Ok(file.into_bytes()),
-        Ok(_) => Err(format!("it has more than {MAX_TEXT_BYTES} bytes")),
-        Err(why) => Err(why),
-    }
+    let options = serde_saphyr::ser_options! { prefer_block_scalars: false };
+    let header = serde_saphyr::to_string_with_options(&metadata, options)
+        .map_err(|error| format!("the metadata cannot be written: {error}"))?;
+    Ok(format!("{FENCE}\n{header}{FENCE}\n{text}"))
 }
 
 /// Normalizes text for comparing and writing: line feeds only, no trailing whitespace.
-pub fn normal(text: &str) -> String {
+fn normal(text: &str) -> String {
     text.trim_end().replace("\r\n", "\n")
 }
 
-fn yaml(text: &str) -> Result<Map<String, Value>, String> {
-    if text.len() > MAX_HEADER_BYTES {
-        return Err(format!(
-            "its metadata has more than {MAX_HEADER_BYTES} bytes"
-        ));
-    }
-    if text.trim().is_empty() {
-        return Ok(Map::new());
-    }
+fn read_yaml(text: &str) -> Result<Metadata, String> {
+    // A snapshot may come with somebody else's checkout: no alias may blow it up.
     let options = serde_saphyr::options! {
         budget: serde_saphyr::budget! { max_nodes: 100_000, max_depth: 64, max_aliases: 0, max_anchors: 0 },
         with_snippet: false,
     };
     serde_saphyr::from_str_with_options(text, options)
-        .map_err(|error| format!("its metadata is not a YAML map: {error}"))
+        .map_err(|error| format!("its metadata cannot be read: {error}"))
 }

@@ -4,21 +4,19 @@
 //! the next steps. `fab_agent::draft` finds what the pictures show.
 
 mod names;
-#[cfg_attr(feature = "runtime", path = "new/with_simulator.rs")]
-#[cfg_attr(not(feature = "runtime"), path = "new/without_simulator.rs")]
+#[cfg(feature = "runtime")]
 pub mod simulator;
-pub mod staging;
 
 use crate::exit::{Exit, Failure};
-use crate::io::Io;
+use crate::io::{Io, write_file};
 use crate::shipped;
 use crate::sources;
 use clap::{Args, Subcommand, ValueHint};
 use fab_compiler::{LoadError, Loader};
 use fab_program::Program;
 use serde_json::json;
-use staging::Staging;
 use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `new`.
@@ -59,6 +57,7 @@ pub struct LibraryArguments {
 pub struct NewFoldArguments {
     #[command(flatten)]
     pub task: NewTaskArguments,
+    #[cfg(feature = "runtime")]
     #[command(flatten)]
     pub pictures: simulator::PictureArguments,
 }
@@ -77,11 +76,31 @@ pub struct NewTaskArguments {
     pub json: bool,
 }
 
+impl NewTaskArguments {
+    fn folder(&self) -> PathBuf {
+        self.folder.clone().unwrap_or_default()
+    }
+
+    fn file(&self) -> PathBuf {
+        self.folder().join(format!("{}.fab", self.name))
+    }
+}
+
 /// A shipped library file, as its path relative to the task.
 type Library = &'static str;
 
 const FOLDING: Library = "lib/folding.fab";
 const SMOOTHING: Library = "lib/smoothing.fab";
+
+/// What a comment begins with that says what had to be guessed; such comments are printed, too.
+const GUESSED: &str = "# guessed: ";
+
+/// The verbs to suggest next.
+const NEXT: [&str; 3] = if cfg!(feature = "runtime") {
+    ["render", "test", "run"]
+} else {
+    ["check", "render", "test"]
+};
 
 /// A task that is not written yet.
 pub struct Draft {
@@ -91,8 +110,6 @@ pub struct Draft {
     library: Library,
     /// The user's pictures to copy beside it, with their paths there.
     pictures: Vec<(PathBuf, Vec<u8>)>,
-    /// What had to be guessed.
-    guesses: Vec<String>,
     /// Next steps for the user, in order.
     next: Vec<String>,
 }
@@ -112,29 +129,21 @@ pub fn run(arguments: &NewArguments, io: &Io) -> Result<Exit, Failure> {
 /// Copies what is not there yet; a file of another content stays as it is, and is named.
 fn library(arguments: &LibraryArguments, io: &Io) -> Result<Exit, Failure> {
     let folder = arguments.folder.clone().unwrap_or_default();
-    let mut wanted: Vec<(&str, &[u8])> = shipped::libraries().collect();
+    let mut wanted: Vec<_> = shipped::libraries().collect();
     let tasks: BTreeSet<&String> = arguments.tasks.iter().collect();
     for task in tasks {
         wanted.extend(shipped::task_files(task)?);
     }
-    let unwritable = |error: std::io::Error| {
-        let folder = shown(&folder);
-        Failure::environment(format!(
-            "nothing is written, since `{folder}` takes no files: {error}"
-        ))
-    };
-    let mut staging = Staging::begin(&folder, "library").map_err(unwritable)?;
     let (mut written, mut kept) = (Vec::new(), Vec::new());
     for (path, bytes) in wanted {
         let place = folder.join(path);
         if place.symlink_metadata().is_err() {
-            staging.write(Path::new(path), bytes).map_err(unwritable)?;
+            write(&place, bytes)?;
             written.push(shown(&place));
-        } else if !std::fs::read(&place).is_ok_and(|present| present == bytes) {
+        } else if !fs::read(&place).is_ok_and(|present| present == bytes) {
             kept.push(shown(&place));
         }
     }
-    staging.commit().map_err(unwritable)?;
     if arguments.json {
         io.json(&json!({ "files": written, "kept": kept }));
         return Ok(Exit::Done);
@@ -144,98 +153,112 @@ fn library(arguments: &LibraryArguments, io: &Io) -> Result<Exit, Failure> {
             "note: `{place}` differs from the shipped version, and stays as it is"
         ));
     }
-    match written.is_empty() {
-        true => io.talk("nothing is missing"),
-        false => io.data(&written.join("\n")),
+    if written.is_empty() {
+        io.talk("nothing is missing");
+    } else {
+        io.data(&written.join("\n"));
     }
     Ok(Exit::Done)
 }
 
 fn fold(arguments: &NewFoldArguments, io: &Io) -> Result<Exit, Failure> {
     let task = &arguments.task;
-    // Checked before looking at the pictures, which takes a while.
-    check_place(task)?;
-    let draft = match simulator::draft(arguments, io)? {
-        Some(draft) => draft,
-        None => Draft::of(include_str!("new/fold.fab"), FOLDING, task),
-    };
+    #[cfg(feature = "runtime")]
+    if !arguments.pictures.from_images.is_empty() {
+        // Checked before looking at the pictures, which takes a while.
+        check_place(task)?;
+        return begin(task, simulator::draft(arguments, io)?, io);
+    }
+    let draft = Draft::of(include_str!("new/fold.fab"), FOLDING, task);
     begin(task, draft, io)
 }
 
 impl Draft {
     /// Fills the task's name into a template.
     fn of(template: &str, library: Library, arguments: &NewTaskArguments) -> Draft {
-        let file = shown(&file_of(arguments));
+        let file = shown(&arguments.file());
         Draft {
             text: template.replace("@NAME@", &arguments.name),
             library,
             pictures: Vec::new(),
-            guesses: Vec::new(),
-            next: simulator::NEXT
-                .map(|verb| format!("fabc {verb} {file}"))
-                .to_vec(),
+            next: NEXT.map(|verb| format!("fabc {verb} {file}")).to_vec(),
         }
+    }
+
+    /// Returns what had to be guessed, as its comments say.
+    fn guesses(&self) -> Vec<&str> {
+        let lines = self.text.lines();
+        let guesses = lines.filter_map(|line| line.trim_start().strip_prefix(GUESSED));
+        guesses.collect()
     }
 }
 
-/// Compiles the draft, draws its pictures, and writes everything.
+/// Compiles the draft, draws its pictures, and writes everything, file by file.
 fn begin(arguments: &NewTaskArguments, draft: Draft, io: &Io) -> Result<Exit, Failure> {
     check_place(arguments)?;
-    let folder = folder_of(arguments);
-    let path = draft.library;
-    let shipped = shipped::text(path);
-    let present = present_library(&folder, path)?;
-    let library = present.as_deref().unwrap_or(shipped);
-    let program = compile(arguments, &draft, library, io)?;
+    let folder = arguments.folder();
+    let library = folder.join(draft.library);
+    let shipped = shipped::text(draft.library);
+    let present = present_library(&folder, &library)?;
+    let program = compile(arguments, &draft, present.as_deref().unwrap_or(shipped), io)?;
+    #[cfg(feature = "runtime")]
     let drawn = simulator::Drawn::of(&program, io)?;
-    let unwritable = |error: std::io::Error| {
-        Failure::environment(format!(
-            "nothing is written, since `{}` takes no files: {error}",
-            shown(&folder)
-        ))
-    };
-    let mut staging = Staging::begin(&folder, &arguments.name).map_err(unwritable)?;
-    let mut files = Vec::new();
+    #[cfg(not(feature = "runtime"))]
+    if program.subgoals.is_some() {
+        io.talk("note: no subgoal pictures are drawn, since this build of fabc has no simulator");
+    }
+    for (path, _) in &draft.pictures {
+        refuse_if_there(&folder.join(path), "choose another name, or remove it")?;
+    }
+    let mut files = vec![arguments.file()];
     match present {
         Some(text) if text != shipped => io.talk(&format!(
             "note: `{}` differs from the shipped version; the new task uses your version",
-            shown(&folder.join(path))
+            shown(&library)
         )),
         Some(_) => {}
         None => {
-            let written = staging.write(Path::new(path), shipped.as_bytes());
-            written.map_err(unwritable)?;
-            files.push(PathBuf::from(path));
-        }
-    }
-    for (path, _) in &draft.pictures {
-        let place = folder.join(path);
-        if place.symlink_metadata().is_ok() {
-            return Err(Failure::environment(format!(
-                "`{}` already exists; choose another name, or remove it",
-                shown(&place)
-            )));
+            write(&library, shipped.as_bytes())?;
+            files.push(library);
         }
     }
     for (path, bytes) in &draft.pictures {
-        staging.write(path, bytes).map_err(unwritable)?;
-        files.push(path.clone());
+        let place = folder.join(path);
+        write(&place, bytes)?;
+        files.push(place);
     }
-    files.extend(drawn.stage(&program, &mut staging)?);
-    let file = PathBuf::from(format!("{}.fab", arguments.name));
-    let written = staging.write(&file, draft.text.as_bytes());
-    written.map_err(unwritable)?;
-    files.insert(0, file);
-    staging.commit().map_err(unwritable)?;
-    let files = files.iter().map(|file| shown(&folder.join(file)));
-    report(arguments, files.collect(), &draft, io);
+    #[cfg(feature = "runtime")]
+    if let Some(drawn) = drawn {
+        files.extend(drawn.write(&program, &folder)?);
+    }
+    // Last, so that there is no task without what it uses.
+    write(&files[0], draft.text.as_bytes())?;
+    let files: Vec<String> = files.iter().map(|file| shown(file)).collect();
+    if arguments.json {
+        io.json(&json!({ "files": files, "guesses": draft.guesses(), "next": draft.next }));
+        return Ok(Exit::Done);
+    }
+    for guess in draft.guesses() {
+        io.talk(&format!("guessed: {guess}"));
+    }
+    io.data(&files.join("\n"));
+    let next = draft.next.iter().map(|command| format!("\n  {command}"));
+    io.talk(&format!("next:{}", next.collect::<String>()));
     Ok(Exit::Done)
+}
+
+/// Writes a file and the folders above it.
+fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder).map_err(|error| Failure::unwritable(folder, error))?;
+    }
+    write_file(path, bytes)
 }
 
 /// Rejects invalid names and existing files before any work is done.
 fn check_place(arguments: &NewTaskArguments) -> Result<(), Failure> {
     names::check(&arguments.name)?;
-    let folder = folder_of(arguments);
+    let folder = arguments.folder();
     if folder.is_file() {
         return Err(Failure::environment(format!(
             "`{}` is a file; --in takes a folder",
@@ -243,31 +266,37 @@ fn check_place(arguments: &NewTaskArguments) -> Result<(), Failure> {
         )));
     }
     for ending in ["fab", "subgoals"] {
-        let place = folder_of(arguments).join(format!("{}.{ending}", arguments.name));
-        if place.symlink_metadata().is_ok() {
-            return Err(Failure::environment(format!(
-                "`{}` already exists; choose another name, or another folder with `--in DIR`",
-                shown(&place)
-            )));
-        }
+        refuse_if_there(
+            &folder.join(format!("{}.{ending}", arguments.name)),
+            "choose another name, or another folder with `--in DIR`",
+        )?;
     }
     Ok(())
 }
 
+fn refuse_if_there(place: &Path, advice: &str) -> Result<(), Failure> {
+    if place.symlink_metadata().is_err() {
+        return Ok(());
+    }
+    let place = shown(place);
+    Err(Failure::environment(format!(
+        "`{place}` already exists; {advice}"
+    )))
+}
+
 /// Returns the text of the library if the folder already has it.
-fn present_library(folder: &Path, path: &str) -> Result<Option<String>, Failure> {
-    let place = folder.join(path);
+fn present_library(folder: &Path, place: &Path) -> Result<Option<String>, Failure> {
     if place.symlink_metadata().is_err() {
         return Ok(None);
     }
-    let wrong = |why: String| {
+    let real = sources::inside(folder, place);
+    let text = real.and_then(|real| sources::read_text(&real));
+    text.map(Some).map_err(|why| {
         Failure::environment(format!(
             "the new task needs `{}`, and it cannot be used: {why}; choose another folder with `--in DIR`",
-            shown(&place)
+            shown(place)
         ))
-    };
-    let real = sources::inside(folder, &place).map_err(wrong)?;
-    sources::read_text(&real).map(Some).map_err(wrong)
+    })
 }
 
 /// A loader that finds the draft as if it were already written.
@@ -312,30 +341,10 @@ fn compile(
     Ok(compiled.programs.swap_remove(0))
 }
 
-fn report(arguments: &NewTaskArguments, files: Vec<String>, draft: &Draft, io: &Io) {
-    if arguments.json {
-        io.json(&json!({ "files": files, "guesses": draft.guesses, "next": draft.next }));
-        return;
-    }
-    for guess in &draft.guesses {
-        io.talk(&format!("guessed: {guess}"));
-    }
-    io.data(&files.join("\n"));
-    let next = draft.next.iter().map(|command| format!("\n  {command}"));
-    io.talk(&format!("next:{}", next.collect::<String>()));
-}
-
-fn folder_of(arguments: &NewTaskArguments) -> PathBuf {
-    arguments.folder.clone().unwrap_or_default()
-}
-
-fn file_of(arguments: &NewTaskArguments) -> PathBuf {
-    folder_of(arguments).join(format!("{}.fab", arguments.name))
-}
-
 fn shown(path: &Path) -> String {
-    match path.as_os_str().is_empty() {
-        true => ".".to_owned(),
-        false => path.display().to_string(),
+    if path.as_os_str().is_empty() {
+        ".".to_owned()
+    } else {
+        path.display().to_string()
     }
 }

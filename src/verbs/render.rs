@@ -3,29 +3,26 @@
 //! Points come from the camera at the chosen step, or from `--scene`. An earlier stage's answer, which only a model can
 //! give, comes from `--reply`; without it, a typed placeholder takes its place, and a line on stderr says so.
 
-#[cfg_attr(feature = "runtime", path = "render/with_camera.rs")]
-#[cfg_attr(not(feature = "runtime"), path = "render/without_camera.rs")]
+#[cfg(feature = "runtime")]
 pub mod camera;
 pub mod page;
 mod scene_file;
 mod why;
 
-use crate::sources::TaskArguments;
-pub use camera::shown_without_drawing;
-use clap::{Args, ValueHint};
-use std::path::PathBuf;
-
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
+use crate::sources::TaskArguments;
+use crate::verbs::price::Price;
 use crate::{sources, watch};
+use clap::{Args, ValueHint};
 use fab_base::wording::quoted;
-use fab_program::render::{PromptPicture, PromptText};
+use fab_program::render::{self, PromptPicture, PromptText, RenderError, Values};
 use fab_program::{Arrow, Layers, Picture, Program, Read, Stage, SubgoalStep};
 use page::{DisplayMessage, DisplayPart, ShownStage};
 use scene_file::SceneFile;
 use serde_json::{Value, json};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `render`.
 #[derive(Args)]
@@ -40,7 +37,9 @@ pub struct RenderArguments {
     pub step: u32,
     /// Points by keypoint name, as JSON: `{"corners": [[u, v], …], "center": [[u, v]]}`, instead of a camera's.
     #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath)]
+    #[cfg_attr(feature = "runtime", arg(conflicts_with = "start"))]
     pub scene: Option<PathBuf>,
+    #[cfg(feature = "runtime")]
     #[command(flatten)]
     pub camera: camera::CameraArguments,
     /// Show which component, file and line each line comes from, and what each component weighs in tokens.
@@ -60,18 +59,78 @@ pub struct RenderArguments {
 /// Renders every stage or the named one, once or after every change of a file.
 pub fn run(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
     let entry = std::slice::from_ref(&arguments.task.file);
-    let others = arguments.scene.iter().cloned();
-    let others: Vec<PathBuf> = others.chain(arguments.camera.files()).collect();
-    match arguments.watch {
-        true => watch::run(entry, &others, || render(arguments, io), io),
-        false => render(arguments, io),
+    #[cfg_attr(not(feature = "runtime"), expect(unused_mut))]
+    let mut others = Vec::from_iter(arguments.scene.clone());
+    #[cfg(feature = "runtime")]
+    others.extend(arguments.camera.files());
+    if arguments.watch {
+        watch::run(entry, &others, || render(arguments, io), io)
+    } else {
+        render(arguments, io)
     }
+}
+
+/// The stages of a task for display.
+pub struct Rendered {
+    /// The task, for the cloth that lies there.
+    program: Program,
+    shown: Vec<ShownStage>,
+    /// What the model that is shown the messages costs, if one is named.
+    price: Option<Price>,
 }
 
 fn render(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
     let declared = sources::compile_task(&arguments.task, io)?;
-    let program = camera::fitted(&declared, arguments, io)?;
-    let stages = chosen_stages(&program, arguments.stage.as_deref())?;
+    #[cfg(feature = "runtime")]
+    let rendered = camera::rendered(&declared, arguments, io)?;
+    #[cfg(not(feature = "runtime"))]
+    let rendered = rendered_without_camera(declared, arguments, io)?;
+    let Rendered {
+        program,
+        shown,
+        price,
+    } = &rendered;
+    say_placeholders(program, shown, io);
+    if let Some(folder) = &arguments.out {
+        write(folder, shown).map_err(|error| {
+            Failure::environment(format!("cannot write into `{}`: {error}", folder.display()))
+        })?;
+    }
+    let folder = sources::folder_of(&arguments.task.file);
+    if arguments.json {
+        let stages = shown.iter().map(|stage| {
+            let mut json = as_json(stage);
+            if arguments.why {
+                json["why"] = why::as_json(stage, &folder, price.as_ref());
+            }
+            json
+        });
+        io.json(&json!({ "stages": stages.collect::<Vec<Value>>() }));
+    } else if arguments.out.is_none() || arguments.why {
+        let text = |stage: &ShownStage| {
+            if arguments.why {
+                why::text(stage, &folder, price.as_ref())
+            } else {
+                format!("=== stage {}\n{}", stage.name, stage.text())
+            }
+        };
+        let texts: Vec<String> = shown.iter().map(text).collect();
+        io.data(texts.join("\n").trim_end());
+    }
+    for stage in shown {
+        for (finding, number) in stage.findings.iter().zip(1..) {
+            io.talk(&format!("`{}`, answer {number}: {finding}", stage.name));
+        }
+    }
+    Ok(Exit::Done)
+}
+
+/// Returns what the command line asks for: the stages, and the points of a file.
+fn wanted<'p>(
+    program: &'p Program,
+    arguments: &RenderArguments,
+) -> Result<(Vec<&'p Stage>, Option<SceneFile>), Failure> {
+    let stages = chosen_stages(program, arguments.stage.as_deref())?;
     if arguments.step > program.horizon {
         return Err(Failure::usage(format!(
             "`{}` has {} steps; there is no step {}",
@@ -80,42 +139,53 @@ fn render(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
             arguments.step
         )));
     }
-    let listed = match &arguments.scene {
-        Some(path) => Some(SceneFile::read(&program, path)?),
-        None => None,
-    };
-    let view = camera::DisplayedScene::at(&program, &declared, arguments, io)?;
-    let shown = view.stages(&program, &stages, listed.as_ref(), arguments)?;
-    say_placeholders(&program, &shown, io);
-    if let Some(folder) = &arguments.out {
-        write(folder, &shown).map_err(|error| {
-            Failure::environment(format!("cannot write into `{}`: {error}", folder.display()))
-        })?;
-    }
-    let folder = sources::folder_of(&arguments.task.file);
-    let rates = view.rates();
-    if arguments.json {
-        let stages = shown.iter().map(|stage| {
-            let mut json = as_json(stage);
-            if arguments.why {
-                json["why"] = why::as_json(stage, &folder, rates);
-            }
-            json
-        });
-        io.json(&json!({ "stages": stages.collect::<Vec<Value>>() }));
-    } else if arguments.out.is_none() || arguments.why {
-        let texts = shown.iter().map(|stage| match arguments.why {
-            true => why::text(stage, &folder, rates),
-            false => format!("=== stage {}\n{}", stage.name, stage.text()),
-        });
-        io.data(texts.collect::<Vec<String>>().join("\n").trim_end());
-    }
-    for stage in &shown {
-        for (finding, number) in stage.findings.iter().zip(1..) {
-            io.talk(&format!("`{}`, answer {number}: {finding}", stage.name));
+    let scene = arguments.scene.as_ref();
+    let scene = scene.map(|path| SceneFile::read(program, path));
+    Ok((stages, scene.transpose()?))
+}
+
+/// Renders stages with the points of a file, or with typed placeholders: the authoring tool has no camera.
+#[cfg(not(feature = "runtime"))]
+fn rendered_without_camera(
+    program: Program,
+    arguments: &RenderArguments,
+    io: &Io,
+) -> Result<Rendered, Failure> {
+    let (stages, listed) = wanted(&program, arguments)?;
+    let texts = std::collections::BTreeMap::new();
+    let values = match &listed {
+        Some(scene) => Values::Partly(fab_program::facts::Facts {
+            scene,
+            texts: &texts,
+            step: arguments.step,
+            last: None,
+            proposal: None,
+            pointing: fab_program::pointing::Pointing::of_camera(&program.camera),
+        }),
+        None => {
+            io.talk(
+                "note: this build of fabc has no camera; points stand as placeholders (`--scene FILE.json` gives them)",
+            );
+            Values::Typed
         }
-    }
-    Ok(Exit::Done)
+    };
+    let shown = stages.iter().map(|stage| {
+        let messages = page::messages(&program, stage, values, arguments.step)?;
+        Ok(ShownStage {
+            name: stage.name.clone(),
+            n_asked_first: messages.len(),
+            messages,
+            corrections: corrections_of(&program, stage, values)?,
+            findings: Vec::new(),
+            results: Vec::new(),
+        })
+    });
+    let shown: Result<Vec<ShownStage>, RenderError> = shown.collect();
+    Ok(Rendered {
+        shown: shown.map_err(Failure::environment)?,
+        price: None,
+        program,
+    })
 }
 
 fn chosen_stages<'p>(
@@ -178,10 +248,10 @@ pub fn title(picture: &PromptPicture, step: u32) -> String {
 pub fn corrections_of(
     program: &Program,
     stage: &Stage,
-    values: fab_program::render::Values<'_>,
-) -> Result<Vec<(String, PromptText)>, fab_program::render::RenderError> {
+    values: Values<'_>,
+) -> Result<Vec<(String, PromptText)>, RenderError> {
     match stage.read {
-        Read::Action => fab_program::render::corrections(program, values),
+        Read::Action => render::corrections(program, values),
         Read::Text { .. } => Ok(Vec::new()),
     }
 }

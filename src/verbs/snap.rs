@@ -1,29 +1,28 @@
 //! `fabc snap`: pins the prompts of tasks as files that are reviewed like code.
 //!
-//! In: `.fab` files. Out: pending snapshots beside them for everything that differs from the accepted ones, all or
-//! nothing for each folder. With `--check`: which snapshots differ, wait for review, or belong to nothing, and exit 1.
+//! In: `.fab` files. Out: pending snapshots beside them for everything that differs from the accepted ones. With
+//! `--check`: which snapshots differ, wait for review, or belong to nothing, and exit 1.
 
-#[cfg_attr(feature = "runtime", path = "snap/with_camera.rs")]
-#[cfg_attr(not(feature = "runtime"), path = "snap/without_camera.rs")]
 mod camera;
 mod expected;
-mod files;
-mod origins;
-mod pinned;
 mod plan;
 mod scene;
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::shipped;
+use crate::snapshots::Name;
 use crate::sources;
 use clap::Args;
+use fab_base::parallel::in_parallel;
 use fab_program::Program;
-use plan::{Plan, SnapshotState, State};
-pub use scene::{Moment, USUAL};
+use plan::{Expected, Plan, SnapshotState, State};
+use scene::{Moment, USUAL};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
+use std::thread;
 
 /// Arguments of `snap`.
 #[derive(Args)]
@@ -56,7 +55,7 @@ pub struct SnapArguments {
 
 impl SnapArguments {
     /// Returns the scene to pin in addition to the usual ones.
-    pub fn moment(&self) -> Result<Option<Moment>, Failure> {
+    fn moment(&self) -> Result<Option<Moment>, Failure> {
         let Some(name) = &self.scene else {
             return Ok(None);
         };
@@ -80,11 +79,11 @@ impl SnapArguments {
 }
 
 /// A file and what it declares.
-pub struct Declared {
+struct Declared {
     /// The file, in the user's spelling.
-    pub file: String,
+    file: String,
     /// Its tasks, each followed by its variants.
-    pub programs: Vec<Program>,
+    programs: Vec<Program>,
 }
 
 /// Takes snapshots, or reports how they differ.
@@ -97,13 +96,13 @@ pub fn run(arguments: &SnapArguments, io: &Io) -> Result<Exit, Failure> {
     let mut plans = Vec::new();
     for (folder, declared) in compiled(&arguments.files, io)? {
         let mut plan = Plan::open(&folder)?;
-        files::add_expected(&declared, arguments, &mut plan, io)?;
+        expect(&declared, arguments, &mut plan, io)?;
         plans.push(plan);
     }
-    // Everything is computed before anything is written, so that a failure leaves every folder unchanged.
+    // Everything is computed before anything is written, so that a mistake in one file leaves every folder unchanged.
     let mut found = Vec::new();
-    for plan in &mut plans {
-        let mut states = plan.states(io);
+    for plan in &plans {
+        let mut states = plan.states();
         if !arguments.check {
             plan.write(&mut states, arguments)?;
         }
@@ -115,10 +114,54 @@ pub fn run(arguments: &SnapArguments, io: &Io) -> Result<Exit, Failure> {
         report(&found, arguments, io);
     }
     let is_clean = found.iter().all(|found| found.is_clean());
-    Ok(match arguments.check && !is_clean {
-        true => Exit::Author,
-        false => Exit::Done,
-    })
+    if arguments.check && !is_clean {
+        Ok(Exit::Author)
+    } else {
+        Ok(Exit::Done)
+    }
+}
+
+/// Adds to a plan what its files should have, one file per core at a time; reports the first file, in their order, that
+/// fails.
+fn expect(
+    declared: &[Declared],
+    arguments: &SnapArguments,
+    plan: &mut Plan,
+    io: &Io,
+) -> Result<(), Failure> {
+    let threads = thread::available_parallelism().map_or(1, NonZero::get);
+    let known: &Plan = plan;
+    // A failure is a result here, since another file's may come first in their order.
+    let look = |index: usize| Ok(Some(of_file(&declared[index], arguments, known, io)));
+    let found = in_parallel(declared.len(), threads, look, |_| {});
+    let found = found.map_err(|error: std::io::Error| Failure::environment(error))?;
+    for (one, found) in declared.iter().zip(found.into_iter().flatten()) {
+        plan.expect(&source_of(&one.file), found?)?;
+    }
+    Ok(())
+}
+
+/// Returns the name of a file as its snapshots record it.
+fn source_of(file: &str) -> String {
+    let name = Path::new(file).file_name().unwrap_or_default();
+    name.to_string_lossy().into_owned()
+}
+
+fn of_file(
+    Declared { file, programs }: &Declared,
+    arguments: &SnapArguments,
+    plan: &Plan,
+    io: &Io,
+) -> Result<Vec<(Name, Expected)>, Failure> {
+    let mut found = Vec::new();
+    // A task and its variants follow each other.
+    for programs in programs.chunk_by(|one, other| one.task == other.task) {
+        let source = source_of(file);
+        found.extend(expected::of_task(
+            programs, file, &source, arguments, plan, io,
+        )?);
+    }
+    Ok(found)
 }
 
 /// Compiles every file before anything is written, and groups the files by folder.
@@ -127,18 +170,12 @@ fn compiled(files: &[String], io: &Io) -> Result<Vec<(PathBuf, Vec<Declared>)>, 
     let mut failed: Option<Failure> = None;
     for file in files {
         let folder = sources::folder_of(file);
-        let shown = match folder.as_os_str().is_empty() {
-            true => Path::new("."),
-            false => &folder,
-        };
         // Two different paths may name the same folder.
-        let real = shown.canonicalize().unwrap_or_else(|_| folder.clone());
+        let real = Path::new(".").join(&folder).canonicalize();
+        let real = real.unwrap_or_else(|_| folder.clone());
         let (_, declared) = folders.entry(real).or_insert((folder, Vec::new()));
-        let name = Path::new(file).file_name();
-        if declared
-            .iter()
-            .any(|known| Path::new(&known.file).file_name() == name)
-        {
+        let mut known = declared.iter().map(|known| source_of(&known.file));
+        if known.any(|known| known == source_of(file)) {
             continue;
         }
         let programs = sources::compile_tasks(file, None, io);
@@ -164,7 +201,7 @@ fn as_json(found: &[SnapshotState]) -> Value {
     let snapshots = found.iter().map(|found| {
         let info = &found.info;
         json!({
-            "id": found.name.as_str(),
+            "id": found.name,
             "path": found.path.display().to_string(),
             "state": found.state.word(),
             "pending": found.is_pending,
@@ -212,18 +249,19 @@ fn report(found: &[SnapshotState], arguments: &SnapArguments, io: &Io) {
     }
     let waits = found.iter().filter(|found| found.is_pending).count();
     let places = places(found);
-    match arguments.check {
-        true if changed + new > 0 => io.talk(&format!(
+    if arguments.check && changed + new > 0 {
+        io.talk(&format!(
             "run `fabc snap {}` to write the new snapshots, then `fabc review{places}` to accept or reject them",
             arguments.files.join(" ")
-        )),
-        true if waits > 0 => io.talk(&format!(
+        ));
+    } else if arguments.check && waits > 0 {
+        io.talk(&format!(
             "{waits} are pending but no longer needed; `fabc snap` removes them"
-        )),
-        false if waits > 0 => io.talk(&format!(
+        ));
+    } else if waits > 0 {
+        io.talk(&format!(
             "`fabc review{places}` shows what waits, and accepts or rejects it"
-        )),
-        _ => {}
+        ));
     }
     if orphaned > 0 && !arguments.prune {
         io.talk(

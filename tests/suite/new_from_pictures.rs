@@ -256,7 +256,7 @@ fn a_step_that_no_fold_explains_gets_no_arrow_and_words_on_what_to_write() {
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     for told in [
         "no fold found; the best guess is ",
-        "write the arrow of `0.png` by hand: `image \"0.png\" arrow (",
+        "Write by hand: `image \"0.png\" arrow (",
     ] {
         assert!(ended.stderr.contains(told), "{}", ended.stderr);
     }

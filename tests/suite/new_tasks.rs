@@ -1,4 +1,4 @@
-//! `fabc new`: its tasks run at once, and it writes all of a task or nothing.
+//! `fabc new`: its tasks run at once, and nothing that exists is overwritten.
 
 use super::support::{Captured, fabc, finish, root};
 use serde_json::Value;
@@ -170,7 +170,7 @@ fn a_folder_that_takes_no_files_is_named() {
         &["new", "smoothing", "towel", "--in", "file/below"],
     );
     assert_eq!(ended.code, 2, "{}", ended.stderr);
-    let told = "nothing is written, since `file/below` takes no files";
+    let told = "cannot write `file/below";
     assert!(ended.stderr.contains(told), "{}", ended.stderr);
     assert_eq!(files(folder.path()), [PathBuf::from("file")]);
 }

@@ -416,17 +416,23 @@ fn json_is_one_document_also_where_nothing_was_done() {
 }
 
 #[test]
-fn a_result_that_cannot_be_written_is_an_error() {
-    let Ok(full) = std::fs::OpenOptions::new().write(true).open("/dev/full") else {
-        return;
-    };
+fn a_result_or_a_help_text_that_cannot_be_written_is_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let file = project("tasks/double_straight.fab");
-    let said = finish_process(
-        fabc(folder.path())
-            .args(["check", &file])
-            .process()
-            .stdout(full),
-    );
-    assert_eq!(said.code, 2, "{}", said.stderr);
+    for arguments in [
+        &["check", &file][..],
+        &["--help"],
+        &["--version"],
+        &["check", "--help"],
+        &["completions", "bash"],
+    ] {
+        let Ok(full) = std::fs::OpenOptions::new().write(true).open("/dev/full") else {
+            return;
+        };
+        let mut command = fabc(folder.path());
+        let said = finish_process(command.args(arguments).process().stdout(full));
+        assert_eq!(said.code, 2, "{arguments:?}: {}", said.stderr);
+        let words = "error: the result could not be written to stdout: ";
+        assert!(said.stderr.contains(words), "{}", said.stderr);
+    }
 }

@@ -4,7 +4,7 @@ use super::context::{Context, Fields};
 use super::expressions::{Scope, fixed_deg, keypoint, wrong_shape};
 use super::names::Meaning;
 use super::quantity::{beyond, measured, out_of_range, quantity_of, unit as unit_of};
-use crate::diag::{Code, Diagnostic, Reported, nearest};
+use crate::diag::{Code, Diagnostic, Reported, every, nearest};
 use crate::lang::actions::{ChoiceKind, FIELDS, FieldRow, field as moving_field};
 use fab_grammar::Span;
 use fab_grammar::ast::{Actions, Expr, Field, Name};
@@ -225,8 +225,7 @@ fn distinct<'a, K: Ord, T>(
         let diagnostic = Diagnostic::new(Code::DuplicateName, choice.span(), message);
         Err(context.error(diagnostic.also(first, "offered here first")))
     });
-    let choices: Vec<Result<T, Reported>> = choices.collect();
-    choices.into_iter().collect()
+    every(choices)
 }
 
 fn are_points(shape: KeypointShape) -> bool {

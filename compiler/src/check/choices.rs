@@ -5,6 +5,7 @@
 
 use crate::diag::{Code, Diagnostic, Report, Reported};
 use crate::merge::Merged;
+use fab_grammar::ast::Name;
 use fab_program::exact::{normalised_deg, written};
 use fab_program::space::{self, DECIMALS};
 use fab_program::{ActionField, Value};
@@ -22,11 +23,11 @@ pub(super) fn check(
     merged: &Merged<'_>,
     report: &mut Report,
 ) -> Result<(), Reported> {
-    let parts = || merged.actions().into_iter().flat_map(|part| part.fields());
+    let names = merged.actions().into_iter().flat_map(|part| part.fields());
+    let names: Vec<Name<'_>> = names.map(|part| part.name()).collect();
     let mut all = Ok(());
     for (index, field) in fields.iter().enumerate() {
-        let name = parts().map(|part| part.name());
-        let Some(name) = name.into_iter().find(|name| name.text() == field.name) else {
+        let Some(name) = names.iter().find(|name| name.text() == field.name) else {
             continue;
         };
         let in_name = wrong_name(field, &fields[..index]);
@@ -40,28 +41,23 @@ pub(super) fn check(
 /// Says why answers cannot name a field.
 fn wrong_name(field: &ActionField, earlier: &[ActionField]) -> Option<String> {
     let name = &field.name;
-    let is_word = |word: &str| word.starts_with(|first: char| first.is_ascii_alphabetic());
-    let letters = name.chars().zip(name.chars().skip(1));
-    let is_camel_case = letters
-        .into_iter()
-        .any(|(a, b)| a.is_ascii_lowercase() && b.is_ascii_uppercase());
-    if is_camel_case || !name.split('_').all(is_word) {
+    // Answers are cut into words at `_`, and where a capital follows a small letter.
+    let starts_with_digit = |word: &str| word.starts_with(|first: char| first.is_ascii_digit());
+    let letters = name.as_bytes().windows(2);
+    let mut capitals =
+        letters.filter(|pair| pair[0].is_ascii_lowercase() && pair[1].is_ascii_uppercase());
+    if name.starts_with('_') || name.split('_').any(starts_with_digit) || capitals.next().is_some()
+    {
         return Some(format!(
-            "answers cannot name the field `{name}`: its words are small letters and digits, with `_` between them"
+            "answers cannot name the field `{name}`: write its words in small letters, with `_` between them"
         ));
     }
-    let labels = labels(field);
-    let other = earlier.iter().find(|other| {
-        self::labels(other)
-            .iter()
-            .any(|label| labels.contains(label))
-    });
-    other.map(|other| {
-        format!(
-            "answers cannot tell the fields `{}` and `{name}` apart",
-            other.name
-        )
-    })
+    let own = labels(field);
+    let is_alike = |other: &&ActionField| labels(other).iter().any(|label| own.contains(label));
+    let other = &earlier.iter().find(is_alike)?.name;
+    Some(format!(
+        "answers cannot tell the fields `{other}` and `{name}` apart"
+    ))
 }
 
 /// Returns the names that an answer has for a field, in their plain form.

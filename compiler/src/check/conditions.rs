@@ -4,7 +4,7 @@ use super::context::Context;
 use super::expressions::{AsPercent, FramedLength, Operand, Scope, keypoint, operand, point};
 use super::names::Meaning;
 use super::quantity::{beyond, no_unit, not_whole, read};
-use crate::diag::{Code, Diagnostic, Reported, among, nearest};
+use crate::diag::{Code, Diagnostic, Reported, among, every, nearest};
 use crate::lang::conditions::{
     ANGLE_BETWEEN, MARGIN, SIGNS, Sign, SignRow, WORDS, sign as meaning,
 };
@@ -26,10 +26,10 @@ pub(crate) fn check<'a>(
 ) -> Result<Condition, Reported> {
     match expr {
         Expr::All(all) => Ok(Condition::All {
-            of: parts(all.parts(), context)?,
+            of: every(all.parts().map(|part| check(part, context)))?,
         }),
         Expr::Any(any) => Ok(Condition::Any {
-            of: parts(any.parts(), context)?,
+            of: every(any.parts().map(|part| check(part, context)))?,
         }),
         Expr::Not(not) => Ok(Condition::Not {
             of: Box::new(check(not.condition(), context)?),
@@ -49,15 +49,6 @@ pub(crate) fn check<'a>(
             })
         }),
     }
-}
-
-/// Builds every part, so every wrong part is reported.
-fn parts<'a>(
-    parts: impl Iterator<Item = Expr<'a>>,
-    context: &mut Context<'a, '_>,
-) -> Result<Vec<Condition>, Reported> {
-    let parts: Vec<Result<Condition, Reported>> = parts.map(|part| check(part, context)).collect();
-    parts.into_iter().collect()
 }
 
 fn within<'a>(within: Within<'a>, context: &mut Context<'a, '_>) -> Result<Condition, Reported> {

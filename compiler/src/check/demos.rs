@@ -30,9 +30,10 @@ pub(crate) fn check<'a>(
     let number = number_of(part.stage(), merged, context)?;
     let stage = stages[number].as_ref().map_err(|reported| *reported)?;
     if stage.read != Read::Action || !stage.show.is_empty() {
-        let lacks = match stage.show.is_empty() {
-            true => "does not read the action",
-            false => "shows pictures",
+        let lacks = if stage.show.is_empty() {
+            "does not read the action"
+        } else {
+            "shows pictures"
         };
         let message = format!("the stage `{}` {lacks}", stage.name);
         let diagnostic = Diagnostic::new(Code::WrongForm, part.stage().span(), message);

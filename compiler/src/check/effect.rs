@@ -68,9 +68,10 @@ fn finding(fold: &Fold, step: &StepTrial) -> Option<(String, String)> {
             slid_mm,
             smallest,
         } => {
-            let rest = match slid_mm < LEAST_SLIDE_MM {
-                true => format!("springs back to {} mm", whole(stayed_mm)),
-                false => format!("opens again; the whole of it slides {} mm", whole(slid_mm)),
+            let rest = if slid_mm < LEAST_SLIDE_MM {
+                format!("springs back to {} mm", whole(stayed_mm))
+            } else {
+                format!("opens again; the whole of it slides {} mm", whole(slid_mm))
             };
             (carried_mm, rest, smallest)
         }

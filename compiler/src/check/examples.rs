@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use super::files;
-use crate::diag::{Code, Diagnostic, Reported};
+use crate::diag::{Code, Diagnostic, Reported, every};
 use crate::loader::Wanted;
 use crate::merge::once;
 use fab_grammar::ast::{self, ComponentOrText, Image, Reply, Sayings, Stage, Text};
@@ -112,8 +112,7 @@ fn question<'a>(
             Err(context.error(diagnostic.help("write the text in quotes")))
         }
     });
-    let texts: Vec<Result<LiteralText, Reported>> = texts.collect();
-    texts.into_iter().collect()
+    every(texts)
 }
 
 fn images<'a>(
@@ -135,9 +134,8 @@ fn images<'a>(
     let images = example
         .images()
         .map(|image| files::named(image.path(), "an image", Wanted::Picture, context));
-    let images: Vec<Result<FileRef, Reported>> = images.collect();
-    all?;
-    images.into_iter().collect()
+    let images = every(images);
+    all.and(images)
 }
 
 fn words(text: Text<'_>, context: &mut Context<'_, '_>) -> Result<LiteralText, Reported> {

@@ -2,7 +2,7 @@
 
 use super::context::{Context, Declared};
 use super::folds;
-use crate::diag::{Code, Diagnostic, Report, Reported};
+use crate::diag::{Code, Diagnostic, Report, Reported, every};
 use crate::load::Loaded;
 use crate::merge::Merged;
 use fab_grammar::ast::Experts;
@@ -14,22 +14,17 @@ pub(crate) fn check<'a>(
     list: Experts<'a>,
     context: &mut Context<'a, '_>,
 ) -> Result<Vec<Sequence>, Reported> {
-    let sequences: Vec<_> = list
-        .sequences()
-        .map(|block| {
-            Ok(Sequence {
-                folds: folds::check(block, context)?,
-            })
-        })
-        .collect();
-    if sequences.is_empty() {
+    if list.sequences().next().is_none() {
         let name = list.name();
         let message = format!("`{}` has no sequence", name.text());
         let diagnostic = Diagnostic::new(Code::NoFolds, name.span(), message)
             .help("write one such as `sequence { fold corner(back_left) -> center }`");
         return Err(context.error(diagnostic));
     }
-    sequences.into_iter().collect()
+    every(list.sequences().map(|block| {
+        let folds = folds::check(block, context)?;
+        Ok(Sequence { folds })
+    }))
 }
 
 /// Returns the sequences that count as right for a task: the named experts', or else the demonstration.

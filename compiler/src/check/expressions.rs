@@ -250,6 +250,18 @@ pub(super) fn name_of(
         let diagnostic = context.unexpected(Code::WrongForm, expr, &among(names(words)));
         return Err(context.error(diagnostic));
     };
+    // `corner(top_left)`: the top of the picture is called the back of the cloth here.
+    let turned = name
+        .text()
+        .replace("top", "back")
+        .replace("bottom", "front");
+    if turned != name.text() && names(words).any(|word| word == turned) {
+        let message = format!("there is no {noun} `{}`", name.text());
+        let help = format!("write `{turned}`: back is the top of the picture, front its bottom");
+        let diagnostic = Diagnostic::new(Code::UnknownName, name.span(), message).help(help);
+        // It is another name, so it is left to the author.
+        return Err(context.error(diagnostic.likely(name.span(), turned)));
+    }
     context.word(noun, name, words)
 }
 
@@ -330,15 +342,10 @@ fn depth_limit<'a>(
             compare.right()
         }
         _ => {
-            let diagnostic = Diagnostic::new(
-                Code::WrongForm,
-                expr.span(),
-                "expected a limit of the depth",
-            );
-            return Err(context
-                .error(diagnostic.help(
-                    "write `mask(depth < 646mm)`: the pixels nearer to the camera than that",
-                )));
+            let message = "expected a limit of the depth";
+            let diagnostic = Diagnostic::new(Code::WrongForm, expr.span(), message);
+            let help = "write `mask(depth < 646mm)`: the pixels nearer to the camera than that";
+            return Err(context.error(diagnostic.help(help)));
         }
     };
     let below_m = read(limit, range, context)?;
@@ -492,9 +499,6 @@ pub(super) fn cloth_point<'a>(
             None => diagnostic.help(format!("there is {}", among(known()))),
         }));
     }
-    if let Expr::Call(call) = expr {
-        turned_name(call, context)?;
-    }
     let scope = Scope::Everywhere;
     let (row, args, bound) = call("point of the cloth", expr, rows, scope, context)?;
     let mut given = args.0.iter().zip(&bound);
@@ -506,35 +510,6 @@ pub(super) fn cloth_point<'a>(
         return Err(context.error(diagnostic.help(help)));
     }
     Ok((CLOTH_POINTS[row].make)(&args))
-}
-
-/// Reports `corner(top_left)`: the top of the picture is called the back of the cloth here.
-fn turned_name(call: Call<'_>, context: &mut Context<'_, '_>) -> Result<(), Reported> {
-    let Some(Expr::Name(place)) = call.arguments().next().map(|argument| argument.value()) else {
-        return Ok(());
-    };
-    let turned = place
-        .text()
-        .replace("top", "back")
-        .replace("bottom", "front");
-    let rows = CLOTH_POINTS
-        .iter()
-        .filter(|row| row.signature.name == call.name().text());
-    let mut sets = rows.filter_map(|row| match row.signature.args {
-        [arg] => match arg.kind {
-            Kind::NameOf { words, .. } => Some(words),
-            _ => None,
-        },
-        _ => None,
-    });
-    if turned == place.text() || !sets.any(|set| set.iter().any(|word| word.name == turned)) {
-        return Ok(());
-    }
-    let message = format!("there is no {} `{}`", call.name().text(), place.text());
-    let help = format!("write `{turned}`: back is the top of the picture, front its bottom");
-    let diagnostic = Diagnostic::new(Code::UnknownName, place.span(), message).help(help);
-    // It is another name, so it is left to the author.
-    Err(context.error(diagnostic.likely(place.span(), turned)))
 }
 
 // ---- points of the picture -----------------------------------------------------------------------

@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::expressions::cloth_point;
 use super::quantity::read;
-use crate::diag::{Code, Diagnostic, Reported};
+use crate::diag::{Code, Diagnostic, Reported, every};
 use crate::lang::calls::FOLD_FRACTION;
 use fab_grammar::ast::{FoldBlock, Move};
 use fab_program::Fold;
@@ -29,8 +29,7 @@ pub(super) fn check<'a>(
             moves.len()
         )
     })?;
-    let folds: Vec<_> = moves.into_iter().map(|part| fold(part, context)).collect();
-    folds.into_iter().collect()
+    every(moves.into_iter().map(|part| fold(part, context)))
 }
 
 fn fold<'a>(part: Move<'a>, context: &mut Context<'a, '_>) -> Result<Fold, Reported> {

@@ -4,7 +4,7 @@ use super::context::Context;
 use super::expressions::{Scope, call};
 use super::names::Meaning;
 use super::quantity::unit;
-use crate::diag::{Code, Diagnostic, Reported};
+use crate::diag::{Code, Diagnostic, Reported, every};
 use crate::merge::Merged;
 use fab_grammar::ast::{Expr, Name, NamedValue};
 use fab_program::data::keypoints::AT;
@@ -67,20 +67,15 @@ pub(crate) fn check<'a>(
         Some((name, (merged.keypoints.place(name)?, Ok(()))))
     });
     context.keypoints = places.collect();
-    let list: Vec<Result<Keypoint, Reported>> = merged
-        .keypoints
-        .iter()
-        .map(|keypoint| {
-            let found = keypoint_of(keypoint, merged, context);
-            if let (Err(reported), Some((_, state))) =
-                (&found, context.keypoints.get_mut(keypoint.name().text()))
-            {
-                *state = Err(*reported);
-            }
-            found
-        })
-        .collect();
-    list.into_iter().collect()
+    every(merged.keypoints.iter().map(|keypoint| {
+        let found = keypoint_of(keypoint, merged, context);
+        if let (Err(reported), Some((_, state))) =
+            (&found, context.keypoints.get_mut(keypoint.name().text()))
+        {
+            *state = Err(*reported);
+        }
+        found
+    }))
 }
 
 fn keypoint_of<'a>(
@@ -114,8 +109,9 @@ fn keypoint_of<'a>(
 
 /// Returns the picture that a keypoint is taken from: the latest one without an `at` argument.
 fn moment(args: &Args) -> Moment {
-    match args.is_given(AT.name) {
-        true => args.meaning(AT.name, Moment::from_word),
-        false => Moment::Now,
+    if args.is_given(AT.name) {
+        args.meaning(AT.name, Moment::from_word)
+    } else {
+        Moment::Now
     }
 }

@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::expressions::pixel;
 use super::{files, folds};
-use crate::diag::{Code, Diagnostic, Reported};
+use crate::diag::{Code, Diagnostic, Reported, every};
 use crate::loader::Wanted;
 use crate::merge::once;
 use fab_grammar::ast::{FoldBlock, Image};
@@ -63,11 +63,7 @@ fn images<'a>(
             images.len()
         )
     })?;
-    let images: Vec<_> = images
-        .into_iter()
-        .map(|part| image(part, context))
-        .collect();
-    let images = images.into_iter().collect::<Result<_, _>>()?;
+    let images = every(images.into_iter().map(|part| image(part, context)))?;
     Ok(Subgoals::Images { images })
 }
 

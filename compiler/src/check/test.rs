@@ -6,7 +6,7 @@ use super::expressions;
 use super::names::Meaning;
 use super::quantity::read_whole;
 use super::stage::{Prompts, number_of};
-use crate::diag::{Code, Diagnostic, Reported};
+use crate::diag::{Code, Diagnostic, Reported, every};
 use crate::lang::test::{EXPECTATIONS, GIVEN, STEP};
 use crate::merge::{Merged, declared_twice, once, repeated};
 use fab_grammar::ast::{self, Body, Expr, Name, Reply};
@@ -144,7 +144,7 @@ fn answered<'p>(
 // ---- given ---------------------------------------------------------------------------------------
 
 /// Pick and place of the previous action, where given.
-type Last = [Option<Result<PixelPoint, Reported>>; 2];
+type Last = [Option<PixelPoint>; 2];
 
 fn given<'a>(
     test: ast::Test<'a>,
@@ -162,36 +162,29 @@ fn given<'a>(
         let name = part.name();
         if let Some(first) = seen.insert(name.text(), name.span()) {
             all = Err(context.error(repeated(name.text(), first, name.span())));
-            continue;
-        }
-        if let Err(reported) = give(part, &mut given, &mut last, bounds, context) {
+        } else if let Err(reported) = give(part, &mut given, &mut last, bounds, context) {
             all = Err(reported);
         }
     }
-    if let (Some(step), [Some(_), _] | [_, Some(_)], Ok(())) = (seen.get("step"), &last, all)
-        && given.step == 1
-    {
-        let message = "no action comes before the first step";
-        let diagnostic = Diagnostic::new(Code::OutOfRange, *step, message);
-        let help = "give a later step, or leave `last.pick` and `last.place` out";
-        all = Err(context.error(diagnostic.help(help)));
-    }
+    // A wrong line may be the one that is missing.
+    all?;
     given.last = match last {
         [None, None] => None,
-        [Some(pick), Some(place)] => Some([pick?, place?]),
+        [Some(pick), Some(place)] => Some([pick, place]),
         [Some(_), None] | [None, Some(_)] => {
             let message = "the previous action must have both a pick and a place";
             let diagnostic = Diagnostic::new(Code::TestIncomplete, test.head_span(), message);
-            let diagnostic = diagnostic.help("give both `last.pick` and `last.place`");
-            // A misspelt `last` may give the other one.
-            let mut names = test.given().map(|part| part.name().text());
-            if names.any(|name| name.contains('.') && !name.starts_with("last.")) {
-                all?;
-            }
-            return Err(context.error(diagnostic));
+            let help = "give both `last.pick` and `last.place`";
+            return Err(context.error(diagnostic.help(help)));
         }
     };
-    all.map(|()| given)
+    if let (Some(step), Some(_), 1) = (seen.get("step"), given.last, given.step) {
+        let message = "no action comes before the first step";
+        let diagnostic = Diagnostic::new(Code::OutOfRange, *step, message);
+        let help = "give a later step, or leave `last.pick` and `last.place` out";
+        return Err(context.error(diagnostic.help(help)));
+    }
+    Ok(given)
 }
 
 /// Reads one `given` line.
@@ -206,8 +199,8 @@ fn give<'a>(
     let name = part.name();
     let text = name.text().to_owned();
     match (name.text(), context.names.get(name.text())) {
-        ("last.pick", _) => last[0] = Some(point(part, context)),
-        ("last.place", _) => last[1] = Some(point(part, context)),
+        ("last.pick", _) => last[0] = Some(pixel(single(part, context)?, part, context)?),
+        ("last.place", _) => last[1] = Some(pixel(single(part, context)?, part, context)?),
         ("step", _) => {
             let value = single(part, context)?;
             given.step = read_whole(value, &STEP, context)? as u32;
@@ -275,11 +268,6 @@ fn single<'a>(part: ast::Given<'a>, context: &mut Context<'a, '_>) -> Result<Exp
     }
 }
 
-fn point<'a>(part: ast::Given<'a>, context: &mut Context<'a, '_>) -> Result<PixelPoint, Reported> {
-    let value = single(part, context)?;
-    pixel(value, part, context)
-}
-
 fn pixel<'a>(
     value: Expr<'a>,
     part: ast::Given<'a>,
@@ -311,9 +299,7 @@ fn points<'a>(
         let what = "pixels such as `(40px, 52px), (180px, 52px)`";
         return Err(expected(part, what, context));
     }
-    let points = part.values().map(|value| shown(value, part, context));
-    let points: Vec<Result<PixelPoint, Reported>> = points.collect();
-    points.into_iter().collect()
+    every(part.values().map(|value| shown(value, part, context)))
 }
 
 /// Reads `(40px, 52px) to (180px, 170px)`.

@@ -6,7 +6,7 @@ use super::missing_action::needs_last;
 use super::placeholders::{TextPlace, TextScope, template};
 use super::quantity::{read, read_whole};
 use super::stage::Prompts;
-use crate::diag::{Code, Diagnostic, Report, Reported};
+use crate::diag::{Code, Diagnostic, Report, Reported, every};
 use crate::lang::verify::{ATTEMPTS, DEFAULT_ATTEMPTS, DEFAULT_RETRIES, OVERLAP, RETRIES, given};
 use crate::merge::{Merged, once, unique};
 use fab_grammar::ast::{self, Attempts, Expr, Name, Phrase};
@@ -37,7 +37,7 @@ pub(crate) fn check<'a>(
         .checks
         .iter()
         .map(|check| self::declared(check, prompts, context));
-    let checks: Vec<Result<Check, Reported>> = checks.collect();
+    let checks = every(checks);
     let attempts = part.into_iter().flat_map(|part| part.attempts());
     let stated = once(attempts, "attempts", |it| it.span(), context.report);
     let attempts = stated.first;
@@ -57,7 +57,7 @@ pub(crate) fn check<'a>(
         .transpose();
     stated.alone.and(results.alone)?;
     Ok(Verify {
-        checks: checks.into_iter().collect::<Result<_, _>>()?,
+        checks: checks?,
         attempts: count? as u32,
         relaxed: relaxed?,
         with_picture: picture?.is_some(),
@@ -93,9 +93,10 @@ fn declared<'a>(
     let has_last = when.as_ref().is_some_and(|(_, when)| implies_last(when));
     let allowed =
         |condition: Condition, expr: Expr<'a>, guarded: &str, context: &mut Context<'a, '_>| {
-            match condition.uses().last && !has_last {
-                true => Err(needs_last(expr.span(), guarded, context)),
-                false => Ok(condition),
+            if condition.uses().last && !has_last {
+                Err(needs_last(expr.span(), guarded, context))
+            } else {
+                Ok(condition)
             }
         };
     let when = when
@@ -225,9 +226,8 @@ fn relaxed<'a>(
         Some(_) => Ok(name.text().to_owned()),
         None => Err(not_relaxed(name, merged, context)),
     });
-    let relaxed: Vec<Result<String, Reported>> = relaxed.collect();
-    twice?;
-    relaxed.into_iter().collect()
+    let relaxed = every(relaxed);
+    twice.and(relaxed)
 }
 
 /// Reports a name that no check has, or a check that cannot be removed.

@@ -15,5 +15,5 @@ pub use fab_program::invisible::{is_hidden, visible};
 pub use fab_program::nearest::{among, nearest};
 pub use json::to_json;
 pub use report::MAX_FINDINGS;
-pub(crate) use report::{Report, Reported};
+pub(crate) use report::{Report, Reported, every};
 pub use text::{Color, to_text};

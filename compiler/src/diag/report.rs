@@ -18,6 +18,12 @@ pub const MAX_FINDINGS: usize = 1000;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Reported(());
 
+/// Returns every part if all are right. Reads them all, so that each wrong one is reported.
+pub(crate) fn every<T, E>(parts: impl Iterator<Item = Result<T, E>>) -> Result<Vec<T>, E> {
+    let parts: Vec<Result<T, E>> = parts.collect();
+    parts.into_iter().collect()
+}
+
 /// Collects findings, each only once.
 #[derive(Debug, Default)]
 pub(crate) struct Report {

@@ -154,8 +154,9 @@ pub(crate) fn form(signature: &Signature) -> String {
     let is_colour = PROPERTIES
         .iter()
         .any(|row| row.call.signature.name == signature.name && row.face.is_some());
-    match is_colour {
-        true => format!("{line} \"#RRGGBB\""),
-        false => format!("{line} from \"…\""),
+    if is_colour {
+        format!("{line} \"#RRGGBB\"")
+    } else {
+        format!("{line} from \"…\"")
     }
 }

@@ -10,12 +10,6 @@ use fab_grammar::{Node, Span};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// The most variants of a task; each is checked like a task.
-const MAX_VARIANTS: usize = 64;
-
-/// The most components that one task adds to what its stages say.
-const MAX_ADDED: usize = 256;
-
 /// How a variant changes a task.
 #[derive(Clone, Copy)]
 pub(crate) enum VariantChange<'a> {
@@ -107,23 +101,7 @@ impl<'a> Sections<'a> {
             left_out_once(&self.without_checks, report),
             left_out_once(&self.without_variants, report),
         ];
-        let mut all = faults.into_iter().collect();
-        let mut beyond = |span: Option<Span>, message: String| {
-            if let Some(span) = span {
-                all = Err(report.error(Diagnostic::new(Code::OutOfRange, span, message)));
-            }
-        };
-        beyond(
-            self.variants.get(MAX_VARIANTS).map(|it| it.span),
-            format!("a task has at most {MAX_VARIANTS} variants"),
-        );
-        beyond(
-            self.added_sayings.get(MAX_ADDED).map(|it| it.1.span()),
-            format!("a task adds at most {MAX_ADDED} components to its stages"),
-        );
-        self.variants.truncate(MAX_VARIANTS);
-        self.added_sayings.truncate(MAX_ADDED);
-        all
+        faults.into_iter().collect()
     }
 }
 

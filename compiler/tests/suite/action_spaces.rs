@@ -229,6 +229,24 @@ fn every_word_that_the_reader_knows_can_be_a_choice() {
     }
 }
 
+/// Each of these is an error (F0706), and none could be read.
+#[test]
+fn names_and_choices_that_are_refused_could_not_be_read() {
+    for line in [
+        "gripForce words soft | firm",
+        "grip_2 words soft | firm",
+        "pick_point words left | right",
+        "turn directions 0 359.99999",
+        "turn directions 10 33.33331 33.33332",
+        "size lengths edge 0.33333 0.33334",
+        "grip words soft | Soft",
+        "grip words very soft | very_soft",
+    ] {
+        let read = reads_as_written(&with(&[line]));
+        assert!(read.is_err(), "{line} is read");
+    }
+}
+
 // ---- drawn spaces --------------------------------------------------------------------------------
 
 /// How many spaces are drawn.
@@ -271,7 +289,7 @@ fn actions() -> impl Strategy<Value = String> {
         4 => prop::sample::select(vec!["grip", "layer", "tip_angle", "force", "hand_side", "n"])
             .prop_map(str::to_owned),
         1 => "[a-z]{2,6}(_[a-z]{1,4})?[0-9]?",
-        1 => prop::sample::select(vec!["pick_point", "Pick", "gripForce", "grip_2", "_grip", "pick_x"])
+        1 => prop::sample::select(vec!["pick_point", "Pick", "gripForce", "grip_2", "_grip", "pick_x", "grip_", "grip__on"])
             .prop_map(str::to_owned),
     ];
     let further = prop::collection::btree_map(name, choices(), 0..4);

@@ -344,21 +344,6 @@ fn parts_are_added_to_what_a_stage_says() {
 }
 
 #[test]
-fn a_task_adds_a_limited_number_of_parts() {
-    let adding = |n_parts: usize| {
-        let part =
-            |number| format!("component c{number} \"C.\"\nsay c{number} in plan after role\n");
-        let parts: String = (0..n_parts).map(part).collect();
-        messages(&format!("{TASK}\ntask more extends small {{\n{parts}}}\n"))
-    };
-    assert_eq!(adding(256), [""; 0]);
-    assert_eq!(
-        adding(257),
-        ["F0204 a task adds at most 256 components to its stages"]
-    );
-}
-
-#[test]
 fn checks_are_added_and_variants_left_out() {
     let files = Memory::of([("child.fab", ADDITIONS), ("base.fab", TASK)]);
     let programs = programs("child.fab", &files);

@@ -1,22 +1,18 @@
 //! Describes how one text became another: edits of one component each, with their causes.
 //!
-//! In: two texts, and the origins of their lines. Out: [`Edit`]s in order. Adjacent changed lines from two components
-//! are two edits, so that an edit of one component is the same in every text that contains the component.
+//! In: two snapshots, with the origins of their lines. Out: [`Edit`]s in order. Adjacent changed lines from two
+//! components are two edits, so that an edit of one component is the same in every text that contains the component.
 
-use super::find::Pending;
-use crate::snapshots::{Metadata, Origin};
+use crate::snapshots::{Contents, Origin, Snapshot};
 use serde::Serialize;
-use similar::{Algorithm, DiffOp, DiffTag, capture_diff_slices};
-use std::collections::BTreeMap;
+use similar::{Algorithm, DiffTag, capture_diff_slices};
 use std::ops::Range;
 
 /// Unchanged lines shown before and after an edit.
 const CONTEXT: usize = 2;
-/// The longest texts that are compared line by line, since the time grows with the square. Longer texts are one edit.
-const MAX_COMPARED_LINES: usize = 10_000;
 
 /// The cause of a change.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Cause {
     /// The component, or a description of what changed.
     pub component: String,
@@ -26,22 +22,11 @@ pub struct Cause {
     pub line: Option<u32>,
 }
 
-impl Cause {
-    /// Makes a cause that is no component.
-    pub fn in_words(words: String) -> Cause {
-        Cause {
-            component: words,
-            file: None,
-            line: None,
-        }
-    }
-}
-
-/// Changed lines of one component, with the blank lines between texts beside them.
+/// Changed lines of one component.
 #[derive(Clone, Debug, Default)]
 pub struct Edit {
-    /// Identical for the same edit in different texts; ignores blank lines between texts.
-    pub key: String,
+    /// `None` for lines of no component, such as those of a scene.
+    component: Option<String>,
     /// Where the lines come from: the new place of added lines, otherwise the old place.
     pub causes: Vec<Cause>,
     pub removed: Vec<String>,
@@ -52,67 +37,44 @@ pub struct Edit {
     pub after: Vec<String>,
 }
 
-/// A changed line and its origin.
-struct Line<'a> {
-    text: &'a str,
-    /// Its number in its text, from 1.
-    number: u32,
-    origin: Option<&'a Origin>,
-}
-
-impl<'a> Line<'a> {
-    /// Returns whether it only separates two texts.
-    fn is_spacing(&self) -> bool {
-        self.origin.is_none() && self.text.trim().is_empty()
-    }
-
-    fn component(&self) -> Option<&'a str> {
-        self.origin.map(|origin| origin.component.as_str())
-    }
-
-    /// Returns the origin of this very line, if it comes from a component.
-    fn cause(&self) -> Option<Cause> {
-        let origin = self.origin?;
-        let (file, first) = origin.place.clone().unzip();
-        Some(Cause {
-            component: origin.component.clone(),
-            file,
-            line: first.map(|first| first.saturating_add(self.number - origin.from)),
-        })
+impl Edit {
+    /// Returns what is equal for the same edit in different texts.
+    pub fn key(&self) -> (&Option<String>, &[String], &[String]) {
+        (&self.component, &self.removed, &self.added)
     }
 }
 
 /// A text's lines, and where they come from.
-struct Lines<'a> {
+struct Text<'a> {
     lines: Vec<&'a str>,
-    /// In order of their first lines.
-    origins: Vec<&'a Origin>,
+    origins: &'a [Origin],
 }
 
-impl<'a> Lines<'a> {
-    fn of(text: &'a str, metadata: &'a Metadata) -> Lines<'a> {
-        let info = metadata.info.iter();
-        let mut origins: Vec<&Origin> = info.flat_map(|info| &info.origin).collect();
-        origins.sort_by_key(|origin| origin.from);
-        Lines {
-            lines: text.lines().collect(),
-            origins,
+impl<'a> Text<'a> {
+    /// Returns the lines of a snapshot; a picture has none.
+    fn of(snapshot: &'a Snapshot) -> Text<'a> {
+        let info = snapshot.metadata.info.as_ref();
+        Text {
+            lines: match &snapshot.contents {
+                Contents::Text(text) => text.lines().collect(),
+                Contents::Picture(_) => Vec::new(),
+            },
+            origins: info.map_or(&[], |info| &info.origin),
         }
     }
 
-    fn some(&self, range: Range<usize>) -> Vec<Line<'a>> {
-        range.map(|at| self.line(at)).collect()
-    }
-
-    fn line(&self, at: usize) -> Line<'a> {
-        let number = u32::try_from(at + 1).unwrap_or(u32::MAX);
-        let after = self.origins.partition_point(|origin| origin.from <= number);
-        let last = after.checked_sub(1).map(|at| self.origins[at]);
-        Line {
-            text: self.lines[at],
-            number,
-            origin: last.filter(|origin| number <= origin.to),
-        }
+    /// Returns the origin of this very line, if it comes from a component.
+    fn cause(&self, at: usize) -> Option<Cause> {
+        let number = u32::try_from(at).ok()?.checked_add(1)?;
+        let mut origins = self.origins.iter();
+        let origin = origins.find(|origin| (origin.from..=origin.to).contains(&number))?;
+        let place = origin.place.clone();
+        let (file, first) = place.unzip();
+        Some(Cause {
+            component: origin.component.clone(),
+            file,
+            line: first.map(|first| first + (number - origin.from)),
+        })
     }
 
     fn owned(&self, range: Range<usize>) -> Vec<String> {
@@ -121,78 +83,58 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// Returns the edits of a snapshot with a changed text.
-pub fn edits(pending: &Pending) -> Vec<Edit> {
-    let (Some((before, after)), Some(accepted)) = (pending.texts(), &pending.accepted) else {
-        return Vec::new();
-    };
-    let old = Lines::of(before, &accepted.metadata);
-    let new = Lines::of(after, &pending.proposed.metadata);
-    let count = new.lines.len();
-    let changes = match old.lines.len().max(count) > MAX_COMPARED_LINES {
-        true => vec![DiffOp::Replace {
-            old_index: 0,
-            old_len: old.lines.len(),
-            new_index: 0,
-            new_len: count,
-        }],
-        false => capture_diff_slices(Algorithm::Myers, &old.lines, &new.lines),
-    };
-    let mut edits = Vec::new();
-    for change in changes {
+/// Returns the edits between two texts, each once.
+pub fn between(before: &Snapshot, after: &Snapshot) -> Vec<Edit> {
+    let (old, new) = (Text::of(before), Text::of(after));
+    let mut edits: Vec<Edit> = Vec::new();
+    for change in capture_diff_slices(Algorithm::Myers, &old.lines, &new.lines) {
         if change.tag() == DiffTag::Equal {
             continue;
         }
         let Range { start, end } = change.new_range();
-        let mut found = by_component(&old.some(change.old_range()), &new.some(start..end));
+        let mut found: Vec<Edit> = Vec::new();
+        // Added lines first: removed ones of the same component may have moved.
+        for at in start..end {
+            if let Some(edit) = edit_of(&mut found, &new, at) {
+                edit.added.push(new.lines[at].to_owned());
+            }
+        }
+        for at in change.old_range() {
+            if let Some(edit) = edit_of(&mut found, &old, at) {
+                edit.removed.push(old.lines[at].to_owned());
+            }
+        }
         if let Some(first) = found.first_mut() {
             first.before = new.owned(start.saturating_sub(CONTEXT)..start);
         }
         if let Some(last) = found.last_mut() {
-            last.after = new.owned(end..count.min(end + CONTEXT));
+            last.after = new.owned(end..new.lines.len().min(end + CONTEXT));
         }
-        edits.append(&mut found);
+        for edit in found {
+            match edits.iter_mut().find(|known| known.key() == edit.key()) {
+                Some(known) => known.causes.extend(edit.causes),
+                None => edits.push(edit),
+            }
+        }
     }
     edits
 }
 
-/// Returns one edit for each component with added or removed lines, in the order of the new text.
-///
-/// The cause is the component's new place if it has one, since removed lines may have moved. A blank line between two
-/// texts belongs to the line before it, or else to the one after it.
-fn by_component(removed: &[Line<'_>], added: &[Line<'_>]) -> Vec<Edit> {
-    let mut edits: Vec<Edit> = Vec::new();
-    let mut known: BTreeMap<Option<&str>, usize> = BTreeMap::new();
-    // Blank lines are an edit of their own only if nothing else changed beside them.
-    let is_only_spacing = removed.iter().chain(added).all(Line::is_spacing);
-    let is_own = |line: &Line<'_>| is_only_spacing || !line.is_spacing();
-    for line in added.iter().chain(removed).filter(|line| is_own(line)) {
-        known.entry(line.component()).or_insert_with(|| {
-            edits.push(Edit {
-                causes: line.cause().into_iter().collect(),
-                ..Edit::default()
-            });
-            edits.len() - 1
+/// Returns the edit to which a changed line belongs; `None` for a blank line between two texts, which is no edit.
+fn edit_of<'e>(found: &'e mut Vec<Edit>, text: &Text<'_>, at: usize) -> Option<&'e mut Edit> {
+    let cause = text.cause(at);
+    if cause.is_none() && text.lines[at].trim().is_empty() {
+        return None;
+    }
+    let component = cause.as_ref().map(|cause| cause.component.clone());
+    let known = found.iter().position(|edit| edit.component == component);
+    let at = known.unwrap_or_else(|| {
+        found.push(Edit {
+            component,
+            causes: cause.into_iter().collect(),
+            ..Edit::default()
         });
-    }
-    let mut own: Vec<[Vec<&str>; 2]> = vec![Default::default(); edits.len()];
-    for (side, lines) in [removed, added].into_iter().enumerate() {
-        let first = lines.iter().find(|line| is_own(line));
-        let mut at = first.map_or(0, |line| known[&line.component()]);
-        for line in lines {
-            if is_own(line) {
-                at = known[&line.component()];
-                own[at][side].push(line.text);
-            }
-            let edit = &mut edits[at];
-            let lines = [&mut edit.removed, &mut edit.added];
-            lines[side].push(line.text.to_owned());
-        }
-    }
-    for (edit, [removed, added]) in edits.iter_mut().zip(own) {
-        let causes = edit.causes.iter();
-        let components: Vec<&str> = causes.map(|cause| cause.component.as_str()).collect();
-        edit.key = serde_json::json!([components, removed, added]).to_string();
-    }
-    edits
+        found.len() - 1
+    });
+    found.get_mut(at)
 }

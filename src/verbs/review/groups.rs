@@ -5,12 +5,10 @@
 
 use super::edits::{self, Cause, Edit};
 use super::find::Pending;
-use super::words;
 use crate::snapshots::Contents;
 use fab_base::digest;
 use fab_program::tokens;
 use serde::Serialize;
-use std::collections::{BTreeMap, BTreeSet};
 
 /// The kind of change of a group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -33,165 +31,141 @@ pub struct Group {
     pub id: String,
     /// The kind of change.
     pub kind: Kind,
+    /// What is the same for its snapshots.
+    key: String,
     /// The causes, in order and without duplicates.
     pub causes: Vec<Cause>,
     /// The edits: one for texts, all of a scene, none for pictures and new snapshots.
     pub edits: Vec<Edit>,
     /// The indices of its pending snapshots.
     pub members: Vec<usize>,
-    /// Estimated tokens of its prompt texts.
-    pub tokens: Tokens,
+    /// Estimated tokens before and after, for each prompt text for which they are known.
+    pub tokens: Vec<[u64; 2]>,
 }
 
-/// Estimated tokens of the prompt texts of a group, where they are known.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Tokens {
-    /// Before and after, for each question.
-    pub questions: Vec<[u64; 2]>,
-}
-
-impl Tokens {
-    /// Returns the sums before and after; `None` if the group has no question.
-    pub fn sums(&self) -> Option<[u64; 2]> {
-        let sum = |side: usize| {
-            let questions = self.questions.iter().map(|question| question[side]);
-            questions.fold(0, u64::saturating_add)
-        };
-        (!self.questions.is_empty()).then(|| [sum(0), sum(1)])
-    }
-
-    /// Returns the smallest and the largest change of a question.
-    pub fn range(&self) -> Option<[i64; 2]> {
-        let changes = self.questions.iter().map(|[before, after]| {
-            let change = i128::from(*after) - i128::from(*before);
-            // Clamped to the range of an i64, so the cast keeps the value.
-            change.clamp(i64::MIN.into(), i64::MAX.into()) as i64
-        });
-        Some([changes.clone().min()?, changes.max()?])
+impl Group {
+    /// Returns the sums of the tokens before and after; `None` if they are not known.
+    pub fn all_tokens(&self) -> Option<[u64; 2]> {
+        let sum = |side: usize| self.tokens.iter().map(|question| question[side]).sum();
+        (!self.tokens.is_empty()).then(|| [sum(0), sum(1)])
     }
 }
 
 /// Groups pending snapshots: edits first, then scenes, pictures and new snapshots.
 pub fn group(pending: &[Pending]) -> Vec<Group> {
-    let mut groups: BTreeMap<(Kind, String), Group> = BTreeMap::new();
-    let mut order = Vec::new();
+    let mut groups: Vec<Group> = Vec::new();
     for (number, one) in pending.iter().enumerate() {
-        let kind = kind(one);
-        let found = match kind {
-            Kind::Edit | Kind::Scene => edits::edits(one),
-            Kind::Picture | Kind::New => Vec::new(),
-        };
-        let each = once(&found);
+        let (kind, edits) = change(one);
+        let tokens = tokens_of(one);
+        // Each edit of a text alone; all of a scene together.
         let parts: Vec<&[Edit]> = match kind {
-            Kind::Edit if each.len() > 1 => each.chunks(1).collect(),
-            _ => vec![&each],
+            Kind::Edit if edits.len() > 1 => edits.chunks(1).collect(),
+            _ => vec![&edits],
         };
         for part in &parts {
-            let key = (kind, key(one, kind, part));
-            let group = groups.entry(key.clone()).or_insert_with(|| {
-                order.push(key.clone());
-                Group {
-                    id: id(&key.1),
+            let key = key(one, kind, part);
+            let known = groups.iter().position(|group| group.key == key);
+            let group = known.unwrap_or_else(|| {
+                groups.push(Group {
+                    id: digest::of(&key)[..8].to_owned(),
                     kind,
+                    key,
                     causes: Vec::new(),
                     edits: part.to_vec(),
                     members: Vec::new(),
-                    tokens: Tokens::default(),
-                }
+                    tokens: Vec::new(),
+                });
+                groups.len() - 1
             });
+            let group = &mut groups[group];
             group.members.push(number);
-            for edit in &mut group.edits {
-                let again = found.iter().filter(|again| again.key == edit.key);
-                let causes = again.flat_map(|again| again.causes.iter().cloned());
-                add(&mut edit.causes, causes);
+            let causes = part.iter().flat_map(|edit| edit.causes.clone());
+            for cause in causes.chain(other_inputs(one, kind)) {
+                if !group.causes.contains(&cause) {
+                    group.causes.push(cause);
+                }
             }
-            add(&mut group.causes, causes(one, kind, part));
-            let question = question(one).map(|[before, after]| match parts.len() {
-                1 => [before, after],
-                _ => [before, before.saturating_add_signed(weight(&found, part))],
-            });
-            group.tokens.questions.extend(question);
+            group
+                .tokens
+                .extend(tokens.map(|[before, after]| match part {
+                    [edit] if parts.len() > 1 => {
+                        [before, before.saturating_add_signed(weight(edit))]
+                    }
+                    _ => [before, after],
+                }));
         }
     }
-    order.sort_by_key(|(kind, _)| *kind);
-    order.iter().filter_map(|key| groups.remove(key)).collect()
+    groups.sort_by_key(|group| group.kind);
+    groups
 }
 
-/// Returns the estimated tokens of a prompt text before and after, where both are known.
-fn question(one: &Pending) -> Option<[u64; 2]> {
-    one.info.stage.as_ref()?;
-    let after = one.info.tokens?;
-    let before = match &one.accepted {
-        None => 0,
-        Some(accepted) => accepted.metadata.info.as_ref()?.tokens?,
-    };
-    Some([before, after])
-}
-
-/// Returns how many tokens a part of a text's edits adds, counting each edit as often as it occurs.
-fn weight(found: &[Edit], part: &[Edit]) -> i64 {
-    let of = |lines: &[String]| tokens::of_text(&lines.join("\n")) as i64;
-    let is_part = |edit: &&Edit| part.iter().any(|one| one.key == edit.key);
-    let made = found.iter().filter(is_part);
-    made.map(|edit| of(&edit.added) - of(&edit.removed)).sum()
-}
-
-fn add(causes: &mut Vec<Cause>, more: impl IntoIterator<Item = Cause>) {
-    for cause in more {
-        if !causes.contains(&cause) {
-            causes.push(cause);
-        }
-    }
-}
-
-/// Returns each edit once, where it first occurs.
-fn once(edits: &[Edit]) -> Vec<Edit> {
-    let mut keys = BTreeSet::new();
-    let first = edits.iter().filter(|edit| keys.insert(&edit.key));
-    first.cloned().collect()
-}
-
-fn kind(one: &Pending) -> Kind {
+/// Returns the kind of a change and its edits; a picture and a new snapshot have none.
+fn change(one: &Pending) -> (Kind, Vec<Edit>) {
     let Some(accepted) = &one.accepted else {
-        return Kind::New;
+        return (Kind::New, Vec::new());
     };
-    match (&accepted.contents, &one.proposed.contents) {
+    let kind = match (&accepted.contents, &one.proposed.contents) {
         (Contents::Text(_), Contents::Text(_)) if one.info.stage.is_none() => Kind::Scene,
         (Contents::Text(_), Contents::Text(_)) => Kind::Edit,
-        _ => Kind::Picture,
-    }
+        _ => return (Kind::Picture, Vec::new()),
+    };
+    (kind, edits::between(accepted, &one.proposed))
 }
 
 /// Returns a key that is equal for snapshots with the same change.
 fn key(one: &Pending, kind: Kind, edits: &[Edit]) -> String {
-    let parts: Vec<String> = match (kind, one.pictures()) {
-        (Kind::New, _) => vec![
-            one.info.task.clone(),
-            one.proposed.metadata.source.clone().unwrap_or_default(),
-        ],
-        (_, Some((before, after))) => vec![digest::of(before), digest::of(after)],
+    let what = match (kind, one.pictures()) {
+        (Kind::New, _) => serde_json::json!([one.info.task, one.proposed.metadata.source]),
+        (_, Some(pictures)) => serde_json::json!(pictures.map(digest::of)),
         // A change between text and picture is a group of its own.
-        (Kind::Picture, None) => vec![one.name.to_string()],
-        _ => {
-            let keys: BTreeSet<&String> = edits.iter().map(|edit| &edit.key).collect();
-            keys.into_iter().cloned().collect()
-        }
-    };
-    serde_json::json!([kind, parts]).to_string()
-}
-
-fn causes(one: &Pending, kind: Kind, edits: &[Edit]) -> Vec<Cause> {
-    match kind {
-        Kind::Scene => words::scene_causes(one),
-        Kind::Edit => edits
+        (Kind::Picture, None) => serde_json::json!(one.name),
+        _ => edits
             .iter()
-            .flat_map(|edit| edit.causes.iter().cloned())
+            .map(|edit| serde_json::json!(edit.key()))
             .collect(),
-        Kind::Picture => words::drawn_from(one).into_iter().collect(),
-        Kind::New => Vec::new(),
-    }
+    };
+    serde_json::json!([kind, what]).to_string()
 }
 
-fn id(key: &str) -> String {
-    digest::of(key)[..8].to_owned()
+/// Returns a cause for changed inputs that are no text: those of a scene, and of a picture.
+fn other_inputs(one: &Pending, kind: Kind) -> Option<Cause> {
+    let accepted = one.accepted.as_ref()?;
+    let words = match (kind, &accepted.contents, &one.proposed.contents) {
+        (Kind::Scene, Contents::Text(old), Contents::Text(new)) => {
+            let seen_of = |text: &str| {
+                text.lines()
+                    .find(|it| it.contains("\"seen_of\""))
+                    .map(str::to_owned)
+            };
+            let is_other = seen_of(old) != seen_of(new);
+            is_other.then_some("seen of another cloth, camera, picker or other keypoints")
+        }
+        (Kind::Picture, ..) => {
+            let info = accepted.metadata.info.as_ref()?;
+            let is_other = info.drawn_from != one.info.drawn_from;
+            is_other.then_some("drawn from another scene, other layers or another fold")
+        }
+        _ => None,
+    };
+    words.map(|words| Cause {
+        component: words.to_owned(),
+        file: None,
+        line: None,
+    })
+}
+
+/// Returns the estimated tokens of a prompt text before and after, where both are known.
+fn tokens_of(one: &Pending) -> Option<[u64; 2]> {
+    one.info.stage.as_ref()?;
+    let before = match &one.accepted {
+        None => 0,
+        Some(accepted) => accepted.metadata.info.as_ref()?.tokens?,
+    };
+    Some([before, one.info.tokens?])
+}
+
+/// Returns how many tokens an edit adds.
+fn weight(edit: &Edit) -> i64 {
+    let of = |lines: &[String]| tokens::of_text(&lines.join("\n")) as i64;
+    of(&edit.added) - of(&edit.removed)
 }

@@ -1,116 +1,98 @@
-//! Shows a picture before, after, and the difference side by side.
+//! Shows how a picture changed: before, after and the difference as one file, and the difference in words.
 //!
-//! In: two PNG files. Out: one picture of three panels, how many pixels differ, and where. Differences are drawn on a
-//! pale grey copy of the new picture; pictures of different sizes are aligned at the top left. A file that is not a
-//! picture gets an empty panel.
+//! In: a pending picture. Out: a PNG file in the named folder, or in a temporary one whose path is reported. The
+//! authoring tool cannot draw.
 
-use crate::verbs::review::difference::Compared;
-use fab_picture::png;
-use image::{Rgb, RgbImage, imageops};
-use std::path::Path;
+#[cfg(feature = "runtime")]
+mod compare;
 
-/// Gap between panels, pixels.
-const GAP_PX: u32 = 8;
-const GAP: Rgb<u8> = Rgb([40, 40, 40]);
-/// Background where a smaller picture has no pixels.
-const NOTHING: Rgb<u8> = Rgb([160, 160, 160]);
-/// Colour of pixels that differ; no task's cloth and no layer has it.
-const CHANGED: Rgb<u8> = Rgb([255, 0, 160]);
+use super::find::Pending;
+use crate::exit::Failure;
+use crate::io::write_file;
+use serde_json::{Value, json};
+use std::fs;
+use std::path::PathBuf;
 
-/// Compares two PNG files, before and after; the message names them by their paths.
-pub fn compare(files: [&[u8]; 2], paths: [&Path; 2]) -> Compared {
-    let decoded = [0, 1].map(|side| png::decode(files[side], paths[side]));
-    match decoded {
-        [Ok(before), Ok(after)] => both(before, after),
-        [before, after] => {
-            let faults = [&before, &after].map(|picture| picture.as_ref().err());
-            let words: Vec<String> = faults
-                .into_iter()
-                .flatten()
-                .map(ToString::to_string)
-                .collect();
-            let shown = [before.ok(), after.ok(), None];
-            let size = shown.iter().flatten().next().map(RgbImage::dimensions);
-            Compared {
-                png: size.map(|size| side_by_side(&shown, size)),
-                n_changed: None,
-                bounds: None,
-                words: words.join("\n"),
+/// The place for comparisons.
+pub struct Sheets {
+    /// The folder; `None` until a temporary one is needed.
+    pub folder: Option<PathBuf>,
+}
+
+/// The difference between two pictures.
+#[derive(Default)]
+struct Compared {
+    /// Before, after and difference side by side, as a PNG file; `None` if nothing can be drawn.
+    png: Option<Vec<u8>>,
+    /// The difference in words.
+    words: String,
+    /// How many pixels differ, if known.
+    n_changed: Option<u64>,
+    /// Leftmost column, top row, rightmost column and bottom row of those, pixels.
+    bounds: Option<[u32; 4]>,
+}
+
+/// A comparison that was written to a file.
+pub struct Sheet {
+    /// The file; `None` if nothing can be drawn.
+    path: Option<PathBuf>,
+    compared: Compared,
+}
+
+impl Sheet {
+    /// Describes the difference, and names the file that shows it.
+    pub fn in_words(&self) -> String {
+        let words = &self.compared.words;
+        match &self.path {
+            Some(path) => format!("{words}\nbefore, after and difference: {}", path.display()),
+            None => words.clone(),
+        }
+    }
+
+    /// Returns the same for `--json`.
+    pub fn to_json(&self) -> Value {
+        let compared = &self.compared;
+        json!({ "path": self.path, "changed_pixels": compared.n_changed, "bounds": compared.bounds, "words": compared.words })
+    }
+}
+
+impl Sheets {
+    /// Draws the pictures of a pending snapshot under a name; fails if the file cannot be written.
+    pub fn draw(&mut self, name: &str, pending: &Pending) -> Result<Sheet, Failure> {
+        let compared = compare(pending);
+        let path = match &compared.png {
+            Some(png) => {
+                let temporary =
+                    || std::env::temp_dir().join(format!("fabc-review-{}", std::process::id()));
+                let folder = self.folder.get_or_insert_with(temporary);
+                fs::create_dir_all(&*folder).map_err(|error| Failure::unwritable(folder, error))?;
+                let path = folder.join(format!("{name}.png"));
+                write_file(&path, png)?;
+                Some(path)
             }
-        }
+            None => None,
+        };
+        Ok(Sheet { path, compared })
     }
 }
 
-/// Compares two pictures pixel by pixel.
-fn both(before: RgbImage, after: RgbImage) -> Compared {
-    let width = before.width().max(after.width());
-    let height = before.height().max(after.height());
-    let mut difference = RgbImage::new(width, height);
-    let mut n_changed = 0;
-    let mut bounds: Option<[u32; 4]> = None;
-    for (column, row, pixel) in difference.enumerate_pixels_mut() {
-        let old = before.get_pixel_checked(column, row);
-        let new = after.get_pixel_checked(column, row);
-        if old == new {
-            *pixel = new.map_or(NOTHING, pale);
-            continue;
-        }
-        *pixel = CHANGED;
-        n_changed += 1;
-        let [left, top, right, bottom] = bounds.unwrap_or([column, row, column, row]);
-        bounds = Some([
-            left.min(column),
-            top.min(row),
-            right.max(column),
-            bottom.max(row),
-        ]);
-    }
-    let words = in_words(n_changed, bounds, [before.dimensions(), after.dimensions()]);
-    let shown = [Some(before), Some(after), Some(difference)];
-    Compared {
-        png: Some(side_by_side(&shown, (width, height))),
-        n_changed: Some(n_changed),
-        bounds,
-        words,
-    }
-}
-
-/// Makes a PNG file of pictures beside each other in panels of one size, pixels; a missing picture leaves its panel empty.
-fn side_by_side(shown: &[Option<RgbImage>; 3], (width, height): (u32, u32)) -> Vec<u8> {
-    let mut sheet = RgbImage::from_pixel(3 * width + 2 * GAP_PX, height, GAP);
-    for (panel, shown) in shown.iter().enumerate() {
-        // Three panels of at most a few thousand pixels each.
-        let left = i64::from(width + GAP_PX) * panel as i64;
-        let mut whole = RgbImage::from_pixel(width, height, NOTHING);
-        if let Some(shown) = shown {
-            imageops::replace(&mut whole, shown, 0, 0);
-        }
-        imageops::replace(&mut sheet, &whole, left, 0);
-    }
-    png::encode(&sheet)
-}
-
-fn in_words(n_changed: u64, bounds: Option<[u32; 4]>, sizes: [(u32, u32); 2]) -> String {
-    let mut words = match bounds {
-        None => "no pixel differs, only the bytes of the files".to_owned(),
-        Some([left, top, right, bottom]) => {
-            format!("{n_changed} pixels differ, columns {left} to {right}, rows {top} to {bottom}")
-        }
+#[cfg(feature = "runtime")]
+fn compare(pending: &Pending) -> Compared {
+    let Some(pictures) = pending.pictures() else {
+        return Compared {
+            words: "a text became a picture, or a picture a text".to_owned(),
+            ..Compared::default()
+        };
     };
-    let [before, after] = sizes;
-    if before != after {
-        words.push_str(&format!(
-            "; the size was {} x {} and is {} x {}, what one lacks is grey",
-            before.0, before.1, after.0, after.1
-        ));
-    }
-    words
+    let file = pending.path.with_added_extension("png");
+    let accepted = pending.path.with_extension("png");
+    compare::compare(pictures, [&accepted, &file])
 }
 
-/// Returns a grey so light that a colour stands out.
-fn pale(pixel: &Rgb<u8>) -> Rgb<u8> {
-    let [red, green, blue] = pixel.0.map(u32::from);
-    let grey = (299 * red + 587 * green + 114 * blue) / 1000;
-    // At most 255, since each channel is.
-    Rgb([(170 + grey / 3) as u8; 3])
+#[cfg(not(feature = "runtime"))]
+fn compare(_: &Pending) -> Compared {
+    Compared {
+        words: "the pictures differ; this build of fabc cannot draw them".to_owned(),
+        ..Compared::default()
+    }
 }

@@ -1,43 +1,33 @@
-//! The intended contents of a snapshot folder, its actual contents, and the change between them.
+//! What a folder of snapshots should hold, what it holds, and the change between them.
 
+use super::SnapArguments;
 use crate::exit::Failure;
 use crate::io::Io;
-use crate::snapshots::{FOLDER, Folder, Info, Name, Operation, Snapshot};
-use crate::verbs::snap::SnapArguments;
+use crate::snapshots::{Contents, FOLDER, Folder, Info, Name, Side, Snapshot, SnapshotError};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// The intended contents of a snapshot folder.
+/// The snapshots beside some tasks.
 pub struct Plan {
     /// The folder that holds the tasks.
     tasks: PathBuf,
     pub folder: Folder,
-    expected: BTreeMap<Name, Intended>,
+    expected: BTreeMap<Name, Expected>,
     /// The processed files, as snapshots name them.
     sources: BTreeSet<String>,
     /// Snapshots already reported as unreadable.
     reported: Mutex<BTreeSet<Name>>,
 }
 
-/// The intended contents of one snapshot.
-pub enum Intended {
-    /// These contents.
-    Taken(Box<Snapshot>),
-    /// Its accepted contents: none of its inputs has changed.
-    AsAccepted(Info),
-    /// It should exist; this build cannot compute its contents.
-    Unchecked(Info),
-    /// It exists, but its bytes differ from its recorded hash; this build cannot redraw it.
-    Damaged(Info),
-}
-
-/// The result of reading an accepted snapshot.
-pub enum Readable {
-    /// It was read, or does not exist.
-    Yes(Option<Box<Snapshot>>),
-    /// It exists but cannot be read.
-    No,
+/// A snapshot that should exist.
+pub struct Expected {
+    /// What it is of.
+    pub info: Info,
+    /// How the accepted one differs.
+    pub state: State,
+    /// What it should hold; `None` if this build cannot tell, or if none of its inputs has changed.
+    pub taken: Option<Snapshot>,
 }
 
 /// The state of one snapshot.
@@ -54,14 +44,14 @@ pub struct SnapshotState {
     pub is_pending: bool,
 }
 
-/// How an accepted snapshot differs from the intended one.
+/// How an accepted snapshot differs from what it should hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
     /// It does not.
     Same,
     /// This build cannot tell.
     Unchecked,
-    /// Its contents differ.
+    /// Its contents differ, or it cannot be read.
     Changed,
     /// It does not exist.
     New,
@@ -101,147 +91,120 @@ impl Plan {
         })
     }
 
-    /// Records that a file was processed completely.
-    pub fn looked_at(&mut self, source: &str) {
+    /// Adds the snapshots of a file; fails if another file declares one of the same name.
+    pub fn expect(&mut self, source: &str, expected: Vec<(Name, Expected)>) -> Result<(), Failure> {
         self.sources.insert(source.to_owned());
-    }
-
-    /// Adds a snapshot; fails if another file declares one of the same name.
-    pub fn add_expected(&mut self, name: Name, intended: Intended) -> Result<(), Failure> {
-        let is_taken = self.expected.contains_key(&name);
-        if is_taken {
-            return Err(Failure::usage(format!(
-                "two files declare what `{name}` would be a snapshot of; rename a task, or keep the files in two folders"
-            )));
+        for (name, expected) in expected {
+            if self.expected.contains_key(&name) {
+                return Err(Failure::usage(format!(
+                    "two files declare what `{name}` would be a snapshot of; rename a task, or keep the files in two folders"
+                )));
+            }
+            self.expected.insert(name, expected);
         }
-        self.expected.insert(name, intended);
         Ok(())
     }
 
-    /// Compares intended with accepted snapshots, and finds orphans.
-    ///
-    /// An unreadable accepted snapshot counts as changed, with a note: it is proposed again.
-    pub fn states(&self, io: &Io) -> Vec<SnapshotState> {
-        let pending: BTreeSet<&Name> = self.folder.pending_names().collect();
-        let mut found = Vec::with_capacity(self.expected.len());
-        for (name, intended) in &self.expected {
-            let (info, state) = match intended {
-                Intended::AsAccepted(info) => (info.clone(), State::Same),
-                Intended::Unchecked(info) => (info.clone(), State::Unchecked),
-                Intended::Damaged(info) => (info.clone(), State::Changed),
-                Intended::Taken(taken) => {
-                    let state = match self.accepted(name, io) {
-                        Readable::No => State::Changed,
-                        Readable::Yes(None) => State::New,
-                        Readable::Yes(Some(accepted))
-                            if accepted.contents.is_same(&taken.contents) =>
-                        {
-                            State::Same
-                        }
-                        Readable::Yes(Some(_)) => State::Changed,
-                    };
-                    (taken.metadata.info.clone().unwrap_or_default(), state)
-                }
-            };
-            found.push(SnapshotState {
-                path: self.folder.accepted_path(name),
-                name: name.clone(),
-                info,
-                state,
-                is_pending: pending.contains(name),
-            });
-        }
-        for name in self.folder.accepted_names() {
-            if self.expected.contains_key(name) {
-                continue;
-            }
-            // An unreadable snapshot cannot be attributed to a file, so it is left alone.
-            let accepted = self.folder.accepted(name).ok().flatten();
-            let Some(metadata) = accepted.map(|accepted| accepted.metadata) else {
-                continue;
-            };
-            // Ignore snapshots of others, such as those of a test suite.
-            let Some((source, info)) = metadata.source.zip(metadata.info) else {
-                continue;
-            };
-            if self.sources.contains(&source) || !self.tasks.join(&source).exists() {
-                found.push(SnapshotState {
-                    path: self.folder.accepted_path(name),
-                    name: name.clone(),
-                    info,
-                    state: State::Orphaned,
-                    is_pending: pending.contains(name),
-                });
-            }
-        }
-        found
-    }
-
-    /// Reads an accepted snapshot; if it cannot, reports why on stderr.
-    pub fn accepted(&self, name: &Name, io: &Io) -> Readable {
-        match self.folder.accepted(name) {
-            Ok(accepted) => Readable::Yes(accepted.map(Box::new)),
-            Err(error) => {
+    /// Reads an accepted snapshot; if it exists and cannot be read, reports why on stderr.
+    pub fn accepted(&self, name: &Name, io: &Io) -> Option<Snapshot> {
+        self.folder
+            .read(name, Side::Accepted)
+            .unwrap_or_else(|error| {
                 let mut reported = self.reported.lock().unwrap_or_else(PoisonError::into_inner);
                 if reported.insert(name.clone()) {
                     io.talk(&format!("note: {error}; it counts as changed"));
                 }
-                Readable::No
-            }
-        }
+                None
+            })
     }
 
     /// Reads a pending snapshot; an unreadable one counts as absent, since it is proposed again.
     pub fn pending(&self, name: &Name) -> Option<Snapshot> {
-        self.folder.pending(name).ok().flatten()
+        self.folder.read(name, Side::Pending).ok().flatten()
     }
 
-    /// Writes differences as pending, removes obsolete pending snapshots, and removes orphans if asked to.
+    /// Compares the accepted snapshot with what it should hold.
+    pub fn compared(&self, name: &Name, contents: &Contents, io: &Io) -> State {
+        match self.accepted(name, io) {
+            Some(accepted) if accepted.contents.is_same(contents) => State::Same,
+            _ if self.folder.accepted.contains(name) => State::Changed,
+            _ => State::New,
+        }
+    }
+
+    /// Returns the states of the expected snapshots, and of orphans.
+    pub fn states(&self) -> Vec<SnapshotState> {
+        let state = |name: &Name, info: &Info, state| SnapshotState {
+            path: self.folder.file(name, Side::Accepted),
+            name: name.clone(),
+            info: info.clone(),
+            state,
+            is_pending: self.folder.pending.contains(name),
+        };
+        let expected = self.expected.iter();
+        let expected = expected.map(|(name, it)| state(name, &it.info, it.state));
+        let orphans = self.undeclared(Side::Accepted).into_iter();
+        let orphans = orphans
+            .filter(|(_, source, _)| {
+                self.sources.contains(source) || !self.tasks.join(source).exists()
+            })
+            .map(|(name, _, info)| state(name, &info, State::Orphaned));
+        expected.chain(orphans).collect()
+    }
+
+    /// Returns the snapshots of `fabc` that are not expected, with their sources. One that cannot be read belongs to no
+    /// file, and those of other tools, such as of a test suite, have no source or details.
+    fn undeclared(&self, side: Side) -> Vec<(&Name, String, Info)> {
+        let names = match side {
+            Side::Accepted => self.folder.accepted.iter(),
+            Side::Pending => self.folder.pending.iter(),
+        };
+        names
+            .filter(|name| !self.expected.contains_key(*name))
+            .filter_map(|name| {
+                let metadata = self.folder.read(name, side).ok()??.metadata;
+                Some((name, metadata.source?, metadata.info?))
+            })
+            .collect()
+    }
+
+    /// Writes differences as pending, removes pending snapshots that are not needed, and orphans if asked to.
     ///
     /// Updates in `states` which are pending.
     pub fn write(
-        &mut self,
+        &self,
         states: &mut [SnapshotState],
         arguments: &SnapArguments,
     ) -> Result<(), Failure> {
-        let mut operations = Vec::new();
-        for found in states {
-            let name = found.name.clone();
-            match (found.state, self.expected.get(&name)) {
-                (State::Changed | State::New, Some(Intended::Taken(taken))) => {
-                    if self.pending(&name).as_ref() != Some(taken) {
-                        operations.push(Operation::Propose(name, (**taken).clone()));
+        let write = || -> Result<(), SnapshotError> {
+            for found in states {
+                let name = &found.name;
+                let taken = self.expected.get(name).map(|it| it.taken.as_ref());
+                match (found.state, taken) {
+                    (State::Changed | State::New, Some(Some(taken))) => {
+                        if self.pending(name).as_ref() != Some(taken) {
+                            self.folder.propose(name, taken)?;
+                        }
+                        found.is_pending = true;
                     }
-                    found.is_pending = true;
+                    (State::Same, _) if found.is_pending => {
+                        self.folder.remove(name, Side::Pending)?;
+                        found.is_pending = false;
+                    }
+                    (State::Orphaned, _) if arguments.prune => {
+                        self.folder.remove(name, Side::Accepted)?;
+                    }
+                    _ => {}
                 }
-                (State::Same, Some(Intended::Taken(_) | Intended::AsAccepted(_)))
-                    if found.is_pending =>
-                {
-                    operations.push(Operation::Withdraw(name));
-                    found.is_pending = false;
+            }
+            // What was never accepted, and is no longer declared.
+            for (name, source, _) in self.undeclared(Side::Pending) {
+                if self.sources.contains(&source) && !self.folder.accepted.contains(name) {
+                    self.folder.remove(name, Side::Pending)?;
                 }
-                (State::Orphaned, _) if arguments.prune => operations.push(Operation::Remove(name)),
-                _ => {}
             }
-        }
-        operations.extend(self.forgotten());
-        self.folder.apply(&operations).map_err(Failure::environment)
-    }
-
-    /// Returns the operations that remove pending snapshots that were never accepted and are no longer declared.
-    fn forgotten(&self) -> Vec<Operation> {
-        let accepted: BTreeSet<&Name> = self.folder.accepted_names().collect();
-        let mut operations = Vec::new();
-        for name in self.folder.pending_names() {
-            if self.expected.contains_key(name) || accepted.contains(name) {
-                continue;
-            }
-            let metadata = self.pending(name).map(|pending| pending.metadata);
-            let source = metadata.and_then(|it| it.info.and(it.source));
-            if source.is_some_and(|source| self.sources.contains(&source)) {
-                operations.push(Operation::Withdraw(name.clone()));
-            }
-        }
-        operations
+            Ok(())
+        };
+        write().map_err(Failure::environment)
     }
 }

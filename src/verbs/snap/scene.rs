@@ -108,25 +108,21 @@ impl PinnedScene {
     /// Formats the scene, one line per keypoint.
     pub fn text(&self) -> String {
         let value = serde_json::to_value(self).expect("a scene has string keys and finite numbers");
-        let mut text = String::from("{\n");
-        let entries = value.as_object().into_iter().flatten();
-        let lines: Vec<String> = entries
-            .map(|(key, value)| match value.as_object() {
-                Some(map) if key != "last" && !map.is_empty() => {
-                    let inner = map
-                        .iter()
-                        .map(|(key, value)| format!("    \"{key}\": {value}"));
-                    format!(
-                        "  \"{key}\": {{\n{}\n  }}",
-                        inner.collect::<Vec<_>>().join(",\n")
-                    )
-                }
-                _ => format!("  \"{key}\": {value}"),
-            })
-            .collect();
-        text.push_str(&lines.join(",\n"));
-        text.push_str("\n}\n");
-        text
+        let lines = |value: &serde_json::Value, indent: &str| {
+            let entries = value.as_object().into_iter().flatten();
+            let lines = entries.map(|(key, value)| format!("{indent}\"{key}\": {value}"));
+            lines.collect::<Vec<String>>().join(",\n")
+        };
+        let mut text = lines(&value, "  ");
+        for key in ["points", "areas"] {
+            let inner = lines(&value[key], "    ");
+            if !inner.is_empty() {
+                let of_key = |value: &str| format!("  \"{key}\": {value}");
+                let one_line = of_key(&value[key].to_string());
+                text = text.replace(&one_line, &of_key(&format!("{{\n{inner}\n  }}")));
+            }
+        }
+        format!("{{\n{text}\n}}\n")
     }
 
     /// Returns the scene's moment.
@@ -204,56 +200,4 @@ pub fn short_hash(bytes: impl AsRef<[u8]>) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn scene() -> PinnedScene {
-        PinnedScene {
-            seen_of: "0123456789abcdef".to_owned(),
-            start: Some(7),
-            step: 2,
-            last: Some(PinnedAction {
-                fields: BTreeMap::from([
-                    ("direction".to_owned(), Value::Word("up".to_owned())),
-                    ("pick".to_owned(), Value::Point(PixelPoint::new(1, 2))),
-                ]),
-                pick: PixelPoint::new(1, 2),
-                place: PixelPoint::new(3, -4),
-            }),
-            points: BTreeMap::from([
-                ("center".to_owned(), vec![PixelPoint::new(5, 6)]),
-                ("corners".to_owned(), Vec::new()),
-            ]),
-            areas: BTreeMap::from([("cloth".to_owned(), 12.0)]),
-        }
-    }
-
-    #[test]
-    fn a_scene_is_read_as_it_was_written() {
-        let scene = scene();
-        assert_eq!(PinnedScene::parse(&scene.text()), Ok(scene.clone()));
-        assert_eq!(scene.text().lines().count(), 13);
-        let bare = PinnedScene {
-            last: None,
-            points: BTreeMap::new(),
-            areas: BTreeMap::new(),
-            ..scene
-        };
-        assert_eq!(PinnedScene::parse(&bare.text()), Ok(bare));
-    }
-
-    #[test]
-    fn what_is_no_scene_is_refused_with_words() {
-        let wrong = [
-            ("", "EOF"),
-            ("[]", "invalid"),
-            (r#"{"step": 1}"#, "missing field"),
-        ];
-        for (text, words) in wrong {
-            let why = PinnedScene::parse(text).err();
-            assert!(why.is_some_and(|why| why.contains(words)), "{text}");
-        }
-        let zeroth = PinnedScene { step: 0, ..scene() };
-        assert!(PinnedScene::parse(&zeroth.text()).is_err());
-    }
-}
+mod tests;

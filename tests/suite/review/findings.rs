@@ -58,7 +58,7 @@ fn a_merge_conflict_in_what_is_pending_is_named_by_its_line() {
     assert_eq!(said.code, 2);
     for words in [
         "`snapshots/half.describe@start.snap.new` is not a snapshot that can be read",
-        "; line 8 begins a merge conflict; run `fabc snap` again",
+        ": line 8 begins a merge conflict; run `fabc snap` again",
     ] {
         assert!(said.stderr.contains(words), "{}", said.stderr);
     }
@@ -73,7 +73,7 @@ fn an_accepted_snapshot_that_cannot_be_read_counts_as_absent() {
     accepted(&snapshots, "fold_02.describe@start", "<<<<<<< ours\n");
     let said = review(folder.path(), &["--json"]);
     assert_eq!(said.code, 0, "{}", said.stderr);
-    let words = "counted as new: `snapshots/fold_02.describe@start.snap` is not a snapshot that can be read: it does not begin";
+    let words = "counted as new: `snapshots/fold_02.describe@start.snap` is not a snapshot that can be read: line 1 begins a merge conflict";
     assert!(said.stderr.contains(words), "{}", said.stderr);
     assert_eq!(said.stderr.lines().count(), 1, "{}", said.stderr);
     let value: Value = serde_json::from_str(&said.stdout).unwrap();

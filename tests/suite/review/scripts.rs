@@ -167,7 +167,7 @@ fn an_id_that_names_nothing_or_too_much_changes_nothing() {
 }
 
 #[test]
-fn places_and_patterns_say_what_is_meant() {
+fn places_and_parts_of_ids_say_what_is_meant() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path();
     one_edit(&root.join("tasks/snapshots"), 3);
@@ -183,9 +183,8 @@ fn places_and_patterns_say_what_is_meant() {
     assert_eq!(count(&["tasks/fold_02.fab"]), 1);
     assert_eq!(count(&["target"]), 1);
     assert_eq!(count(&["--only", "02"]), 1);
-    assert_eq!(count(&["--only", "fold_?1.*@start"]), 2);
     assert_eq!(count(&["--only", "fold"]), 4);
-    assert_eq!(count(&["--only", "fold_*@nowhere"]), 0);
+    assert_eq!(count(&["--only", "@nowhere"]), 0);
     let said = review(root, &["nowhere"]);
     assert_eq!(said.code, 2);
     assert!(

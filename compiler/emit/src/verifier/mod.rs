@@ -39,6 +39,7 @@ struct Module<'p> {
     offered: String,
     checks: Vec<Check>,
     measures: Vec<Measure>,
+    /// The functions that the checks call.
     support: &'static str,
 }
 
@@ -97,7 +98,7 @@ pub(super) fn emit(program: &Program, dialect: &'static Dialect) -> Result<Strin
             .map(check)
             .collect::<Result<_, _>>()?,
         measures: measures(),
-        support: dialect.support,
+        support: without_header(dialect.support),
         fields,
     };
     Ok(render(dialect.template, &module))
@@ -119,6 +120,11 @@ fn measures() -> Vec<Measure> {
         }
     };
     lengths.map(measure).collect()
+}
+
+/// Returns a file's text below the comment that says what the file is for.
+fn without_header(text: &'static str) -> &'static str {
+    text.split_once("\n\n").map_or(text, |(_, below)| below)
 }
 
 fn render(template: &str, module: &Module<'_>) -> String {

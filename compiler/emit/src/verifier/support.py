@@ -1,7 +1,7 @@
-# The functions that the checks call, the same in Rust and in Python.
+# The functions that emitted checks call, the same as in `support.rs`; without these lines, the end of each module.
 #
-# Each does what one line of fabc's own interpreter does, on the same floats in the same order. Whole
-# numbers become floats first, because those of Python never round.
+# Each does what one line of `fab_program::eval` does, on the same floats in the same order. Whole numbers become
+# floats first, because those of Python never round.
 
 
 def is_point(scene, keypoints, point):

@@ -1,6 +1,6 @@
-// The functions that the checks call, the same in Rust and in Python.
-//
-// Each does what one line of fabc's own interpreter does, on the same floats in the same order.
+//! The functions that emitted checks call, the same as in `support.py`; without these lines, the end of each module.
+//!
+//! Each does what one line of `fab_program::eval` does, on the same floats in the same order.
 
 /// Whether every part holds.
 fn all<const N: usize>(parts: [bool; N]) -> bool {

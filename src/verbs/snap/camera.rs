@@ -1,59 +1,66 @@
-//! What the simulator's camera adds to a task: scenes, pictures, and the full text of each stage.
+//! What the camera adds to a task: scenes, pictures, and the full text of each stage.
 //!
-//! Simulation is lazy: if scenes and pictures are pinned, no cloth is laid.
+//! Simulation is lazy: if scenes and pictures are pinned, no cloth is laid. The authoring tool has no camera; it renders
+//! texts for scenes that are pinned, and cannot draw.
 
-use super::scene::{Moment, PinnedAction, PinnedScene};
+use super::scene::{Moment, PinnedScene};
 use crate::exit::Failure;
 use crate::io::Io;
-use crate::sources;
-use crate::sources::TaskArguments;
 use crate::verbs::render::page::DisplayMessage;
-use crate::verbs::render::shown_without_drawing;
-use crate::verbs::runtime::setting;
-use crate::verbs::runtime::setting::FrameArguments;
-use crate::verbs::runtime::setting::StartArguments;
-use crate::verbs::runtime::step_scene::{StepScene, scene_at_step};
-use fab_agent::examples::Examples;
-use fab_agent::policy;
-use fab_agent::subgoals::SubgoalSet;
-use fab_base::interrupt::Interrupt;
-use fab_picture::png;
 use fab_program::render::Values;
-use fab_program::scene::SceneView;
-use fab_program::{ClothStart, KeypointShape, Picture, Program, Stage, Subgoals};
-use fab_world::World;
-use std::cell::OnceCell;
-use std::collections::BTreeMap;
+use fab_program::{Picture, Program, Stage};
 use std::path::Path;
 
-/// Replaces declared programs whose cloth comes from a file of another grid by fitting ones, as a run does.
+#[cfg(feature = "runtime")]
+use {
+    super::scene::PinnedAction,
+    crate::sources::TaskArguments,
+    crate::verbs::render::camera::{fitted_to_start, shown_without_drawing},
+    crate::verbs::runtime::setting::{self, FrameArguments, StartArguments},
+    crate::verbs::runtime::step_scene::{StepScene, scene_at_step},
+    fab_agent::examples::Examples,
+    fab_agent::policy,
+    fab_agent::subgoals::SubgoalSet,
+    fab_base::interrupt::Interrupt,
+    fab_picture::png,
+    fab_program::scene::SceneView,
+    fab_program::{KeypointShape, Subgoals},
+    fab_world::World,
+    std::cell::OnceCell,
+    std::collections::BTreeMap,
+};
+
+/// A camera over the cloth of one program.
+pub struct Camera<'p> {
+    program: &'p Program,
+    /// Holds the program's file.
+    #[cfg(feature = "runtime")]
+    folder: &'p Path,
+    io: &'p Io,
+    #[cfg(feature = "runtime")]
+    world: Option<Box<dyn World>>,
+    #[cfg(feature = "runtime")]
+    seen: BTreeMap<Moment, StepScene>,
+    #[cfg(feature = "runtime")]
+    examples: OnceCell<Examples>,
+}
+
+/// Replaces programs whose cloth comes from a file of another grid by fitting ones, as a run does.
+#[cfg(feature = "runtime")]
 pub fn fitted(file: &str, programs: Vec<Program>, io: &Io) -> Result<Vec<Program>, Failure> {
     let fit = |program: Program| {
-        if !matches!(program.cloth.start, ClothStart::File { .. }) {
-            return Ok(program);
-        }
-        let world = setting::world(&program).map_err(Failure::environment)?;
-        let folder = sources::folder_of(file);
-        let interrupt = Interrupt::default();
-        let start = setting::start(
-            &program,
-            &folder,
-            &AS_DECLARED,
-            world.as_ref(),
-            &interrupt,
-            io,
-        )?;
         let task = TaskArguments {
             file: file.to_owned(),
             task: Some(program.task.clone()),
             variant: program.variant.clone(),
         };
-        setting::fitted(&task, &program, &start, io)
+        fitted_to_start(&task, &program, &AS_DECLARED, &Interrupt::default(), io)
     };
     programs.into_iter().map(fit).collect()
 }
 
 /// The start that the task declares.
+#[cfg(feature = "runtime")]
 const AS_DECLARED: StartArguments = StartArguments {
     start: None,
     frame: FrameArguments {
@@ -62,18 +69,7 @@ const AS_DECLARED: StartArguments = StartArguments {
     },
 };
 
-/// A camera over the cloth of one program.
-pub struct Camera<'p> {
-    program: &'p Program,
-    /// Holds the program's file.
-    pub folder: &'p Path,
-    /// The stream for talk.
-    pub io: &'p Io,
-    world: Option<Box<dyn World>>,
-    seen: BTreeMap<Moment, StepScene>,
-    examples: OnceCell<Examples>,
-}
-
+#[cfg(feature = "runtime")]
 impl<'p> Camera<'p> {
     /// Makes a camera for a program; `folder` holds its file.
     pub fn of(program: &'p Program, folder: &'p Path, io: &'p Io) -> Camera<'p> {
@@ -91,19 +87,20 @@ impl<'p> Camera<'p> {
     pub fn scene(&mut self, moment: &Moment, seen_of: String) -> Result<PinnedScene, Failure> {
         let program = self.program;
         let seen = self.seen(moment)?;
-        let shape = |shape| {
-            let keypoints = program.keypoints.iter();
-            keypoints.filter(move |keypoint| keypoint.extractor.shape() == shape)
-        };
-        let points = shape(KeypointShape::Points).chain(shape(KeypointShape::Point));
-        let points = points.filter_map(|keypoint| {
-            let points = seen.scene.points(&keypoint.name)?;
-            Some((keypoint.name.clone(), points))
-        });
-        let areas = shape(KeypointShape::Mask).filter_map(|keypoint| {
-            let area = seen.scene.area_px(&keypoint.name)?;
-            Some((keypoint.name.clone(), area))
-        });
+        let mut points = BTreeMap::new();
+        let mut areas = BTreeMap::new();
+        for keypoint in &program.keypoints {
+            let name = &keypoint.name;
+            match keypoint.extractor.shape() {
+                KeypointShape::Point | KeypointShape::Points => {
+                    points.extend(seen.scene.points(name).map(|it| (name.clone(), it)));
+                }
+                KeypointShape::Mask => {
+                    areas.extend(seen.scene.area_px(name).map(|it| (name.clone(), it)));
+                }
+                _ => {}
+            }
+        }
         let last = seen.last.as_ref().map(|last| PinnedAction {
             fields: last.proposal.fields.iter().cloned().collect(),
             pick: last.pick,
@@ -114,8 +111,8 @@ impl<'p> Camera<'p> {
             start: moment.start,
             step: moment.step,
             last,
-            points: points.collect(),
-            areas: areas.collect(),
+            points,
+            areas,
         })
     }
 
@@ -207,5 +204,57 @@ impl<'p> Camera<'p> {
         }
         let world = self.world.as_mut().expect("it was made above");
         Ok(world.as_mut())
+    }
+}
+
+/// Returns the programs unchanged: the authoring tool lays no cloth.
+#[cfg(not(feature = "runtime"))]
+pub fn fitted(_file: &str, programs: Vec<Program>, _io: &Io) -> Result<Vec<Program>, Failure> {
+    Ok(programs)
+}
+
+#[cfg(not(feature = "runtime"))]
+impl<'p> Camera<'p> {
+    /// Makes what takes the place of a camera.
+    pub fn of(program: &'p Program, _folder: &'p Path, io: &'p Io) -> Camera<'p> {
+        Camera { program, io }
+    }
+
+    /// Fails: there is no camera.
+    pub fn scene(&mut self, moment: &Moment, _seen_of: String) -> Result<PinnedScene, Failure> {
+        Err(Failure::environment(format!(
+            "the scene `{}` of `{}` is not pinned, or is of another cloth, camera or keypoints; this build of fabc has no camera to see it anew",
+            moment.name,
+            self.program.title()
+        )))
+    }
+
+    /// Returns the messages of a stage; `None` if they include demonstrations, which this build cannot read.
+    pub fn messages(
+        &self,
+        stage: &Stage,
+        values: Values<'_>,
+        step: u32,
+    ) -> Result<Option<Vec<DisplayMessage>>, Failure> {
+        let program = self.program;
+        if program.demos.iter().any(|demos| demos.stage == stage.name) {
+            self.io.talk(&format!(
+                "note: `{}` is shown demonstrations in stage {}, which this build of fabc cannot read; its snapshots are not checked",
+                program.title(),
+                stage.name
+            ));
+            return Ok(None);
+        }
+        let messages = crate::verbs::render::page::messages(program, stage, values, step);
+        messages.map(Some).map_err(Failure::environment)
+    }
+
+    /// Returns `None`: this build cannot draw.
+    pub fn picture(&mut self, _: &Moment, _: &Picture) -> Result<Option<Vec<u8>>, Failure> {
+        self.io.talk(&format!(
+            "note: a picture of `{}` may have changed, and this build of fabc cannot draw",
+            self.program.title()
+        ));
+        Ok(None)
     }
 }

@@ -4,19 +4,18 @@ mod from_images;
 mod page;
 mod pictures;
 mod points;
-mod subgoals;
 
+pub use from_images::draft;
 pub use points::point_text;
-pub use subgoals::Drawn;
 
-use super::{Draft, NewFoldArguments};
 use crate::exit::Failure;
 use crate::io::Io;
+use crate::verbs::runtime::setting;
 use clap::{Args, ValueHint};
-use std::path::PathBuf;
-
-/// The verbs to suggest next.
-pub const NEXT: [&str; 3] = ["render", "test", "run"];
+use fab_agent::subgoals::{self, SubgoalError, SubgoalSet};
+use fab_program::{Program, Subgoals};
+use fab_world::WorldError;
+use std::path::{Path, PathBuf};
 
 /// Pictures to draft a fold from.
 #[derive(Args)]
@@ -54,17 +53,43 @@ fn length(text: &str, [least_mm, most_mm]: [f64; 2]) -> Result<f64, String> {
     let Some(found_mm) = units.into_iter().find_map(read) else {
         return Err("write a number with its unit, such as `340mm`, `34cm` or `0.34m`".to_owned());
     };
-    match (least_mm..=most_mm).contains(&found_mm) {
+    if (least_mm..=most_mm).contains(&found_mm) {
         // Whole tenths of a millimetre, as the file states lengths.
-        true => Ok((found_mm * 10.0).round() / 10_000.0),
-        false => Err(format!("right is from {least_mm}mm to {most_mm}mm")),
+        Ok((found_mm * 10.0).round() / 10_000.0)
+    } else {
+        Err(format!("right is from {least_mm}mm to {most_mm}mm"))
     }
 }
 
-/// Drafts a fold from the user's pictures, if there are any.
-pub fn draft(arguments: &NewFoldArguments, io: &Io) -> Result<Option<Draft>, Failure> {
-    match arguments.pictures.from_images.is_empty() {
-        true => Ok(None),
-        false => from_images::draft(arguments, io).map(Some),
+/// The subgoal pictures of a new task, and the parameters of the world in which they were drawn.
+pub struct Drawn {
+    pictures: subgoals::Drawn,
+    parameters: String,
+}
+
+impl Drawn {
+    /// Executes a task's demonstration; `None` if it has none.
+    pub fn of(program: &Program, io: &Io) -> Result<Option<Drawn>, Failure> {
+        if !matches!(program.subgoals, Some(Subgoals::Demonstrate { .. })) {
+            return Ok(None);
+        }
+        let interrupt = io.interrupt()?;
+        let mut world = setting::world(program).map_err(Failure::environment)?;
+        let beside = Path::new("");
+        let drawn = SubgoalSet::draw(program, beside, world.as_mut(), &interrupt, &mut |_| {});
+        match drawn {
+            Ok(pictures) => Ok(Some(Drawn {
+                pictures,
+                parameters: world.parameters(),
+            })),
+            Err(SubgoalError::World(WorldError::Interrupted)) => Err(Failure::interrupted()),
+            Err(error) => Err(Failure::environment(error)),
+        }
+    }
+
+    /// Writes the pictures beside the task; returns their paths.
+    pub fn write(&self, program: &Program, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+        let pinned = self.pictures.pin(program, folder, &self.parameters);
+        pinned.map_err(Failure::environment)
     }
 }

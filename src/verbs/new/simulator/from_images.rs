@@ -1,14 +1,13 @@
 //! Drafts a fold from the user's pictures, as a task's text.
 //!
-//! In: files, and what `fab_agent::draft` finds in them. Out: a [`Draft`]; `page` writes its text and its guesses.
+//! In: files, and what `fab_agent::draft` finds in them. Out: a [`Draft`]; `page` writes its text.
 
 use super::page::Page;
 use super::pictures::{self, Brought};
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::sources;
-use crate::verbs::new::NewFoldArguments;
-use crate::verbs::new::{Draft, FOLDING, file_of, folder_of, shown};
+use crate::verbs::new::{Draft, FOLDING, NewFoldArguments, shown};
 use fab_agent::draft;
 use fab_agent::draft::{DraftError, NamedPicture, StatedMeasures};
 use fab_picture::png;
@@ -28,18 +27,17 @@ pub fn draft(arguments: &NewFoldArguments, io: &Io) -> Result<Draft, Failure> {
     let (places, copies) = places(arguments, &brought);
     let page = Page {
         name: &arguments.task.name,
-        stated: &stated,
         pictures,
         places: &places,
         found: &found,
     };
-    let file = shown(&file_of(&arguments.task));
-    let sheet = file_of(&arguments.task).with_extension("png");
+    let file = arguments.task.file();
+    let sheet = file.with_extension("png");
+    let file = shown(&file);
     Ok(Draft {
         text: page.text(),
         library: FOLDING,
         pictures: copies,
-        guesses: page.guesses(),
         next: vec![
             format!("fabc subgoals {file} --sheet {}", shown(&sheet)),
             format!("fabc render {file}"),
@@ -79,7 +77,7 @@ fn places(
     arguments: &NewFoldArguments,
     brought: &Brought,
 ) -> (Vec<String>, Vec<(PathBuf, Vec<u8>)>) {
-    let folder = folder_of(&arguments.task);
+    let folder = arguments.task.folder();
     let mut copies = Vec::new();
     let numbered = arguments
         .pictures
@@ -101,11 +99,8 @@ fn places(
 /// Returns a picture's path relative to the task's folder, if it lies inside under a name that a task can state.
 fn beside(folder: &Path, path: &Path) -> Option<String> {
     let real = sources::inside(folder, path).ok()?;
-    let folder = match folder.as_os_str().is_empty() {
-        true => Path::new("."),
-        false => folder,
-    };
-    let below = real.strip_prefix(folder.canonicalize().ok()?).ok()?;
+    let folder = Path::new(".").join(folder).canonicalize().ok()?;
+    let below = real.strip_prefix(folder).ok()?;
     let parts = below.iter().map(|part| part.to_str());
     let path = parts.collect::<Option<Vec<&str>>>()?.join("/");
     let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "._-/".contains(letter);

@@ -1,0 +1,70 @@
+//! Snapshot files: prompts and pictures as the user last accepted them, and proposed new versions.
+//!
+//! In: a folder `snapshots/` in insta's file format. `NAME.snap` is accepted, `NAME.snap.new` is pending; a picture's
+//! bytes lie beside its file as `NAME.snap.png` and `NAME.snap.new.png`.
+//! Out: [`Snapshot`]s, and changes of the folder, one file after the other, each by one rename. A process that is killed
+//! in between leaves some snapshots changed and others not, which the next run goes on from.
+//! Callers decide which snapshots to make and what to do with pending ones.
+
+mod folder;
+mod format;
+
+#[cfg(test)]
+mod tests;
+
+pub use folder::{Folder, Side};
+pub use format::{Contents, Info, Origin, Snapshot};
+
+use serde::Serialize;
+use std::fmt;
+use std::io;
+use std::path::PathBuf;
+
+/// Name of the folder that holds snapshots, beside their source files.
+pub const FOLDER: &str = "snapshots";
+
+/// The name of a snapshot, such as `double_straight.describe@start`; also its file's name without the extension.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(transparent)]
+pub struct Name(pub String);
+
+impl fmt::Display for Name {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// Why a snapshot folder cannot be read or changed.
+#[derive(Debug, thiserror::Error)]
+pub enum SnapshotError {
+    /// A file or folder cannot be read.
+    #[error("cannot read `{path}`: {why}")]
+    Unreadable {
+        /// The file or folder.
+        path: PathBuf,
+        /// The reason.
+        why: String,
+    },
+    /// A file cannot be written, renamed or removed.
+    #[error("cannot change `{path}`: {error}")]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// The system's message.
+        error: io::Error,
+    },
+    /// A file does not have the snapshot format.
+    #[error("`{path}` is not a snapshot that can be read: {why}")]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        why: String,
+    },
+    /// The pending snapshot is not the one that was shown.
+    #[error("`{path}` has changed since it was shown, and was not accepted; look at it again")]
+    Changed {
+        /// The pending file.
+        path: PathBuf,
+    },
+}

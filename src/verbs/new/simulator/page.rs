@@ -1,0 +1,295 @@
+//! Writes the text of a drafted task.
+//!
+//! In: what `fab_agent::draft` found in pictures. Out: text that compiles, with a comment
+//! `# guessed: …` at each guess.
+
+use super::points::{fold_text, point_text};
+use crate::verbs::new::GUESSED;
+use fab_agent::draft;
+use fab_agent::draft::{ArrowOrigin, DraftStep, NamedPicture};
+use fab_base::wording::quoted;
+use fab_program::{Fold, Sequence};
+
+/// The camera of the base task: height, millimetres, and side of its pictures, pixels.
+const BASE_HEIGHT_MM: f64 = 650.0;
+const BASE_PX: u32 = 224;
+/// Its field of view, degrees.
+const BASE_FOV_DEG: f64 = 45.0;
+
+/// Least overlap that the base task requires of a step's result.
+const BASE_ALIKE: f64 = 0.7;
+
+/// How far below the picture's own overlap a model's result may stay.
+const MARGIN: f64 = 0.1;
+
+/// Height above the table from which pixels count as cloth, millimetres; a flat cloth lies at 5 mm.
+const CLOTH_MM: f64 = 4.0;
+
+/// A cloth that covers a smaller share of its rectangle may not be rectangular, so the draft says that it is not sure.
+const RECTANGULAR: f64 = 0.93;
+
+/// Rotation from which on a note is written, degrees.
+const TURNED_DEG: f64 = 3.0;
+
+/// The inputs of the text.
+pub struct Page<'p> {
+    /// The task's name.
+    pub name: &'p str,
+    /// The pictures, under the user's names.
+    pub pictures: &'p [NamedPicture],
+    /// What the task calls the pictures.
+    pub places: &'p [String],
+    /// What the pictures show.
+    pub found: &'p draft::Draft,
+}
+
+impl Page<'_> {
+    /// Returns the task's text.
+    pub fn text(&self) -> String {
+        let found = self.found;
+        // Only if every step has a fold that explains its pictures.
+        let folds: Option<Vec<Fold>> = found.steps.iter().map(|it| it.found().cloned()).collect();
+        let (goal, experts, sequences) = match &folds {
+            Some(folds) => (
+                self.goal(),
+                "    experts @NAME@_folds\n\n",
+                self.sequences(folds),
+            ),
+            None => (
+                format!(
+                    "    {GUESSED}nothing to score by, since not every fold is known: the task has no goal, and runs to its last step\n"
+                ),
+                "",
+                String::new(),
+            ),
+        };
+        let steps = found.steps.iter();
+        let places = steps.filter_map(|step| Some(point_text(&step.fold.as_ref()?.place)));
+        let places: Vec<String> = places.collect();
+        let is_side = |place: &String| !place.starts_with("corner") && !place.starts_with("center");
+        let base = if places.iter().any(is_side) {
+            "folding_to_sides"
+        } else {
+            "folding"
+        };
+        let cloth = format!("grid({}, {})", found.cloth.dimx, found.cloth.dimy);
+        let guesses = self.guesses().into_iter();
+        let guesses = guesses.map(|guess| format!("    {GUESSED}{guess}\n"));
+        let across = |share: f64| {
+            (share * f64::from(found.camera.image_px))
+                .round()
+                .to_string()
+        };
+        let mut text = include_str!("from_images.fab").to_owned();
+        for (mark, filled) in [
+            ("@BASE@", base),
+            ("@CLOTH@", &cloth),
+            ("    @GUESSES@\n", &guesses.collect::<String>()),
+            ("    @CAMERA@\n", &self.camera()),
+            ("    @GOAL@\n", &goal),
+            ("    @ALIKE@\n", &self.alike()),
+            ("    @SIDES@\n", &format!("{}\n", self.keypoints(&places))),
+            ("    @IMAGES@\n", &self.images()),
+            ("    @EXPERTS@\n", experts),
+            ("@SEQUENCES@\n", &sequences),
+            ("@LOW@", &across(0.2)),
+            ("@HIGH@", &across(0.8)),
+            ("@OFF@", &across(0.9)),
+            ("@MIDDLE@", &across(0.5)),
+            ("@NAME@", self.name),
+        ] {
+            text = text.replace(mark, filled);
+        }
+        text.trim_end().to_owned() + "\n"
+    }
+
+    fn height_mm(&self) -> f64 {
+        (self.found.camera.height_m * 10_000.0).round() / 10.0
+    }
+
+    fn fov_deg(&self) -> f64 {
+        (self.found.camera.fov_rad.to_degrees() * 10.0).round() / 10.0
+    }
+
+    /// States what is assumed of camera and cloth, or follows from what the user stated, and of all pictures.
+    fn guesses(&self) -> Vec<String> {
+        let cloth = &self.found.cloth;
+        let [width, depth] = [cloth.dimx, cloth.dimy]
+            .map(|particles| f64::from(particles - 1) * cloth.spacing_m * 1000.0);
+        let mut guesses = vec![format!(
+            "the camera is {} mm above the table and has a field of view of {} degrees, and the cloth measures {width:.0} mm by {depth:.0} mm",
+            self.height_mm(),
+            self.fov_deg()
+        )];
+        let turned_deg = self.found.turned_rad.to_degrees();
+        if turned_deg.abs() >= TURNED_DEG {
+            let direction = if turned_deg > 0.0 {
+                "clockwise"
+            } else {
+                "counter-clockwise"
+            };
+            guesses.push(format!(
+                "the cloth lies turned by {:.0} degrees {direction} in the pictures; folds are said as if it lay straight",
+                turned_deg.abs()
+            ));
+        }
+        if self.found.rectangular < RECTANGULAR {
+            guesses.push(format!(
+                "not sure: the cloth is a rectangle, of which {:.2} is seen",
+                self.found.rectangular
+            ));
+        }
+        let steps = self.found.steps.iter().zip(self.pictures);
+        let bare = steps.filter(|(step, _)| step.origin == ArrowOrigin::Proposed);
+        let bare = quoted(bare.map(|(_, picture)| &picture.name));
+        if !bare.is_empty() {
+            guesses.push(format!(
+                "no arrow found in {bare} (arrows must be black, with a ring at the tail and a head at the tip); \
+                 proposed one from the difference between the pictures"
+            ));
+        }
+        guesses
+    }
+
+    fn goal(&self) -> String {
+        let untouched_mm = self.found.untouched_m * 1000.0;
+        let limit_mm = (0.3 * untouched_mm).round().clamp(2.0, 40.0);
+        format!(
+            "    goal  particle_distance < {limit_mm}mm   # from what the folds below come to, on average; \
+             an untouched cloth scores {untouched_mm:.0} mm\n"
+        )
+    }
+
+    /// States the least overlap to require of the steps' results, if the base task requires too much.
+    fn alike(&self) -> String {
+        let overlaps = self.found.steps.iter().map(|step| step.overlap);
+        let least = overlaps.fold(1.0, f64::min) - MARGIN;
+        let alike = (least * 100.0).floor().max(1.0) / 100.0;
+        if alike >= BASE_ALIKE {
+            return String::new();
+        }
+        format!(
+            "    const alike = {alike}   # a step whose result shares less of the next picture's outline is tried again\n"
+        )
+    }
+
+    /// Writes the camera if it differs from the base task's.
+    fn camera(&self) -> String {
+        let (height_mm, fov_deg) = (self.height_mm(), self.fov_deg());
+        let side_px = self.found.camera.image_px;
+        if (height_mm, fov_deg, side_px) == (BASE_HEIGHT_MM, BASE_FOV_DEG, BASE_PX) {
+            return String::new();
+        }
+        format!(
+            "    camera top_down(height: {height_mm}mm, fov: {fov_deg}deg, image: {side_px}px)\n"
+        )
+    }
+
+    /// Writes the keypoints that differ from the base task's.
+    ///
+    /// - `places`: where the folds end.
+    fn keypoints(&self, places: &[String]) -> String {
+        let mut lines = String::new();
+        let height_mm = self.height_mm();
+        if height_mm != BASE_HEIGHT_MM {
+            lines.push_str(&format!(
+                "        cloth = mask(depth < {}mm)   # the table is {height_mm}mm away\n",
+                height_mm - CLOTH_MM
+            ));
+        }
+        if places.iter().any(|place| place.starts_with("point")) {
+            lines.push_str(SIDES_NOW);
+        }
+        if lines.is_empty() {
+            return lines;
+        }
+        format!("    keypoints {{\n{lines}    }}\n")
+    }
+
+    /// Writes the pictures, with a guess before each from which a step begins.
+    fn images(&self) -> String {
+        let mut lines = String::new();
+        for (number, place) in self.places.iter().enumerate() {
+            let mut arrow = String::new();
+            if let Some(step) = self.found.steps.get(number) {
+                let [before, after] = [number, number + 1].map(|at| &self.pictures[at].name);
+                let guess = self.guess(step, place);
+                lines.push_str(&format!(
+                    "        {GUESSED}from `{before}` to `{after}`: {guess}\n"
+                ));
+                if step.origin == ArrowOrigin::Proposed && !is_lost(step) {
+                    let [tail, tip] = step.arrow.map(|at| self.written(at));
+                    arrow = format!(" arrow {tail} -> {tip}");
+                }
+            }
+            lines.push_str(&format!("        image \"{place}\"{arrow}\n"));
+        }
+        lines
+    }
+
+    fn guess(&self, step: &DraftStep, place: &str) -> String {
+        let fold = match &step.fold {
+            Some(fold) => fold_text(fold),
+            None => "between points without names".to_owned(),
+        };
+        let overlap = step.overlap;
+        if is_lost(step) {
+            let across = |share: f64| (share * f64::from(self.found.camera.image_px)).floor();
+            let (near, middle) = (across(0.2), across(0.5));
+            return format!(
+                "no fold found; the best guess is {fold} (overlap {overlap:.2}). Write by hand: \
+                 `image \"{place}\" arrow ({near}px, {near}px) -> ({middle}px, {middle}px)`, with the pixels, \
+                 (column, row) from the top left, where the step picks and places"
+            );
+        }
+        let arrow = match step.origin {
+            ArrowOrigin::Drawn => {
+                let [tail, tip] = step.arrow.map(|[u, v]| format!("({u:.0}, {v:.0})"));
+                format!(", by the arrow in the picture from {tail} to {tip}")
+            }
+            ArrowOrigin::Proposed => String::new(),
+        };
+        let doubt = if step.is_sure() { "" } else { "not sure: " };
+        let next = match &step.next_best {
+            Some((next, better)) if *better > overlap => format!(
+                "; {better:.2} for {}, between points that are named less often",
+                fold_text(next)
+            ),
+            Some((next, less)) => format!(", next best {less:.2} for {}", fold_text(next)),
+            None => String::new(),
+        };
+        format!("{doubt}{fold}{arrow} (overlap {overlap:.2}{next})")
+    }
+
+    /// Writes a pixel of the picture; a point outside the picture is clamped to it.
+    fn written(&self, at: [f64; 2]) -> String {
+        let last = f64::from(self.found.camera.image_px - 1);
+        // A point just short of the picture's middle counts as the middle.
+        let [u, v] = at.map(|at| (at + 0.001).floor().clamp(0.0, last));
+        format!("({u}px, {v}px)")
+    }
+
+    fn sequences(&self, folds: &[Fold]) -> String {
+        let sequence = |Sequence { folds }: Sequence| {
+            let folds: Vec<String> = folds.iter().map(fold_text).collect();
+            format!("    sequence {{ fold {} }}\n", folds.join(", "))
+        };
+        let all = draft::symmetric(folds, &self.found.cloth);
+        let all: String = all.into_iter().map(sequence).collect();
+        format!(
+            "# The folds that count as right: those of the pictures, from each side from which the cloth looks the same.\n\
+             experts @NAME@_folds {{\n{all}}}\n"
+        )
+    }
+}
+
+/// Side points as the cloth lies now: a fold that ends neither on a corner nor on a side's middle may end on a crease.
+const SIDES_NOW: &str = "        # One fold ends elsewhere than on a corner or a side's middle, so these sides are those of the cloth now.
+        outline     = contour(cloth, tolerance: 4px)
+        side_points = edge_middles(outline)
+";
+
+/// Returns whether all that is known of a step is a guess that does not explain it.
+fn is_lost(step: &DraftStep) -> bool {
+    step.origin == ArrowOrigin::Proposed && step.found().is_none()
+}
