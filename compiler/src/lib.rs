@@ -46,7 +46,6 @@ mod merge;
 mod path;
 mod syntax;
 
-pub use check::MAX_INHERITED_BYTES;
 pub use fab_grammar::is_keyword;
 pub use fab_grammar::{FileId, Source, Sources, Span, line_and_column};
 pub use load::{MAX_FILES, MAX_TOTAL_BYTES, MAX_USE_DEPTH};

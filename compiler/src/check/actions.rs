@@ -266,9 +266,6 @@ fn points<'a>(
 
 /// Reports an unquoted choice that names no keypoint, in a field that may offer words.
 fn bare_word(name: Name<'_>, context: &mut Context<'_, '_>) -> Reported {
-    if let Err(reported) = context.may_be_hidden(name.text()) {
-        return reported;
-    }
     let message = format!("there is no keypoint `{}`", name.text());
     let diagnostic = Diagnostic::new(Code::UnknownName, name.span(), message);
     context.error(match nearest(name.text(), offerable(context)) {

@@ -19,14 +19,14 @@ pub(crate) fn check<'a>(
     merged: &Merged<'a>,
     context: &mut Context<'a, '_>,
 ) -> Vec<(&'a str, Result<Layer, Reported>)> {
-    let layers = || merged.annotate.into_iter().flat_map(|part| part.list());
+    let layers = || merged.annotate().into_iter().flat_map(|part| part.list());
     let twice = unique(layers().map(|layer| layer.name()), "layer", context.report);
     let beyond = layers().nth(MAX_LAYERS).map(|layer| layer.name().span());
     let within = context.bounded(beyond, || format!("a task has at most {MAX_LAYERS} layers"));
     let layer = |declared: NamedValue<'a>| {
         let name = declared.name().text();
         let layer = within.and_then(|()| layer(declared, context));
-        (name, layer.and_then(|layer| twice.of(name).map(|()| layer)))
+        (name, layer.and_then(|layer| twice.map(|()| layer)))
     };
     layers().map(layer).collect()
 }

@@ -77,9 +77,7 @@ pub(crate) fn masks_see_cloth(
     let mm = |length_m: f64| written(length_m * 1000.0, 3);
     for (keypoint, below_m) in masks {
         let name = &keypoint.name;
-        // What replaces an inherited mask may be in text that could not be read.
-        let hidden = context.names.hidden(name, context.loaded);
-        let (Some(declared), None) = (merged.keypoints.get(name), hidden) else {
+        let Some(declared) = merged.keypoints.get(name) else {
             continue;
         };
         let message = format!(

@@ -23,7 +23,7 @@ pub(super) fn check(
     merged: &Merged<'_>,
     report: &mut Report,
 ) -> Result<(), Reported> {
-    let names = merged.actions.into_iter().flat_map(|part| part.fields());
+    let names = merged.actions().into_iter().flat_map(|part| part.fields());
     let names: Vec<Name<'_>> = names.map(|part| part.name()).collect();
     let mut all = Ok(());
     for (index, field) in fields.iter().enumerate() {

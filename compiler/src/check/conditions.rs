@@ -103,7 +103,6 @@ fn compare<'a>(compare: Compare<'a>, context: &mut Context<'a, '_>) -> Result<Co
         && context.names.get(word.text()).is_none()
     {
         let (span, word) = (word.span(), word.text());
-        context.may_be_hidden(word)?;
         let left = context.written(compare.left().span());
         let message = format!("`{left}` is compared with `{word}`, which is not a text in quotes");
         let diagnostic = Diagnostic::new(Code::WrongExpression, span, message);

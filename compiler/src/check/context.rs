@@ -2,20 +2,28 @@
 
 use super::names::Names;
 use super::variables::Variables;
-use crate::diag::{Code, Diagnostic, Report, Reported, among, nearest};
+use crate::diag::{Code, Diagnostic, Report, Reported};
 use crate::load::Loaded;
 use fab_grammar::Span;
 use fab_grammar::ast::{Expr, Name, Quantity};
 use fab_program::vocabulary::Word;
-use fab_program::{ActionField, Camera, Cloth, Layer};
+use fab_program::{ActionField, Camera, Cloth, Layer, Material, Sequence};
 use std::collections::BTreeMap;
 
 /// A part of a task: `Ok(None)` if it is not declared, `Err(Reported)` if its declaration is wrong.
 pub(crate) type Declared<T> = Result<Option<T>, Reported>;
 
+/// What files declare outside of tasks, checked once; each by the place of its declaration.
+#[derive(Default)]
+pub(crate) struct Outside {
+    pub experts: BTreeMap<Span, Result<Vec<Sequence>, Reported>>,
+    pub materials: BTreeMap<Span, Result<Material, Reported>>,
+}
+
 /// The shared state of one task's checks.
 pub(crate) struct Context<'a, 'r> {
     pub loaded: &'r Loaded<'a>,
+    pub outside: &'r Outside,
     pub report: &'r mut Report,
     pub names: Names<'a>,
     pub constants: BTreeMap<&'a str, Result<Quantity<'a>, Reported>>,
@@ -59,11 +67,16 @@ impl Fields<'_> {
 }
 
 impl<'a, 'r> Context<'a, 'r> {
-    /// Makes the context for checks outside of tasks, where nothing is declared.
-    pub fn outside(loaded: &'r Loaded<'a>, report: &'r mut Report) -> Context<'a, 'r> {
+    /// Makes the context in which nothing is declared yet.
+    pub fn new(
+        loaded: &'r Loaded<'a>,
+        outside: &'r Outside,
+        report: &'r mut Report,
+    ) -> Context<'a, 'r> {
         Context {
             report,
-            names: Names::none(loaded.entry().id),
+            outside,
+            names: Names::none(),
             constants: BTreeMap::new(),
             cloth: Ok(None),
             grid: None,
@@ -146,7 +159,7 @@ impl<'a, 'r> Context<'a, 'r> {
         }
     }
 
-    /// Reports an unknown name of `kind`, unless it may be declared in a part that did not parse.
+    /// Reports an unknown name of `kind`.
     pub fn unknown<'c>(
         &mut self,
         kind: &str,
@@ -164,29 +177,13 @@ impl<'a, 'r> Context<'a, 'r> {
         span: Span,
         candidates: impl IntoIterator<Item = &'c str>,
     ) -> Reported {
-        if let Err(reported) = self.may_be_hidden(text) {
-            return reported;
-        }
         let mut candidates: Vec<&str> = candidates.into_iter().collect();
         // A word with several forms has several rows, one after the other.
         candidates.dedup();
         let message = format!("there is no {kind} `{text}`");
         let diagnostic = Diagnostic::new(Code::UnknownName, span, message).about(text);
-        self.error(match nearest(text, candidates.iter().copied()) {
-            Some(meant) => diagnostic.meant(span, meant),
-            None if candidates.is_empty() => {
-                diagnostic.help("declare it, or write `use` with the file that declares it")
-            }
-            None => diagnostic.help(format!("there is {}", among(candidates))),
-        })
-    }
-
-    /// Returns the proof of an error if it may hide the declaration of an undeclared name.
-    pub fn may_be_hidden(&self, name: &str) -> Result<(), Reported> {
-        match self.names.get(name) {
-            Some(_) => Ok(()),
-            None => self.names.hidden(name, self.loaded).map_or(Ok(()), Err),
-        }
+        let none = "declare it, or write `use` with the file that declares it";
+        self.error(diagnostic.suggest(text, candidates, none))
     }
 
     /// Finds a word of a closed set of `kind`.

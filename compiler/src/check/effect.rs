@@ -13,7 +13,8 @@ use fab_program::{
 
 /// Warns of each step of the task's demonstration that folds nothing, if that was found out.
 pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Context<'_, '_>) {
-    let (Some(Subgoals::Demonstrate { folds }), Some(part)) = (&program.subgoals, merged.subgoals)
+    let (Some(Subgoals::Demonstrate { folds }), Some(part)) =
+        (&program.subgoals, merged.subgoals())
     else {
         return;
     };

@@ -33,7 +33,7 @@ pub(crate) fn sequences<'a>(
     subgoals: &Declared<Subgoals>,
     context: &mut Context<'a, '_>,
 ) -> Result<Vec<Sequence>, Reported> {
-    let Some(named) = merged.experts else {
+    let Some(named) = merged.experts() else {
         return Ok(match subgoals {
             Ok(Some(Subgoals::Demonstrate { folds })) => vec![Sequence {
                 folds: folds.clone(),
@@ -44,8 +44,7 @@ pub(crate) fn sequences<'a>(
     };
     let file = named.name().span().file;
     match context.loaded.experts(file, named.name().text()) {
-        // Each list is also checked by itself; the report keeps one of two equal findings.
-        Some(found) => check(found, context),
+        Some(found) => context.outside.experts[&found.span()].clone(),
         None => {
             let seen = context
                 .loaded

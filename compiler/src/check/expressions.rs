@@ -548,7 +548,6 @@ fn last_field<'c>(
     let Some(name) = text.strip_prefix("last.") else {
         return Ok(None);
     };
-    context.may_be_hidden(name)?;
     context.actions.get(name)
 }
 
@@ -685,7 +684,6 @@ pub(crate) fn heading<'a>(
             if let Expr::Name(name) = expr {
                 // A broken field is reported at its declaration.
                 context.actions.get(name.text())?;
-                context.may_be_hidden(name.text())?;
             }
             if let Expr::Path(path) = expr {
                 last_field(path.text(), context)?;
@@ -721,7 +719,6 @@ fn direction_field(expr: Expr<'_>, context: &mut Context<'_, '_>) -> Result<Stri
             return Ok(name.text().to_owned());
         }
         context.actions.get(name.text())?;
-        context.may_be_hidden(name.text())?;
     }
     let diagnostic = context.unexpected(Code::WrongExpression, expr, "a field that is a direction");
     let fields = context.actions.right();

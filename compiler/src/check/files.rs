@@ -22,7 +22,7 @@ pub(crate) fn named(
     if let Some(fault) = path::fault(&written) {
         return Err(context.error(bad(format!("the path `{written}` {fault}"))));
     }
-    let here = &context.loaded.texts.portable_names[text.span().file.index()];
+    let here = context.loaded.portable_name(text.span().file);
     let path = path::within(here, &written).ok_or_else(|| {
         let message = format!("the path `{written}` leads out of the folder of the first file");
         context.error(bad(message).help("move it into the folder of the first file, or below"))

@@ -97,12 +97,12 @@ fn has_experts(
     experts: &[Sequence],
     context: &mut Context<'_, '_>,
 ) -> Result<(), Reported> {
-    let are_images = merged.subgoals.is_none_or(|part| {
+    let are_images = merged.subgoals().is_none_or(|part| {
         part.images().next().is_some() && part.demonstrations().next().is_none()
     });
-    let is_meant_to_run = merged.subgoals.is_some()
+    let is_meant_to_run = merged.subgoals().is_some()
         || !merged.stages.is_empty() && merged.statement("cloth").is_some();
-    let has_none = experts.is_empty() && merged.experts.is_none();
+    let has_none = experts.is_empty() && merged.experts().is_none();
     if goal.metric != Metric::ParticleDistance || !has_none || !are_images || !is_meant_to_run {
         return Ok(());
     }

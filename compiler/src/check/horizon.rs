@@ -18,7 +18,7 @@ pub(crate) fn check<'a>(
         .map(|it| it.as_ref().map(|it| it.steps() as u32));
     let Some(statement) = merged.statement("horizon") else {
         let is_meant_to_run = merged.statement("cloth").is_some() && !merged.stages.is_empty();
-        if merged.subgoals.is_none() && is_meant_to_run && merged.missing_base.is_none() {
+        if merged.subgoals().is_none() && is_meant_to_run {
             let name = merged.task.name();
             let message = format!("`{}` has neither subgoals nor a `horizon`", name.text());
             let diagnostic = Diagnostic::new(Code::NoHorizon, name.span(), message)
@@ -41,7 +41,7 @@ pub(crate) fn check<'a>(
         steps(n_shown)
     );
     let place = merged
-        .subgoals
+        .subgoals()
         .map_or(statement.span(), |part| part.head_span());
     let new = |code| Diagnostic::new(code, statement.span(), message).also(place, "the subgoals");
     if stated > n_shown {

@@ -20,8 +20,7 @@ pub(crate) const RESERVED: [&str; 5] = ["last", "step", "scene", "depth", "unrea
 /// Reads the constants.
 pub(crate) fn constants<'a>(merged: &Merged<'a>, context: &mut Context<'a, '_>) {
     for constant in merged.constants.iter() {
-        let once = merged.twice.of(constant.name().text());
-        let is_free = once.and_then(|()| is_free(constant.name(), context));
+        let is_free = is_free(constant.name(), context);
         let value = match constant.value() {
             Expr::Quantity(quantity) => match quantity.unit() {
                 Some(name) => unit(quantity, name, context).map(|_| quantity),

@@ -4,7 +4,7 @@ use super::arguments::{bind, form};
 use super::context::Context;
 use super::expressions::{Scope, values, without_edge};
 use super::short_text::line;
-use crate::diag::{Code, Diagnostic, Report, Reported, among, nearest};
+use crate::diag::{Code, Diagnostic, Report, Reported, among};
 use crate::lang::material::{self, PROPERTIES};
 use crate::load::Loaded;
 use crate::merge::repeated;
@@ -22,7 +22,6 @@ pub(crate) fn check<'a>(
     context: &mut Context<'a, '_>,
 ) -> Result<Material, Reported> {
     // The constants of a task mean nothing here, and `edge` has no size.
-    let context = &mut Context::outside(context.loaded, context.report);
     let name = declared.name();
     let mut all = Ok(());
     if name.text() == RECORDED {
@@ -162,39 +161,19 @@ pub(super) fn named<'a>(
     }
     let file = name.span().file;
     if let Some(declared) = context.loaded.material(file, name.text()) {
-        // Each material is also checked by itself; the report keeps one of two equal findings.
-        return check(declared, context).map(Some);
+        return context.outside.materials[&declared.span()]
+            .clone()
+            .map(Some);
     }
     let seen = context.loaded.visible_from(file);
-    let seen: Vec<&str> = seen
-        .flat_map(|file| &file.materials)
-        .map(|material| material.name().text())
-        .collect();
-    let candidates = || seen.iter().copied().chain([RECORDED]);
-    let is_near = nearest(name.text(), candidates()).is_some();
+    let seen = seen.flat_map(|file| &file.materials);
+    let names = seen.map(|material| material.name().text());
     let message = format!("there is no material `{}`", name.text());
-    let diagnostic = Diagnostic::new(Code::UnknownName, name.span(), message).about(name.text());
-    let library = context.loaded.materials_to_use(file);
-    let in_library = library.as_ref().and_then(|(path, declared)| {
-        let meant = nearest(name.text(), declared.iter().map(String::as_str))?;
-        (meant == name.text() || !is_near).then_some((path, meant))
-    });
-    if let Some((path, meant)) = in_library {
-        context.may_be_hidden(name.text())?;
-        let diagnostic = if meant == name.text() {
-            diagnostic
-        } else {
-            diagnostic.meant(name.span(), meant)
-        };
-        let help = format!("write `use \"{path}\"` at the top of this file: it declares `{meant}`");
-        return Err(context.error(diagnostic.help(help)));
-    }
-    if seen.is_empty() && !is_near {
-        context.may_be_hidden(name.text())?;
-        let help = "declare it, or write `use \"lib/materials.fab\"` for the shipped ones";
-        return Err(context.error(diagnostic.help(help)));
-    }
-    Err(context.unknown("material", name, candidates()))
+    let diagnostic = Diagnostic::new(Code::UnknownName, name.span(), message)
+        .about(name.text())
+        .suggest(name.text(), names.chain([RECORDED]), "");
+    let help = "the shipped ones need `use \"lib/materials.fab\"` at the top of this file";
+    Err(context.error(diagnostic.help(help)))
 }
 
 /// Warns of the materials of the first file that no cloth is made of. A file without tasks declares them for others.

@@ -42,12 +42,13 @@ mod variables;
 mod verify;
 
 use crate::diag::{Code, Diagnostic, Report, Reported};
-use crate::load::Loaded;
-use crate::merge;
-use context::Context;
-use fab_grammar::FileId;
-use fab_grammar::ast::{Body, Name, Task};
-use fab_program::{Material, Program, Test};
+use crate::load::{Loaded, LoadedFile};
+use crate::merge::{self, Bodies, Merged, Site, VariantChange};
+use context::{Context, Outside};
+use fab_grammar::Span;
+use fab_grammar::ast::{Body, Task};
+use fab_program::{Material, Program, SourceStamp, Test};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The result of checking.
 #[derive(Default)]
@@ -62,108 +63,53 @@ pub(crate) struct Checked {
     pub materials: Vec<Material>,
 }
 
-/// The most text that all tasks of a compilation may inherit together, bytes. Each task is checked with all of it.
-pub const MAX_INHERITED_BYTES: usize = 64 << 20;
-
 /// Checks every task of every file, and returns the programs of the entry's tasks.
 ///
 /// - `grid`: particles along X and Y; if given, it replaces the grid of every task's cloth.
 pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Report) -> Checked {
-    let files = || loaded.files.iter();
-    let whole = || files().filter(|file| !loaded.is_malformed(file.id));
-    let tasks = whole().flat_map(|file| &file.tasks);
-    let lists = whole().flat_map(|file| &file.experts);
-    // An error outside of tasks counts against every task that sees the file, so this proof is not needed here.
-    merge::unique(tasks.map(|task| task.name()), "task", report);
-    merge::unique(
-        lists.clone().map(|list| list.name()),
-        "list of experts",
+    let outside = outside_of_tasks(loaded, report);
+    // Only an error outside of tasks counts against every task that sees the file.
+    let forms = loaded.well_formed().map(|file| {
+        let mut seen = loaded.visible_from(file.id);
+        let wrong = seen.find_map(|seen| report.error_in(seen.id));
+        (file, wrong.map_or(Ok(()), Err))
+    });
+    let forms: Vec<(&LoadedFile<'_>, Result<(), Reported>)> = forms.collect();
+    let bodies = Bodies::of(loaded, report);
+    let mut tasks = Tasks {
+        loaded,
+        bodies: &bodies,
+        outside: &outside,
+        stamps: task::stamps(loaded),
+        grid,
+        running: BTreeSet::new(),
+        idle: Vec::new(),
+        checked: Checked {
+            materials: outside.materials.values().flatten().cloned().collect(),
+            ..Checked::default()
+        },
         report,
-    );
-    let materials = whole().flat_map(|file| &file.materials);
-    merge::unique(materials.clone().map(|it| it.name()), "material", report);
-    let mut context = Context::outside(loaded, report);
-    // This reports errors in every material, even in one that no cloth is made of.
-    let materials = materials.filter_map(|declared| material::check(*declared, &mut context).ok());
-    let materials = materials.collect();
-    for list in lists {
-        // This reports errors in every list, even in one that no task names.
-        let _: Result<_, _> = experts::check(*list, &mut context);
-    }
-    let form_of = |file: FileId| {
-        let mut seen = loaded.visible_from(file);
-        seen.find_map(|seen| context.report.error_in(seen.id))
-            .map_or(Ok(()), Err)
     };
-    let forms: Vec<Result<(), Reported>> = files().map(|file| form_of(file.id)).collect();
+    for (file, form) in forms {
+        for task in &file.tasks {
+            tasks.check(*task, form);
+        }
+    }
+    let Tasks {
+        checked,
+        running,
+        idle,
+        ..
+    } = tasks;
+    unused::names(loaded, &running, report);
+    for (change, diagnostic) in idle {
+        // What was found in the variant may be why it changes nothing.
+        if !change.is_some_and(|change| report.finds_within(change)) {
+            report.remark(diagnostic);
+        }
+    }
     if !loaded.is_malformed(loaded.entry().id) {
         material::unused(loaded, report);
-    }
-    let stamps = task::stamps(loaded);
-    let mut checked = Checked {
-        materials,
-        ..Checked::default()
-    };
-    let mut merged_bytes = 0;
-    for (file, form) in files().zip(forms) {
-        // What is found in it may only follow from what does not parse.
-        if loaded.is_malformed(file.id) {
-            continue;
-        }
-        let is_entry = file.id == loaded.entry().id;
-        for task in &file.tasks {
-            // Each task has its own report: an inherited error counts against every task that inherits it, but is
-            // shown once.
-            let mut variants = vec![None];
-            let mut whole_task = None;
-            let mut number = 0;
-            while number < variants.len() {
-                let mut own = Report::default();
-                let merged = merge::merge(*task, variants[number].take(), loaded, &mut own);
-                let experts = merged.experts.and_then(|experts| {
-                    loaded.experts(experts.name().span().file, experts.name().text())
-                });
-                merged_bytes += merged.bytes
-                    + experts.map_or(0, |list| loaded.size(list.name()))
-                    + merged
-                        .material(loaded)
-                        .map_or(0, |it| loaded.size(it.name()));
-                if merged_bytes > MAX_INHERITED_BYTES {
-                    report.absorb(own);
-                    report.error(too_large(task.name()));
-                    return checked;
-                }
-                // Variants of tasks in other files are checked when those files are compiled.
-                if number == 0 && is_entry {
-                    variants.extend(merged.applicable_variants().map(Some));
-                }
-                let built = task::check(&merged, &stamps, grid, form, loaded, &mut own);
-                if let (Some(place), Some(variant), Ok(Some((program, _)))) =
-                    (whole_task, &merged.variant, &built)
-                {
-                    let change = merged.own_body().map(Body::span);
-                    // What was found in it may be why.
-                    let is_explained = change.is_some_and(|change| own.finds_within(change));
-                    let task_program = checked.programs.get(place);
-                    if !is_explained && task_program.is_some_and(|it| program.runs_as(it)) {
-                        own.remark(changes_nothing(variant, *task));
-                    }
-                }
-                report.absorb(own);
-                if let (true, Some(variant), Err(_)) = (is_entry, &merged.variant, &built) {
-                    let name = task.name().text().to_owned();
-                    checked.broken_variants.push((name, variant.name.clone()));
-                }
-                if let (true, Ok(Some((program, tests)))) = (is_entry, built) {
-                    if number == 0 {
-                        whole_task = Some(checked.programs.len());
-                    }
-                    checked.programs.push(program);
-                    checked.tests.extend(tests);
-                }
-                number += 1;
-            }
-        }
     }
     // Otherwise an error may be why.
     if report.has_errors().is_ok() {
@@ -172,26 +118,147 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
     checked
 }
 
-/// Makes the warning for a variant whose program is that of its task.
-fn changes_nothing(variant: &merge::VariantOf<'_>, task: Task<'_>) -> Diagnostic {
-    let (name, base) = (&variant.name, task.name().text());
-    let message = format!("the variant `{name}` changes nothing: it runs as `{base}` does");
-    let whole = task.body().span();
-    match whole.contains(variant.span) {
-        true => Diagnostic::new(Code::VariantChangesNothing, variant.span, message)
-            .help("state in it what it changes, or remove it"),
-        false => Diagnostic::new(Code::VariantChangesNothing, task.name().span(), message)
-            .also(variant.span, "declared here")
-            .help(format!("leave it out: `without variant {name}`")),
+/// Checks what files declare outside of tasks, even lists and materials that no task names.
+fn outside_of_tasks(loaded: &Loaded<'_>, report: &mut Report) -> Outside {
+    let tasks = || {
+        loaded
+            .well_formed()
+            .flat_map(|file| &file.tasks)
+            .map(|it| it.name())
+    };
+    let lists = || loaded.well_formed().flat_map(|file| &file.experts);
+    let materials = || loaded.well_formed().flat_map(|file| &file.materials);
+    let distinct = [
+        merge::unique(tasks(), "task", report),
+        merge::unique(lists().map(|it| it.name()), "list of experts", report),
+        merge::unique(materials().map(|it| it.name()), "material", report),
+    ];
+    // The errors count against every task that sees the file.
+    let _: Result<(), Reported> = distinct.into_iter().collect();
+    let names = tasks().map(|name| (name.text(), name.span()));
+    differ_by_more_than_case("task", names, report);
+    let nothing = Outside::default();
+    let mut context = Context::new(loaded, &nothing, report);
+    let lists = lists().map(|it| (it.span(), experts::check(*it, &mut context)));
+    let experts = lists.collect();
+    let materials = materials().map(|it| (it.span(), material::check(*it, &mut context)));
+    Outside {
+        experts,
+        materials: materials.collect(),
     }
 }
 
-fn too_large(name: Name<'_>) -> Diagnostic {
-    let message = format!(
-        "with `{}` the tasks have more than {} MiB together, counting everything that each inherits",
-        name.text(),
-        MAX_INHERITED_BYTES >> 20
-    );
-    Diagnostic::new(Code::TasksTooLarge, name.span(), message)
-        .help("nothing further is checked; extend smaller tasks, or compile the files one by one")
+/// Reports names that many file systems do not keep apart: runs and snapshots are stored by them.
+fn differ_by_more_than_case<'n>(
+    kind: &str,
+    names: impl Iterator<Item = (&'n str, Span)>,
+    report: &mut Report,
+) {
+    let mut seen = BTreeMap::new();
+    for (name, span) in names {
+        let (first, place) = *seen.entry(name.to_lowercase()).or_insert((name, span));
+        if first != name {
+            let message = format!("the {kind}s `{first}` and `{name}` differ only by case");
+            let diagnostic = Diagnostic::new(Code::DuplicateName, span, message)
+                .also(place, "declared here first")
+                .help("choose another name: folders of runs and snapshots are named after it, and many file systems ignore case");
+            report.error(diagnostic);
+        }
+    }
+}
+
+/// Checks tasks with their variants.
+struct Tasks<'a, 'r> {
+    loaded: &'r Loaded<'a>,
+    bodies: &'r Bodies<'a>,
+    outside: &'r Outside,
+    stamps: Vec<SourceStamp>,
+    grid: Option<[u32; 2]>,
+    /// The bodies of tasks and variants that can run.
+    running: BTreeSet<Span>,
+    /// The variants that change nothing, each with its body.
+    idle: Vec<(Option<Span>, Diagnostic)>,
+    checked: Checked,
+    report: &'r mut Report,
+}
+
+impl<'a> Tasks<'a, '_> {
+    /// Checks a task and, in the entry, its variants; those of other files are checked when these are compiled.
+    fn check(&mut self, task: Task<'a>, form: Result<(), Reported>) {
+        let file = task.name().span().file;
+        let whole = self.checked.programs.len();
+        let Some(merged) = self.one(task, None, form) else {
+            return;
+        };
+        if file != self.loaded.entry().id {
+            return;
+        }
+        let variants = || merged.variants.sites();
+        differ_by_more_than_case(
+            "variant",
+            variants().map(|site| (site.name.as_ref(), site.span)),
+            self.report,
+        );
+        let is_whole = self.checked.programs.len() > whole;
+        for variant in merged.applicable_variants() {
+            self.one(task, Some((variant, is_whole.then_some(whole))), form);
+        }
+    }
+
+    /// Checks a task, or one of its variants.
+    ///
+    /// - `variant`: with the place of the task's program, if there is one.
+    fn one(
+        &mut self,
+        task: Task<'a>,
+        variant: Option<(Site<'a, VariantChange<'a>>, Option<usize>)>,
+        form: Result<(), Reported>,
+    ) -> Option<Merged<'a>> {
+        let (variant, whole) = variant.map_or((None, None), |(it, whole)| (Some(it), whole));
+        // Each has its own report: an inherited error counts against every task that inherits it, but is shown once.
+        let mut own = Report::default();
+        let loaded = self.loaded;
+        let Ok(merged) = merge::merge(task, variant, self.bodies, loaded, &mut own) else {
+            self.report.absorb(own);
+            return None;
+        };
+        let mut context = Context::new(loaded, self.outside, &mut own);
+        context.grid = self.grid;
+        let built = task::check(&merged, &self.stamps, form, &mut context);
+        let is_entry = task.name().span().file == loaded.entry().id;
+        match (built, &merged.variant) {
+            (Ok(Some((program, tests))), variant) if is_entry => {
+                let change = merged.own_body().map(Body::span);
+                if let (Some(variant), Some(whole)) = (variant, whole)
+                    && program.runs_as(&self.checked.programs[whole])
+                {
+                    self.idle.push((change, changes_nothing(variant, task)));
+                }
+                self.running.extend(change);
+                self.checked.programs.push(program);
+                self.checked.tests.extend(tests);
+            }
+            (Err(_), Some(variant)) if is_entry => {
+                let names = (task.name().text().to_owned(), variant.name.to_string());
+                self.checked.broken_variants.push(names);
+            }
+            _ => {}
+        }
+        self.report.absorb(own);
+        Some(merged)
+    }
+}
+
+/// Makes the warning for a variant whose program is that of its task.
+fn changes_nothing(variant: &Site<'_, VariantChange<'_>>, task: Task<'_>) -> Diagnostic {
+    let (name, base) = (&variant.name, task.name().text());
+    let message = format!("the variant `{name}` changes nothing: it runs as `{base}` does");
+    let new = |span| Diagnostic::new(Code::VariantChangesNothing, span, message);
+    if task.body().span().contains(variant.span) {
+        new(variant.span).help("state in it what it changes, or remove it")
+    } else {
+        new(task.name().span())
+            .also(variant.span, "declared here")
+            .help(format!("leave it out: `without variant {name}`"))
+    }
 }

@@ -3,9 +3,7 @@
 //! Keypoints, texts that stages read, and action fields share one namespace: all can be used in a text.
 
 use crate::diag::{Report, Reported};
-use crate::load::Loaded;
 use crate::merge::{Merged, declared_twice};
-use fab_grammar::FileId;
 use fab_grammar::ast::{Expr, Name};
 use fab_program::{EXTRACTORS, KeypointShape};
 use std::collections::{BTreeMap, BTreeSet};
@@ -26,10 +24,6 @@ pub(crate) enum Meaning {
 /// Every name of a task.
 pub(crate) struct Names<'a> {
     meanings: BTreeMap<&'a str, Meaning>,
-    seen_from: FileId,
-    missing_base: Option<Reported>,
-    /// Names that would be declared but for an error.
-    lost: BTreeMap<&'a str, Reported>,
 }
 
 impl<'a> Names<'a> {
@@ -37,13 +31,10 @@ impl<'a> Names<'a> {
     /// its declaration.
     pub fn of(merged: &Merged<'a>, report: &mut Report) -> Names<'a> {
         let keypoints = merged.keypoints.iter().map(|keypoint| {
-            let meaning = match merged.twice.of(keypoint.name().text()) {
-                Ok(()) => Meaning::Keypoint(shape(keypoint.value())),
-                Err(reported) => Meaning::DuplicateNames(reported),
-            };
+            let meaning = Meaning::Keypoint(shape(keypoint.value()));
             (keypoint.name(), "keypoint", meaning)
         });
-        let fields = merged.actions.into_iter().flat_map(|part| part.fields());
+        let fields = merged.actions().into_iter().flat_map(|part| part.fields());
         let fields = fields.map(|field| (field.name(), "field", Meaning::Field));
         let texts = merged.stages.iter().enumerate().flat_map(|(stage, part)| {
             // A stage with two `read` lines gets its own error.
@@ -66,26 +57,18 @@ impl<'a> Names<'a> {
             meanings.insert(name.text(), meaning);
         }
         // A missing or misspelt field is reported at the action's declaration.
-        if merged.actions.is_some() {
+        if merged.actions().is_some() {
             for field in ["pick", "place"] {
                 meanings.entry(field).or_insert(Meaning::Field);
             }
         }
-        Names {
-            meanings,
-            seen_from: merged.task.name().span().file,
-            missing_base: merged.missing_base,
-            lost: BTreeMap::new(),
-        }
+        Names { meanings }
     }
 
     /// Makes the empty set of names for checks outside of tasks.
-    pub fn none(seen_from: FileId) -> Names<'a> {
+    pub fn none() -> Names<'a> {
         Names {
             meanings: BTreeMap::new(),
-            seen_from,
-            missing_base: None,
-            lost: BTreeMap::new(),
         }
     }
 
@@ -110,18 +93,6 @@ impl<'a> Names<'a> {
         some.filter(|(_, meaning)| fits(**meaning))
             .map(|(name, _)| *name)
             .collect()
-    }
-
-    /// Records that a name is no longer declared because of an error that was reported.
-    pub fn lose(&mut self, name: &'a str, reported: Reported) {
-        self.lost.insert(name, reported);
-    }
-
-    /// Returns the proof of an error that may hide the declaration of an unknown name: a missing task or file.
-    pub fn hidden(&self, name: &str, loaded: &Loaded<'_>) -> Option<Reported> {
-        self.missing_base
-            .or_else(|| self.lost.get(name).copied())
-            .or_else(|| loaded.unread(self.seen_from))
     }
 }
 

@@ -37,7 +37,7 @@ pub(crate) fn stated_once(
         return Ok(());
     };
     for (name, _) in manner.stated() {
-        let parts = merged.actions.into_iter().flat_map(|part| part.fields());
+        let parts = merged.actions().into_iter().flat_map(|part| part.fields());
         let offered = fields.iter().any(|field| field.name == name);
         let declared = parts.map(|field| field.name()).find(|it| it.text() == name);
         if let Some(declared) = declared.filter(|_| offered) {

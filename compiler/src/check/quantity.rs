@@ -54,7 +54,7 @@ pub(crate) fn quantity_of<'a>(
         Expr::Name(name) => match context.constants.get(name.text()) {
             Some(Ok(quantity)) => Ok(Some(*quantity)),
             Some(Err(reported)) => Err(*reported),
-            None => context.may_be_hidden(name.text()).map(|()| None),
+            None => Ok(None),
         },
         _ => Ok(None),
     }

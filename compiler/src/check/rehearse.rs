@@ -203,10 +203,9 @@ fn choose<'a>(
     let measure = RehearsalMeasure::from_word(name.text())
         .ok_or_else(|| context.unknown("rehearsal measure", name, known))?;
     if measure == RehearsalMeasure::Overlap
-        && merged.subgoals.is_none()
+        && merged.subgoals().is_none()
         // Without a cloth, the task is there for others to extend, which may have subgoals.
         && merged.statement("cloth").is_some()
-        && merged.missing_base.is_none()
         && !merged.stages.is_empty()
     {
         let message = "`overlap` needs a subgoal to compare with, and the task has none";
@@ -214,7 +213,7 @@ fn choose<'a>(
         let help = "show `subgoals`, or write `choose most coverage`";
         return Err(context.error(diagnostic.help(help)));
     }
-    if let (RehearsalMeasure::Coverage, Some(subgoals)) = (measure, merged.subgoals) {
+    if let (RehearsalMeasure::Coverage, Some(subgoals)) = (measure, merged.subgoals()) {
         let message =
             "`coverage` is largest where the cloth is folded least, and the task has subgoals";
         let diagnostic = Diagnostic::new(Code::FoldChosenByCoverage, name.span(), message)

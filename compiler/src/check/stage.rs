@@ -11,9 +11,9 @@ use super::missing_action::{needs_action, needs_last};
 use super::placeholders::{TextPlace, TextScope, template};
 use crate::diag::{Code, Diagnostic, Reported, among, nearest};
 use crate::lang::stage::{DRAWINGS, MODELS, PICTURE_ROWS, PICTURES, SETTINGS};
-use crate::merge::{Merged, Said, once, unique};
+use crate::merge::{Line, Merged, Said, once, unique};
 use fab_grammar::Span;
-use fab_grammar::ast::{self, ComponentOrText, Expr, Name, Sayings, Text};
+use fab_grammar::ast::{self, ComponentOrText, Declares, Expr, Name, Sayings, Text};
 use fab_program::Depends;
 use fab_program::vocabulary::{ArgValue, Kind};
 use fab_program::{
@@ -22,14 +22,16 @@ use fab_program::{
 };
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The most bytes of all texts of one stage.
-const MAX_STAGE_BYTES: usize = 64 << 10;
-
 /// The most stages: each is a model call per step.
 const MAX_STAGES: usize = 16;
 
 /// The most pictures in one question.
 const MAX_PICTURES: usize = 16;
+
+/// The picture that shows the task's layers.
+const WITH_LAYERS: Picture = Picture::Scene {
+    layers: Layers::Drawn,
+};
 
 /// The stages, and every text that they say.
 pub(crate) struct Prompts {
@@ -43,41 +45,34 @@ pub(crate) struct Prompts {
 /// Builds the stages of a task and their texts.
 pub(crate) fn check<'a>(merged: &Merged<'a>, context: &mut Context<'a, '_>) -> Prompts {
     let n_stages = merged.stages.len();
-    let beyond = merged
-        .stages
-        .iter()
-        .nth(MAX_STAGES)
-        .map(|stage| stage.name().span());
-    let within = context.bounded(beyond, || {
+    let beyond = merged.stages.iter().nth(MAX_STAGES);
+    let within = context.bounded(beyond.map(|stage| stage.name().span()), || {
         format!("there are {n_stages} stages, at most {MAX_STAGES} are accepted")
     });
-    if let Err(reported) = within {
-        return Prompts {
-            stages: vec![Err(reported); n_stages],
-            templates: Vec::new(),
-            joined: Ok(()),
-        };
-    }
     let mut builder = Builder {
         merged,
-        templates: Vec::new(),
-        places: BTreeMap::new(),
-        last_use: BTreeMap::new(),
-        layers: Vec::new(),
-        has_wrong_stage: false,
+        templates: BTreeMap::new(),
     };
     let stages = merged.stages.iter().enumerate();
     let stages: Vec<Result<program::Stage, Reported>> = stages
         .map(|(number, stage)| builder.stage(number, stage, context))
         .collect();
     let readers = action_readers(merged, context);
-    builder.has_wrong_stage = stages.iter().any(Result::is_err);
-    builder.unused(context);
-    let layers = builder.layers(context);
+    let shown = builder.named_layers_are_shown(&stages, context);
+    // A stage that is wrong may say less than its author meant.
+    let says_all = !stages.is_empty() && stages.iter().all(Result::is_ok);
+    let mut named = Ok(());
+    if says_all {
+        named = builder.shown_layers_are_named(context);
+        if merged.variant.is_none() {
+            said_nowhere(merged, context);
+        }
+    }
+    builder.unsaid(context);
     Prompts {
         stages,
         templates: builder.in_order(),
-        joined: readers.and(layers),
+        joined: within.and(readers).and(shown).and(named),
     }
 }
 
@@ -87,50 +82,45 @@ fn action_readers(merged: &Merged<'_>, context: &mut Context<'_, '_>) -> Result<
     let Some(last) = earlier.next_back() else {
         return Ok(());
     };
-    let mut all = Ok(());
     let action = |stage: ast::Stage<'_>| {
         let read = stage.read().find(|read| read.name().text() == "action");
         read.map(|read| read.span())
     };
-    let report = |span, message| Diagnostic::new(Code::ActionReadElsewhere, span, message);
-    let acting = earlier.filter(|stage| action(*stage).is_some());
-    let acting: Vec<ast::Stage<'_>> = acting.collect();
-    if let ([acting], None) = (acting.as_slice(), action(last)) {
-        let (name, asked) = (last.name().text(), acting.name().text());
-        let message = format!("the stage `{name}` comes after `{asked}`, which reads the action");
-        let own = merged.task.body().span();
-        let is_own = acting.span().file == own.file && acting.span().start >= own.start;
-        let help = match is_own && !merged.replaced_stages.contains_key(asked) {
-            true => format!("move it above `stage {asked}`"),
-            false => format!(
-                "a stage that is added comes last; to say more, write `say NAME in {asked} after NAME`, to ask more, state all stages in a task without `extends`"
+    let name = last.name().text();
+    let acting = earlier.find_map(|stage| Some((stage.name(), action(stage)?)));
+    let new = |span, message| Diagnostic::new(Code::ActionReadElsewhere, span, message);
+    let diagnostic = match (acting, action(last), last.read().next()) {
+        (None, None, Some(read)) => new(
+            read.span(),
+            format!("the last stage, `{name}`, does not read the action"),
+        )
+        .help("write `read action`"),
+        (Some((acting, _)), None, _) => new(
+            last.name().span(),
+            format!(
+                "the stage `{name}` comes after `{}`, which reads the action",
+                acting.text()
             ),
-        };
-        let diagnostic = report(last.name().span(), message)
-            .also(acting.name().span(), "reads the action")
-            .help(help);
-        return Err(context.error(diagnostic));
-    }
-    for stage in acting {
-        let Some(span) = action(stage) else {
-            continue;
-        };
-        let message = format!(
-            "`{}` reads the action, but it is not the last stage",
-            stage.name().text()
-        );
-        let diagnostic = report(span, message)
-            .also(last.name().span(), "this is the last stage")
-            .help("write `read NAME from \"…{NAME}\"`");
-        all = Err(context.error(diagnostic));
-    }
-    if let (None, Some(read)) = (action(last), last.read().next()) {
-        let name = last.name().text();
-        let message = format!("the last stage, `{name}`, does not read the action");
-        let diagnostic = report(read.span(), message).help("write `read action`");
-        all = Err(context.error(diagnostic));
-    }
-    all
+        )
+        .also(acting.span(), "reads the action")
+        .help(format!(
+            "a new stage comes last: state it above `{}`, in the same task; to add a text to `{}`, write `say NAME in {} after NAME`",
+            acting.text(),
+            acting.text(),
+            acting.text()
+        )),
+        (Some((acting, read)), Some(_), _) => new(
+            read,
+            format!(
+                "`{}` reads the action, but it is not the last stage",
+                acting.text()
+            ),
+        )
+        .also(last.name().span(), "this is the last stage")
+        .help("write `read NAME from \"…{NAME}\"`"),
+        (None, ..) => return Ok(()),
+    };
+    Err(context.error(diagnostic))
 }
 
 /// Builds the condition on which a component is used.
@@ -154,29 +144,23 @@ fn component_guard<'a>(
     component: ast::Component<'a>,
     context: &mut Context<'a, '_>,
 ) -> Declared<Condition> {
-    component
-        .when()
-        .map(|expr| guard(expr, context))
-        .transpose()
-}
-
-/// The layers that a stage's texts name, and whether its pictures show any.
-struct StageLayers {
-    named: Vec<(String, Span)>,
-    shows_layers: Result<bool, Reported>,
+    let when = component.when().map(|expr| guard(expr, context));
+    when.transpose()
 }
 
 struct Builder<'m, 'a> {
     merged: &'m Merged<'a>,
-    templates: Vec<(String, Result<Template, Reported>)>,
-    /// The index of each template by its name.
-    places: BTreeMap<String, usize>,
-    /// The last stage that says each component.
-    last_use: BTreeMap<&'a str, usize>,
-    /// For each stage.
-    layers: Vec<StageLayers>,
-    /// Whether a stage has an error, so that it may say less than its author meant.
-    has_wrong_stage: bool,
+    /// By name.
+    templates: BTreeMap<String, Built>,
+}
+
+/// The template of a text.
+struct Built {
+    /// Its place in the order in which they are built.
+    number: usize,
+    template: Result<Template, Reported>,
+    /// The layers that it names.
+    layers: Vec<(String, Span)>,
 }
 
 impl<'a> Builder<'_, 'a> {
@@ -192,78 +176,35 @@ impl<'a> Builder<'_, 'a> {
         let system = once(stage.system(), "system", Sayings::span, context.report);
         let read = once(stage.read(), "read", ast::Read::span, context.report);
         let lines = [model.alone, show.alone, say.alone, system.alone, read.alone];
-        let lines_needed = [
-            (
-                "model",
-                model.first.is_none(),
-                "write `model vision` or `model text`",
-            ),
-            (
-                "say",
-                say.first.is_none(),
-                "write `say` and components or a text",
-            ),
-            (
-                "read",
-                read.first.is_none(),
-                "write `read action`, or `read NAME from \"…{NAME}\"`",
-            ),
-        ];
-        let lacks = lines_needed.iter().filter(|(_, is_missing, _)| *is_missing);
-        let lacks: Vec<(&str, &str)> = lacks.map(|(word, _, how)| (*word, *how)).collect();
-        // One error for all of them; it is made when the first is looked for.
-        let mut reported = None;
-        let mut report = || *reported.get_or_insert_with(|| self.lacking(&lacks, stage, context));
-        let model = model.first.ok_or_else(&mut report);
-        let say = say.first.ok_or_else(&mut report);
-        let read = read.first.ok_or_else(&mut report);
-
-        let (role, settings) = match model {
-            Ok(line) => self::model(line, context),
-            Err(reported) => (Err(reported), Err(reported)),
+        let (Some(model), Some(say), Some(read)) = (model.first, say.first, read.first) else {
+            return Err(self.incomplete(stage, context));
         };
+        let (role, settings) = self::model(model, context);
         let pictures = show
             .first
             .map_or(Vec::new(), |line| self::pictures(line, context));
         let showable = show.first.map_or(Ok(()), |line| {
-            let role = role.and_then(|role| Ok((role, model?)));
-            self.showable(stage, line, role, &pictures, context)
+            self.showable(
+                stage,
+                line,
+                role.map(|role| (role, model)),
+                &pictures,
+                context,
+            )
         });
 
-        context.named_layers.clear();
-        let mut placed = BTreeSet::new();
-        let mut with_added = |line: Sayings<'a>| match self.merged.said.get(stage.name().text()) {
-            Some(said) => (line, said.with_added(line.list(), &mut placed)),
-            None => (line, line.list().collect()),
+        let name = stage.name().text();
+        let mut sayings = |line, part: Sayings<'a>| {
+            let said = self.merged.said.get(name).into_iter();
+            let list = said.flat_map(|said| said.line(line)).collect();
+            self.sayings(number, stage, line, part, list, context)
         };
-        let system = system.first.map(&mut with_added);
-        let say = say.map(with_added);
-        let system = system.map_or(Ok(Vec::new()), |(line, list)| {
-            self.sayings(number, stage, "system", line, list, context)
-        });
-        let say =
-            say.and_then(|(line, list)| self.sayings(number, stage, "say", line, list, context));
-        let names = system.iter().chain(say.iter()).flatten();
-        let n_bytes: usize = names.map(|name| self.n_bytes(name)).sum();
-        let beyond = (n_bytes > MAX_STAGE_BYTES).then(|| {
-            let name = stage.name();
-            let message = format!(
-                "the texts of `{}` have {n_bytes} bytes, at most {MAX_STAGE_BYTES} are accepted",
-                name.text()
-            );
-            context.fault(Code::TextTooLong, name.span(), message)
-        });
-        let named = std::mem::take(&mut context.named_layers);
-        self.layers.push(StageLayers {
-            named,
-            shows_layers: shows_layers(&pictures),
-        });
-
-        let read = read.and_then(|line| self::read(line, context));
+        let system = system.first.map(|part| sayings(Line::System, part));
+        let say = sayings(Line::Say, say);
+        let read = self::read(read, context);
         let examples = examples::check(stage, role, read.as_ref().map_err(|it| *it), context);
         showable?;
         lines.into_iter().collect::<Result<(), _>>()?;
-        beyond.map_or(Ok(()), Err)?;
         let settings = settings?;
         let number = |name: &str| match settings.get(name)? {
             ArgValue::Number(number) => Some(*number),
@@ -281,7 +222,7 @@ impl<'a> Builder<'_, 'a> {
                 _ => None,
             },
             candidates: number("candidates").map(|count| count as u32),
-            system: system?,
+            system: system.transpose()?.unwrap_or_default(),
             examples: examples.into_iter().collect::<Result<_, _>>()?,
             say: say?,
             show: pictures.into_iter().collect::<Result<_, _>>()?,
@@ -290,52 +231,38 @@ impl<'a> Builder<'_, 'a> {
     }
 
     /// Reports the lines that a stage must have and does not, all in one error.
-    ///
-    /// - `lacks`: each line's word, and how to write it.
-    fn lacking(
-        &self,
-        lacks: &[(&str, &str)],
-        stage: ast::Stage<'a>,
-        context: &mut Context<'a, '_>,
-    ) -> Reported {
+    fn incomplete(&self, stage: ast::Stage<'a>, context: &mut Context<'a, '_>) -> Reported {
+        let lacks_model = stage.model().next().is_none();
+        let lacks_read = stage.read().next().is_none();
+        let lines = [
+            ("model", lacks_model, "write `model vision` or `model text`"),
+            (
+                "say",
+                stage.say().next().is_none(),
+                "write `say` and components or a text",
+            ),
+            (
+                "read",
+                lacks_read,
+                "write `read action`, or `read NAME from \"…{NAME}\"`",
+            ),
+        ];
+        let lacks = || lines.iter().filter(|(_, is_missing, _)| *is_missing);
         let name = stage.name();
-        let words = among(lacks.iter().map(|(word, _)| *word));
+        let words = among(lacks().map(|(word, ..)| *word));
         let message = format!("the stage `{}` has no {words}", name.text());
         let diagnostic = Diagnostic::new(Code::StageIncomplete, name.span(), message);
-        let replaced = self.merged.replaced_stages.get(name.text());
         // Who states neither the model nor what is read means to add to the inherited stage.
-        let adds = ["model", "read"]
-            .iter()
-            .all(|line| lacks.iter().any(|(word, _)| word == line));
-        let diagnostic = match replaced.filter(|_| adds) {
-            Some((_, said)) => {
-                let own = stage.system().chain(stage.say()).flat_map(Sayings::list);
-                let added = own.filter_map(|saying| match saying {
-                    ComponentOrText::Component(part) => Some(part.text()),
-                    ComponentOrText::Text(_) => None,
-                });
-                let added = { added }.find(|part| !said.says(part)).unwrap_or("NAME");
-                let stage = name.text();
-                let way = match said.names().next_back() {
-                    Some(beside) => format!(
-                        "to add to what it says, write `say {added} in {stage} after {beside}`, outside of any stage"
-                    ),
-                    None => "it says no component to add another to, so state all of its lines"
-                        .to_owned(),
-                };
-                diagnostic.help(format!("this replaces the whole inherited stage; {way}"))
-            }
-            None => lacks.iter().fold(diagnostic, |it, (_, how)| it.help(*how)),
+        let adds = lacks_model && lacks_read;
+        let diagnostic = if adds && self.merged.replaced_stages.contains(name.text()) {
+            diagnostic.help(format!(
+                "this replaces the whole inherited stage; to add to what it says, write `say NAME in {} after NAME`, outside of any stage",
+                name.text()
+            ))
+        } else {
+            lacks().fold(diagnostic, |it, (.., how)| it.help(*how))
         };
-        let reported = context.error(diagnostic);
-        if let Some((before, _)) = replaced
-            && stage.read().next().is_none()
-        {
-            for read in before.read() {
-                context.names.lose(read.name().text(), reported);
-            }
-        }
-        reported
+        context.error(diagnostic)
     }
 
     /// Reports pictures for a model that takes none, and annotations if no layers are declared.
@@ -357,7 +284,7 @@ impl<'a> Builder<'_, 'a> {
             let diagnostic = diagnostic.help("write `model vision`, or remove `show`");
             all = Err(context.error(diagnostic.also(model.span(), "asks a text model")));
         }
-        if let (Ok(true), None) = (shows_layers(pictures), self.merged.annotate) {
+        if pictures.contains(&Ok(WITH_LAYERS)) && self.merged.annotate().is_none() {
             let message = "no annotations are declared";
             let diagnostic = Diagnostic::new(Code::NothingToDraw, show.span(), message);
             let help = "add `annotate { … }`, or write `show scene`";
@@ -370,13 +297,14 @@ impl<'a> Builder<'_, 'a> {
 
     /// Returns the names of the templates that a line says, and builds those that are not built yet.
     ///
-    /// - `list`: the line's parts, with those that were added beside them.
+    /// - `part`: the line as the stage states it.
+    /// - `list`: its parts, with those that were added beside them.
     fn sayings(
         &mut self,
         number: usize,
         stage: ast::Stage<'a>,
-        part: &str,
-        line: Sayings<'a>,
+        line: Line,
+        part: Sayings<'a>,
         list: Vec<ComponentOrText<'a>>,
         context: &mut Context<'a, '_>,
     ) -> Result<Vec<String>, Reported> {
@@ -396,21 +324,25 @@ impl<'a> Builder<'_, 'a> {
                     } else {
                         format!(".{n_texts}")
                     };
-                    let name = format!("{}.{part}{suffix}", stage.name().text());
+                    let word = match line {
+                        Line::System => "system",
+                        Line::Say => "say",
+                    };
+                    let name = format!("{}.{word}{suffix}", stage.name().text());
                     self.build(&name, "component NAME", text, Ok(None), number, context);
                     names.push(name);
                 }
             }
         }
         all?;
-        if names.is_empty() && part == "say" {
+        if names.is_empty() && line == Line::Say {
             let message = format!(
                 "the stage `{}` has no text left to say",
                 stage.name().text()
             );
             let span = self.merged.task.name().span();
             let diagnostic = Diagnostic::new(Code::StageIncomplete, span, message);
-            let diagnostic = diagnostic.also(line.span(), "all of these components are left out");
+            let diagnostic = diagnostic.also(part.span(), "all of these components are left out");
             return Err(context.error(diagnostic));
         }
         Ok(names)
@@ -425,18 +357,14 @@ impl<'a> Builder<'_, 'a> {
     ) -> Result<Option<String>, Reported> {
         let text = name.text();
         let Some(component) = self.merged.components.get(text) else {
-            if self.merged.removed.contains(text) {
+            if self.merged.components.is_removed(text) {
                 return Ok(None);
             }
-            let all = self
-                .merged
-                .components
-                .iter()
-                .map(|component| component.name().text());
+            let all = self.merged.components.names();
             return Err(context.unknown("component", name, all));
         };
-        // Each stage that says it checks it again, because later stages know more names.
-        if self.last_use.insert(text, number) != Some(number) {
+        // A later stage knows all that this one knows.
+        if !self.templates.contains_key(text) {
             let when = component_guard(component, context);
             let guarded = format!("component {text}");
             self.build(text, &guarded, component.text(), when, number, context);
@@ -444,7 +372,7 @@ impl<'a> Builder<'_, 'a> {
         Ok(Some(text.to_owned()))
     }
 
-    /// Builds a template, or checks again one that another stage built.
+    /// Builds a template.
     ///
     /// - `guarded`: the beginning of a component declaration that would say the text conditionally.
     fn build(
@@ -470,67 +398,29 @@ impl<'a> Builder<'_, 'a> {
             Ok(when) => template(name, text, when, scope, context),
             Err(reported) => template(name, text, None, scope, context).and(Err(reported)),
         };
-        match self.places.get(name) {
-            Some(place) if template.is_err() => self.templates[*place].1 = template,
-            Some(_) => {}
-            None => {
-                self.places.insert(name.to_owned(), self.templates.len());
-                self.templates.push((name.to_owned(), template));
-            }
-        }
-    }
-
-    /// Returns the length of a template without errors.
-    fn n_bytes(&self, name: &str) -> usize {
-        let template = self.places.get(name).map(|place| &self.templates[*place].1);
-        template.map_or(0, |template| {
-            template.as_ref().map_or(0, |it| it.text.len())
-        })
+        let built = Built {
+            number: self.templates.len(),
+            template,
+            layers: std::mem::take(&mut context.named_layers),
+        };
+        self.templates.insert(name.to_owned(), built);
     }
 
     /// Returns the components in the order of their declarations, then the texts of the stages.
     fn in_order(self) -> Vec<Result<Template, Reported>> {
-        let components = &self.merged.components;
-        let mut templates = self.templates;
-        templates.sort_by_key(|(name, _)| components.place(name).unwrap_or(usize::MAX));
-        templates
-            .into_iter()
-            .map(|(_, template)| template)
-            .collect()
+        let place = |name: &str| self.merged.components.place(name).unwrap_or(usize::MAX);
+        let mut templates: Vec<(String, Built)> = self.templates.into_iter().collect();
+        templates.sort_by_key(|(name, built)| (place(name), built.number));
+        templates.into_iter().map(|(_, it)| it.template).collect()
     }
 
     // ---- all stages together ---------------------------------------------------------------------
 
-    /// Checks the components that no stage says, and warns of those that the task itself declares.
-    fn unused(&mut self, context: &mut Context<'a, '_>) {
-        let merged = self.merged;
-        let own = merged
-            .own_body()
-            .into_iter()
-            .flat_map(ast::Body::components);
-        let own: BTreeSet<Span> = own.map(|component| component.name().span()).collect();
-        let is_task = merged.variant.is_none();
-        let variants = merged.task.variants().filter(|_| is_task);
-        let variants: Vec<ast::Body<'_>> = variants.map(|variant| variant.body()).collect();
-        // If one of these cannot be added, that was reported.
-        let added = merged
-            .own_body()
-            .into_iter()
-            .chain(variants.iter().copied());
-        let added = added.flat_map(ast::Body::added_sayings);
-        let mut said: BTreeSet<&str> = added
-            .flat_map(|line| line.parts())
-            .map(|name| name.text())
-            .collect();
-        // What only a variant says is used, too.
-        for stage in variants.iter().flat_map(|variant| variant.stages()) {
-            said.extend(Said::of(stage).names());
-        }
-        let can_say = !merged.stages.is_empty() && merged.missing_base.is_none();
-        let can_say = can_say && !self.has_wrong_stage;
-        for component in merged.components.iter() {
-            let name = component.name();
-            if self.last_use.contains_key(name.text()) {
+    /// Checks the components that no stage says.
+    fn unsaid(&mut self, context: &mut Context<'a, '_>) {
+        for component in self.merged.components.iter() {
+            let name = component.name().text();
+            if self.templates.contains_key(name) {
                 continue;
             }
             let when = component_guard(component, context);
@@ -539,96 +429,105 @@ impl<'a> Builder<'_, 'a> {
                 has_last: true,
                 guarded: "",
             };
-            let template = template(name.text(), component.text(), None, scope, context);
+            let template = template(name, component.text(), None, scope, context);
             if let Err(reported) = when.and(template) {
-                self.templates.push((name.text().to_owned(), Err(reported)));
-            }
-            if can_say && own.contains(&name.span()) && !said.contains(name.text()) {
-                let message = format!("the component `{}` is never used", name.text());
-                let diagnostic = Diagnostic::new(Code::SaidNowhere, name.span(), message);
-                // Perhaps the author meant to replace an inherited component.
-                let inherited = merged.components.iter().map(|component| component.name());
-                let inherited = inherited.filter(|name| !own.contains(&name.span()));
-                let meant = nearest(name.text(), inherited.map(|name| name.text()));
-                let help = match (meant, addable(merged)) {
-                    (Some(meant), _) => format!("did you mean `override component {meant}`?"),
-                    (None, Some((stage, beside))) => format!(
-                        "add it to what a stage says, such as `say {} in {stage} after {beside}`, or remove it",
-                        name.text()
-                    ),
-                    (None, None) => {
-                        "name it in a stage's `say` or `system`, or remove it".to_owned()
-                    }
+                let built = Built {
+                    number: 0,
+                    template: Err(reported),
+                    layers: Vec::new(),
                 };
-                context.remark(diagnostic.help(help));
+                self.templates.insert(name.to_owned(), built);
             }
         }
     }
 
-    /// Reports layers that are drawn but not named, or named but not drawn.
-    fn layers(&self, context: &mut Context<'a, '_>) -> Result<(), Reported> {
+    /// Reports layers that a stage names and its pictures do not show.
+    fn named_layers_are_shown(
+        &self,
+        stages: &[Result<program::Stage, Reported>],
+        context: &mut Context<'a, '_>,
+    ) -> Result<(), Reported> {
         let mut all = Ok(());
-        for stage in &self.layers {
-            let mut named = stage.named.iter();
-            if stage.shows_layers != Ok(false) {
-                continue;
-            }
-            let Some((layer, span)) = named.next() else {
+        for stage in stages.iter().flatten() {
+            let said = stage.system.iter().chain(&stage.say);
+            let said = said.filter_map(|name| self.templates.get(name));
+            let named: Vec<&(String, Span)> = said.flat_map(|built| &built.layers).collect();
+            let [(layer, span), others @ ..] = named.as_slice() else {
                 continue;
             };
+            if stage.show.contains(&WITH_LAYERS) {
+                continue;
+            }
             let message = format!("no picture of this stage shows `{layer}`");
             let diagnostic = Diagnostic::new(Code::LayerNotShown, *span, message)
                 .help("write `show scene with annotations` in the stage");
-            let others = named.filter(|(other, _)| other != layer);
-            all = Err(context
-                .error(others.fold(diagnostic, |it, (_, span)| it.also(*span, "nor this one"))));
+            let others = others.iter().filter(|(other, _)| other != layer);
+            let diagnostic =
+                others.fold(diagnostic, |it, (_, span)| it.also(*span, "nor this one"));
+            all = Err(context.error(diagnostic));
         }
+        all
+    }
+
+    /// Reports layers that are drawn and that no stage names.
+    fn shown_layers_are_named(&self, context: &mut Context<'a, '_>) -> Result<(), Reported> {
         let merged = self.merged;
-        if merged.stages.is_empty() || self.has_wrong_stage {
-            return all;
-        }
         // A variant may remove the text that names a layer of its task; that is not a mistake.
         let own = merged.own_body().map(|body| body.span());
         let is_own = |span| merged.variant.is_none() || own.is_some_and(|own| own.contains(span));
-        let named = self.layers.iter().flat_map(|stage| &stage.named);
+        let named = self.templates.values().flat_map(|built| &built.layers);
         let named: BTreeSet<&str> = named.map(|(layer, _)| layer.as_str()).collect();
-        let drawn = merged.annotate.into_iter().flat_map(|part| part.list());
+        let drawn = merged.annotate().into_iter().flat_map(|part| part.list());
         let mut unnamed = drawn.map(|layer| layer.name()).filter(|name| {
             let is_right = matches!(context.layers.get(name.text()), Some(Ok(_)));
             is_right && !named.contains(name.text()) && is_own(name.span())
         });
         let Some(first) = unnamed.next() else {
-            return all;
+            return Ok(());
         };
         let name = first.text();
         let message = format!("the layer `{name}` is drawn, but no prompt says what it is");
         let diagnostic = Diagnostic::new(Code::LayerNotNamed, first.span(), message)
             .about(name)
-            .help(match self.layers.iter().any(|it| it.shows_layers == Ok(true)) {
-                true => format!("write `{{{{ {name} }}}}` in a text of the stage that shows it"),
-                false => format!(
-                    "write `show scene with annotations` in a stage, and `{{{{ {name} }}}}` in a text of it"
-                ),
-            });
+            .help(format!(
+                "write `{{{{ {name} }}}}` in a text of a stage with `show scene with annotations`"
+            ));
         let diagnostic = unnamed.fold(diagnostic, |it, name| it.also(name.span(), "nor this one"));
-        // A placeholder that did not parse may name it.
-        all = Err(context.error(diagnostic));
-        all
+        Err(context.error(diagnostic))
     }
 }
 
-/// Returns an inherited stage, and the last component that it says; `None` if the task states all of its stages.
-fn addable<'a>(merged: &Merged<'a>) -> Option<(&'a str, &'a str)> {
-    let own: BTreeSet<&str> = merged
-        .task
-        .body()
-        .stages()
-        .map(|stage| stage.name().text())
-        .collect();
-    let inherited = merged.stages.iter().map(|stage| stage.name().text());
-    inherited
-        .filter(|stage| !own.contains(stage))
-        .find_map(|stage| Some((stage, merged.said.get(stage)?.names().next_back()?)))
+/// Warns of the components of a task and its variants that no stage of these says.
+fn said_nowhere(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
+    let variants = || merged.task.variants().map(|variant| variant.body());
+    let bodies = || variants().chain([merged.task.body()]);
+    let inherited = merged.said.values().flat_map(Said::names);
+    let stated = variants().flat_map(ast::Body::stages);
+    let stated = stated.flat_map(|stage| Said::of(stage).names().collect::<Vec<&str>>());
+    // If one of these cannot be added, that was reported.
+    let added = bodies().flat_map(ast::Body::added_sayings);
+    let added = added.flat_map(|line| line.parts()).map(|name| name.text());
+    let said: BTreeSet<&str> = inherited.chain(stated).chain(added).collect();
+    let own = bodies().flat_map(ast::Body::components);
+    let own = own.filter(|component| component.declares() == Declares::New);
+    let own: Vec<Name<'_>> = own.map(|component| component.name()).collect();
+    for name in &own {
+        if said.contains(name.text()) || merged.components.is_removed(name.text()) {
+            continue;
+        }
+        let message = format!("the component `{}` is never used", name.text());
+        let diagnostic = Diagnostic::new(Code::SaidNowhere, name.span(), message);
+        // Perhaps the author meant to replace an inherited component.
+        let declared_here = |other: &&str| own.iter().any(|own| own.text() == *other);
+        let inherited = merged.components.names().filter(|it| !declared_here(it));
+        context.remark(diagnostic.help(match nearest(name.text(), inherited) {
+            Some(meant) => format!("did you mean `override component {meant}`?"),
+            None => format!(
+                "name it in a stage's `say` or `system`, write `say {} in STAGE after NAME`, or remove it",
+                name.text()
+            ),
+        }));
+    }
 }
 
 /// Returns which stage a name means; reports an unknown one.
@@ -662,21 +561,20 @@ fn model<'a>(
         return (Err(reported), Err(reported));
     };
     let word = kind.name().text();
-    if nearest(word, MODELS.iter().map(|row| row.name)).is_none() {
-        let message = format!("there is no kind of model `{word}`");
-        let diagnostic = Diagnostic::new(Code::UnknownName, kind.name().span(), message);
-        let help = "write `model vision` or `model text`; which model is asked is said on the command line, with `--model`";
-        let reported = context.error(diagnostic.help(help));
-        return (Err(reported), Err(reported));
-    }
-    let role = context
-        .word("kind of model", kind.name(), MODELS)
-        .map(|word| match word {
-            "vision" => ModelRole::Vision,
-            _ => ModelRole::Text,
-        });
-    let mut settings = twice.any().map(|()| Settings::new());
-    if let Some(value) = kind.value() {
+    let role = match MODELS.iter().find(|row| row.name == word) {
+        Some(row) if row.name == "vision" => Ok(ModelRole::Vision),
+        Some(_) => Ok(ModelRole::Text),
+        None => {
+            let message = format!("there is no kind of model `{word}`");
+            let diagnostic = Diagnostic::new(Code::UnknownName, kind.name().span(), message);
+            Err(context.error(match nearest(word, MODELS.iter().map(|row| row.name)) {
+                Some(meant) => diagnostic.meant(kind.name().span(), meant),
+                None => diagnostic.help("write `model vision` or `model text`; which model is asked is said on the command line, with `--model`"),
+            }))
+        }
+    };
+    let mut settings = twice.map(|()| Settings::new());
+    if let (Some(value), Ok(_)) = (kind.value(), role) {
         let message = format!("`{}` takes no number", kind.name().text());
         settings = Err(context.fault(Code::WrongForm, value.span(), message));
     }
@@ -742,7 +640,8 @@ fn picture<'a>(
     picture: ast::Picture<'a>,
     context: &mut Context<'a, '_>,
 ) -> Result<Picture, Reported> {
-    let written = form(picture.value());
+    let written = context.loaded.written(picture.value().span());
+    let written: String = written.split_whitespace().collect();
     let row = PICTURE_ROWS
         .iter()
         .find(|row| row.word.name == written)
@@ -765,38 +664,6 @@ fn picture<'a>(
     })
 }
 
-/// Writes a name, or a call with names, in the form that the rows of pictures use.
-fn form(value: Expr<'_>) -> String {
-    match value {
-        Expr::Name(name) => name.text().to_owned(),
-        Expr::Call(call) => {
-            let arguments = call.arguments().map(|it| match (it.label(), it.value()) {
-                (None, Expr::Name(name)) => name.text(),
-                _ => "…",
-            });
-            format!(
-                "{}({})",
-                call.name().text(),
-                arguments.collect::<Vec<_>>().join(", ")
-            )
-        }
-        _ => String::new(),
-    }
-}
-
-/// Returns whether a picture shows the task's layers. A picture with an error may be meant to.
-fn shows_layers(pictures: &[Result<Picture, Reported>]) -> Result<bool, Reported> {
-    let drawn = Picture::Scene {
-        layers: Layers::Drawn,
-    };
-    if pictures.contains(&Ok(drawn)) {
-        return Ok(true);
-    }
-    pictures
-        .iter()
-        .try_fold(false, |_, picture| picture.map(|_| false))
-}
-
 // ---- read ----------------------------------------------------------------------------------------
 
 /// Reads `read action` or `read NAME from "…{NAME}"`: the part of an answer that is read.
@@ -811,42 +678,36 @@ fn read(line: ast::Read<'_>, context: &mut Context<'_, '_>) -> Result<Read, Repo
         let diagnostic = Diagnostic::new(Code::BadPattern, span, message);
         Err(context.error(diagnostic.help(help.as_str())))
     };
-    let (name, pattern) = match (name, line.pattern()) {
-        ("action", None) => return Ok(Read::Action),
-        ("action", Some(pattern)) => {
-            return refuse(
-                pattern.span(),
-                "`action` is read in its own format".to_owned(),
-            );
+    let Some(pattern) = line.pattern() else {
+        if name == "action" {
+            return Ok(Read::Action);
         }
-        (_, None) => {
-            let message =
-                format!("the pattern is missing: nothing says where `{name}` begins in the answer");
-            return refuse(line.span(), message);
+        let message =
+            format!("the pattern is missing: nothing says where `{name}` begins in the answer");
+        return refuse(line.span(), message);
+    };
+    let written = pattern.plain();
+    let parts = { written.iter() }.flat_map(|written| written.splitn(3, hole.as_str()));
+    let parts: Vec<&str> = parts.map(str::trim).collect();
+    let (before, after) = match parts.as_slice() {
+        _ if name == "action" => {
+            let message = "`action` is read in its own format";
+            return refuse(pattern.span(), message.to_owned());
         }
-        (name, Some(pattern)) => (name.to_owned(), pattern),
+        [] => {
+            let message = "a pattern cannot contain `{{ … }}`";
+            return refuse(pattern.span(), message.to_owned());
+        }
+        [_] => return refuse(pattern.span(), format!("the pattern has no `{hole}`")),
+        ["", ..] => {
+            let message = format!("the pattern has no words before `{hole}`");
+            return refuse(pattern.span(), message);
+        }
+        [before, after] => (*before, *after),
+        _ => return refuse(pattern.span(), format!("the pattern has `{hole}` twice")),
     };
-    let Some(written) = pattern.plain() else {
-        return refuse(
-            pattern.span(),
-            "a pattern cannot contain `{{ … }}`".to_owned(),
-        );
-    };
-    let Some((before, after)) = written.split_once(&hole) else {
-        return refuse(pattern.span(), format!("the pattern has no `{hole}`"));
-    };
-    let (before, after) = (before.trim(), after.trim());
-    if before.is_empty() {
-        return refuse(
-            pattern.span(),
-            format!("the pattern has no words before `{hole}`"),
-        );
-    }
-    if after.contains(&hole) {
-        return refuse(pattern.span(), format!("the pattern has `{hole}` twice"));
-    }
     Ok(Read::Text {
-        name,
+        name: name.to_owned(),
         before: before.to_owned(),
         after: after.to_owned(),
     })

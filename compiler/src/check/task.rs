@@ -26,14 +26,10 @@ pub(super) type Built = Declared<(Program, Vec<Test>)>;
 pub(super) fn check<'a>(
     merged: &Merged<'a>,
     stamps: &[SourceStamp],
-    grid: Option<[u32; 2]>,
     form: Result<(), Reported>,
-    loaded: &Loaded<'a>,
-    report: &mut Report,
+    context: &mut Context<'a, '_>,
 ) -> Built {
-    let mut context = Context::outside(loaded, report);
-    let context = &mut context;
-    context.grid = grid;
+    let loaded = context.loaded;
     context.names = Names::of(merged, context.report);
     keypoints::constants(merged, context);
     let about = merged.statement("about").map(|it| about(it, context));
@@ -51,14 +47,13 @@ pub(super) fn check<'a>(
         .map(|it| picker::check(it, context))
         .transpose();
     let keypoints = keypoints::check(merged, context);
-    unused::names(merged, context);
     if let (Some(seen), Ok(keypoints)) = (statement("camera"), &keypoints) {
         camera::masks_see_cloth(seen, keypoints, merged, context);
     }
     if let Ok(keypoints) = &keypoints {
         camera::cloth_is_first(keypoints, merged, context);
     }
-    if let Some(part) = merged.actions {
+    if let Some(part) = merged.actions() {
         context.actions = actions::check(part, context);
     }
     let layers = annotate::check(merged, context);
@@ -67,7 +62,7 @@ pub(super) fn check<'a>(
         .map(|(name, layer)| (*name, layer.clone()))
         .collect();
     let subgoals = merged
-        .subgoals
+        .subgoals()
         .map(|part| subgoals::check(part, context))
         .transpose();
     let experts = experts::sequences(merged, &subgoals, context);
@@ -77,11 +72,11 @@ pub(super) fn check<'a>(
         .transpose();
     let mut prompts = stage::check(merged, context);
     let demos = merged
-        .demos
+        .demos()
         .map(|part| demos::check(part, merged, &prompts.stages, context));
     let verify = verify::check(merged, &mut prompts, context);
     let rehearsal = merged
-        .rehearse
+        .rehearse()
         .map(|part| rehearse::check(part, merged, &prompts, context));
     let candidates = rehearse::candidates(merged, &prompts, context);
     let bounds = test::Bounds {
@@ -116,7 +111,10 @@ pub(super) fn check<'a>(
         format: PROGRAM_FORMAT,
         compiler: env!("CARGO_PKG_VERSION").to_owned(),
         task: merged.task.name().text().to_owned(),
-        variant: merged.variant.as_ref().map(|variant| variant.name.clone()),
+        variant: merged
+            .variant
+            .as_ref()
+            .map(|variant| variant.name.to_string()),
         about: about.transpose()?,
         sources: stamps.to_vec(),
         cloth,
@@ -148,7 +146,6 @@ pub(super) fn check<'a>(
     let unsaid = |context: &mut Context<'_, '_>| {
         unspoken::check(&program, merged, context);
         unused::fields(&program, merged, context);
-        unused::whole(merged, context);
     };
     match (&merged.variant, merged.own_body()) {
         (None, _) => unsaid(context),
@@ -191,13 +188,11 @@ fn about(statement: Statement<'_>, context: &mut Context<'_, '_>) -> Result<Stri
 
 /// Returns the name and hash of every source.
 pub(super) fn stamps(loaded: &Loaded<'_>) -> Vec<SourceStamp> {
-    let texts = loaded.texts;
-    let sources = texts.sources.iter().zip(&texts.portable_names);
-    let stamp = |(source, name): (&fab_grammar::Source, &String)| SourceStamp {
-        name: name.clone(),
-        sha256: hex(&Sha256::digest(source.text.as_bytes())),
+    let stamp = |(name, text): (&str, &str)| SourceStamp {
+        name: name.to_owned(),
+        sha256: hex(&Sha256::digest(text.as_bytes())),
     };
-    sources.map(stamp).collect()
+    loaded.portable_texts().map(stamp).collect()
 }
 
 /// Returns whether the task has everything a rollout needs, and reports what it lacks.
@@ -221,9 +216,6 @@ fn completeness(
     );
     if own.is_empty() && shared.is_empty() {
         return Ok(true);
-    }
-    if let Some(reported) = merged.missing_base {
-        return Err(reported);
     }
     let name = merged.task.name();
     if own.is_empty() {
@@ -254,10 +246,9 @@ fn completeness(
 /// Returns whether a task has a section that it needs.
 fn is_there(word: &str, merged: &Merged<'_>) -> bool {
     match word {
-        "subgoals" => merged.subgoals.is_some() || !merged.needs_subgoals(),
+        "subgoals" => merged.subgoals().is_some() || !merged.needs_subgoals(),
         "stage" => !merged.stages.is_empty(),
         "keypoints" => !merged.keypoints.is_empty(),
-        "actions" => merged.actions.is_some(),
-        word => merged.statement(word).is_some(),
+        word => merged.section(word).is_some(),
     }
 }

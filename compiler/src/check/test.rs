@@ -98,7 +98,10 @@ fn one<'a>(
     Ok(Some(Test {
         name,
         task,
-        variant: merged.variant.as_ref().map(|variant| variant.name.clone()),
+        variant: merged
+            .variant
+            .as_ref()
+            .map(|variant| variant.name.to_string()),
         given,
         stage,
         reply: answer,
@@ -369,11 +372,11 @@ fn reject(
     merged: &Merged<'_>,
     context: &mut Context<'_, '_>,
 ) -> Result<Expect, Reported> {
-    let mut known = merged.check_names().chain([OFFERED]);
+    let mut known = merged.checks.names().chain([OFFERED]);
     if known.any(|known| known == check.text()) {
         return Ok(Expect::Reject {
             check: check.text().to_owned(),
         });
     }
-    Err(context.unknown("check", check, merged.check_names().chain([OFFERED])))
+    Err(context.unknown("check", check, merged.checks.names().chain([OFFERED])))
 }

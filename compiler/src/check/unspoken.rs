@@ -133,7 +133,7 @@ fn points(program: &Program, merged: &Merged<'_>, context: &mut Context<'_, '_>)
             known.extend(layer.mark.uses().keypoints);
         }
     }
-    for field in merged.actions.into_iter().flat_map(|part| part.fields()) {
+    for field in merged.actions().into_iter().flat_map(|part| part.fields()) {
         for choice in field.one_of() {
             let ast::Expr::Name(name) = choice else {
                 continue;

@@ -4,93 +4,68 @@
 //! inherited one is similar, because it was probably meant to replace that one.
 
 use super::context::Context;
-use crate::diag::{Code, Diagnostic, nearest};
+use crate::diag::{Code, Diagnostic, Report, nearest};
 use crate::lang::actions::{FIELDS, field as moving_field};
 use crate::load::Loaded;
 use crate::merge::{MAX_EXTENDS_DEPTH, Merged};
+use fab_grammar::Span;
 use fab_grammar::ast::{Body, Name, Task};
 use fab_program::{Depends, Program, Uses};
 use std::collections::BTreeSet;
 
-/// Warns of the task's own constants and keypoints that nothing uses and that are named almost like inherited ones.
-pub(crate) fn names(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
-    let Some(own) = merged.own_body() else {
-        return;
-    };
-    let above = above(merged, context.loaded);
-    let all = |names: fn(Body<'_>) -> Vec<Name<'_>>| -> BTreeSet<&str> {
-        let above = above.iter().flat_map(|body| names(*body));
-        above.map(|name| name.text()).collect()
-    };
-    let kinds = [
-        ("constant", constants(own), all(constants)),
-        ("keypoint", keypoints(own), all(keypoints)),
-    ];
-    for (kind, own, inherited) in kinds {
-        for name in own {
-            if inherited.contains(name.text()) || context.loaded.is_used(name.text()) {
-                continue;
-            }
-            let Some(meant) = nearest(name.text(), inherited.iter().copied()) else {
-                continue;
-            };
-            let message = format!(
-                "the {kind} `{}` is new, and nothing uses it; there is an inherited {kind} `{meant}`",
-                name.text()
-            );
-            let diagnostic = Diagnostic::new(Code::UnusedName, name.span(), message);
-            context.remark(diagnostic.meant(name.span(), meant));
+/// Warns of the constants and keypoints that nothing uses.
+///
+/// A library, and a task that lacks parts, may declare what others use: there, a name is only reported if it is almost
+/// an inherited one.
+///
+/// - `running`: the bodies of tasks and variants that can run.
+pub(crate) fn names(loaded: &Loaded<'_>, running: &BTreeSet<Span>, report: &mut Report) {
+    for task in loaded.well_formed().flat_map(|file| &file.tasks) {
+        let mut above: Vec<Body<'_>> = bases(*task, loaded).map(Task::body).collect();
+        own_names(task.body(), &above, loaded, running, report);
+        above.push(task.body());
+        for variant in task.variants() {
+            own_names(variant.body(), &above, loaded, running, report);
         }
     }
 }
 
-/// Warns of the constants and keypoints of a whole task in the first file, or of a variant, that nothing uses.
-///
-/// A library, and a task that lacks parts, may declare what others use. Names that are almost inherited ones are
-/// reported by [`names`].
-pub(crate) fn whole(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
-    let entry = context.loaded.entry().id;
-    let Some(own) = merged.own_body().filter(|own| own.span().file == entry) else {
-        return;
-    };
-    let above = above(merged, context.loaded);
+/// - `above`: what the body is joined with.
+fn own_names(
+    body: Body<'_>,
+    above: &[Body<'_>],
+    loaded: &Loaded<'_>,
+    running: &BTreeSet<Span>,
+    report: &mut Report,
+) {
     for (kind, names) in [
         ("constant", constants as fn(Body<'_>) -> Vec<Name<'_>>),
         ("keypoint", keypoints),
     ] {
-        let inherited: BTreeSet<&str> = above
-            .iter()
+        let inherited: BTreeSet<&str> = { above.iter() }
             .flat_map(|body| names(*body))
             .map(|name| name.text())
             .collect();
-        let own = names(own);
+        let own = names(body);
         for name in &own {
             let word = name.text();
-            let is_reported = nearest(word, inherited.iter().copied()).is_some();
-            if is_reported || context.loaded.is_used(word) {
+            if inherited.contains(word) || loaded.is_used(word) {
                 continue;
             }
-            let message = format!("nothing uses the {kind} `{word}`");
-            let diagnostic = Diagnostic::new(Code::UnusedName, name.span(), message);
-            let others = own.iter().map(|other| other.text());
-            let meant = nearest(word, others.filter(|other| *other != word));
-            context.remark(match meant {
-                Some(meant) => {
-                    diagnostic.help(format!("remove it, or use it; there is also `{meant}`"))
-                }
-                None => {
-                    diagnostic.help("remove it, or use it in a check, a text or another keypoint")
-                }
-            });
+            let new = |message: String| Diagnostic::new(Code::UnusedName, name.span(), message);
+            if let Some(meant) = nearest(word, inherited.iter().copied()) {
+                let message = format!(
+                    "the {kind} `{word}` is new, and nothing uses it; there is an inherited {kind} `{meant}`"
+                );
+                report.remark(new(message).meant(name.span(), meant));
+            } else if running.contains(&body.span()) {
+                report.remark(
+                    new(format!("nothing uses the {kind} `{word}`"))
+                        .help("remove it, or use it in a check, a text or another keypoint"),
+                );
+            }
         }
     }
-}
-
-/// Returns the tasks that a task extends; of a variant, its task and those that it extends.
-fn above<'a>(merged: &Merged<'a>, loaded: &Loaded<'a>) -> Vec<Body<'a>> {
-    let task = merged.variant.is_some().then_some(merged.task);
-    let all = task.into_iter().chain(bases(merged.task, loaded));
-    all.map(Task::body).collect()
 }
 
 fn constants(body: Body<'_>) -> Vec<Name<'_>> {
@@ -124,7 +99,7 @@ pub(crate) fn fields(program: &Program, merged: &Merged<'_>, context: &mut Conte
         let conditions = check.when.iter().chain([&check.holds]);
         conditions.for_each(|part| part.add_uses(&mut read));
     }
-    for field in merged.actions.into_iter().flat_map(|part| part.fields()) {
+    for field in merged.actions().into_iter().flat_map(|part| part.fields()) {
         let name = field.name().text();
         if moving_field(name).is_some() || read.fields.contains(name) {
             continue;

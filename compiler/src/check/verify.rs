@@ -6,7 +6,7 @@ use super::missing_action::needs_last;
 use super::placeholders::{TextPlace, TextScope, template};
 use super::quantity::{read, read_whole};
 use super::stage::Prompts;
-use crate::diag::{Code, Diagnostic, Report, Reported, among, every, nearest};
+use crate::diag::{Code, Diagnostic, Report, Reported, every};
 use crate::lang::verify::{ATTEMPTS, DEFAULT_ATTEMPTS, DEFAULT_RETRIES, OVERLAP, RETRIES, given};
 use crate::merge::{Merged, once, unique};
 use fab_grammar::ast::{self, Attempts, Expr, Name, Phrase};
@@ -25,7 +25,7 @@ pub(crate) fn check<'a>(
     prompts: &mut Prompts,
     context: &mut Context<'a, '_>,
 ) -> Result<Verify, Reported> {
-    let part = merged.verify;
+    let part = merged.verify();
     let mut beyond = merged.checks.iter().skip(MAX_CHECKS);
     context.bounded(beyond.next().map(|check| check.name().span()), || {
         format!(
@@ -156,57 +156,34 @@ fn condition<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Condit
 /// Warns of inherited checks that the task's own `verify` drops without a word. A variant may drop them: it is there to
 /// be compared with the task.
 pub(crate) fn dropped(merged: &Merged<'_>, report: &mut Report) {
-    let own = merged.task.body().verify().next();
-    let (Some(verify), None) = (own, &merged.variant) else {
+    let dropped = &merged.dropped;
+    let (Some(verify), Some((_, first)), None) =
+        (merged.verify(), dropped.checks.first(), &merged.variant)
+    else {
         return;
     };
-    let is_kept =
-        |name: &str| merged.checks.get(name).is_some() || merged.removed_checks.contains(name);
-    let replaced = &merged.replaced;
-    let dropped = replaced.checks.iter().filter(|it| !is_kept(it.text()));
-    let dropped: Vec<Name<'_>> = dropped.copied().collect();
-    let Some(first) = dropped.first() else {
-        return;
-    };
-    let names: Vec<&str> = dropped.iter().map(|name| name.text()).collect();
-    let (plural, them) = match dropped.len() {
-        1 => ("", "it"),
-        _ => ("s", "them"),
-    };
-    let states_result = verify.results().next().is_some();
-    let (result, kept) = match replaced.result {
-        Some(_) if !states_result => (" and the inherited `result`", "them"),
-        _ => ("", them),
+    let names: Vec<&str> = { dropped.checks.iter() }
+        .map(|(name, _)| name.as_str())
+        .collect();
+    let plural = if names.len() == 1 { "" } else { "s" };
+    let result = if dropped.has_result {
+        " and the inherited `result`"
+    } else {
+        ""
     };
     let message = format!(
         "this `verify` drops the inherited check{plural} `{}`{result}",
         names.join("`, `")
     );
-    let inherits = |name: &Name<'_>| replaced.checks.iter().any(|it| it.text() == name.text());
-    let (changed, added): (Vec<Name<'_>>, Vec<Name<'_>>) = verify
-        .checks()
-        .map(|check| check.name())
-        .partition(inherits);
-    let forms = [("check", added), ("override check", changed)];
-    let forms = forms.iter().filter_map(|(words, names)| {
-        let name = names.first()?.text();
-        Some(format!("`{words} {name} {{ … }}`"))
-    });
-    let forms: Vec<String> = forms.collect();
-    let keep = match verify.attempts().next().is_some() || states_result || forms.is_empty() {
-        true => format!("to keep {kept}, state {kept} in this `verify` too"),
-        false => format!(
-            "to keep {kept}, write {} in the task itself, without `verify`",
-            forms.join(" and ")
-        ),
-    };
     let drop = format!(
-        "to drop {them} on purpose, write `without check {}` beside this `verify`",
+        "to drop them on purpose, write `without check {}` beside this `verify`",
         names.join(", ")
     );
-    let diagnostic = Diagnostic::new(Code::ChecksDropped, verify.head_span(), message);
-    let diagnostic = diagnostic.also(first.span(), "declared here");
-    report.remark(diagnostic.help(keep).help(drop));
+    let diagnostic = Diagnostic::new(Code::ChecksDropped, verify.head_span(), message)
+        .also(*first, "declared here")
+        .help("to keep them, state them in this `verify` too, or write `check` or `override check` in the task itself, without `verify`")
+        .help(drop);
+    report.remark(diagnostic);
 }
 
 // ---- attempts ------------------------------------------------------------------------------------
@@ -244,13 +221,13 @@ fn relaxed<'a>(
     // `then without` may name a check that was already removed.
     let there = attempts
         .relaxed()
-        .filter(|name| !merged.removed_checks.contains(name.text()));
+        .filter(|name| !merged.checks.is_removed(name.text()));
     let relaxed = there.map(|name| match merged.checks.get(name.text()) {
         Some(_) => Ok(name.text().to_owned()),
         None => Err(not_relaxed(name, merged, context)),
     });
     let relaxed = every(relaxed);
-    twice.any().and(relaxed)
+    twice.and(relaxed)
 }
 
 /// Reports a name that no check has, or a check that cannot be removed.
@@ -262,14 +239,9 @@ fn not_relaxed<'a>(name: Name<'a>, merged: &Merged<'a>, context: &mut Context<'a
         let diagnostic = new(format!("`{}` cannot be left out", row.name));
         return context.error(diagnostic.help(format!("{} cannot be executed", row.refuses)));
     }
-    if let Some(reported) = context.names.hidden(name.text(), context.loaded) {
-        return reported;
-    }
     let diagnostic = new(format!("there is no check `{}` to leave out", name.text()));
-    context.error(match nearest(name.text(), merged.check_names()) {
-        Some(meant) => diagnostic.meant(name.span(), meant),
-        None => diagnostic.help(format!("there is {}", among(merged.check_names()))),
-    })
+    let names = merged.checks.names();
+    context.error(diagnostic.suggest(name.text(), names, "the task has no checks"))
 }
 
 // ---- the result of a step ------------------------------------------------------------------------

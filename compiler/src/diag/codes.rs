@@ -254,7 +254,7 @@ codes! {
 
     "F0302" DuplicateName Error
     "a name is declared twice"
-    "Two things that could be confused cannot have the same name. Rename one."
+    "Two things that could be confused cannot have the same name. Rename one. Names of tasks, and of a task's variants, must differ by more than case: folders of runs and snapshots are named after them, and many file systems ignore case."
 
     "F0303" WrongKindOfName Error
     "a name stands for something else"
@@ -304,10 +304,6 @@ codes! {
     "F0408" BaseOnly Note
     "a task cannot run by itself"
     "It lacks a part that every rollout needs. That is right for a task that others extend."
-
-    "F0409" TasksTooLarge Error
-    "the tasks of a compilation are too large together"
-    "Each task and each variant is checked with everything that it inherits. Together they may inherit at most 64 MiB. Extend smaller tasks, or compile the files one by one."
 
     "F0410" ChecksDropped Warning
     "a `verify` drops inherited checks"
@@ -383,7 +379,7 @@ codes! {
 
     "F0605" TextTooLong Error
     "a text is too long"
-    "One text may have at most 16 KiB, and all texts of one stage 64 KiB."
+    "One text may have at most 16 KiB."
 
     "F0606" BadPattern Error
     "a pattern does not say where the text begins"

@@ -3,6 +3,7 @@
 use super::codes::{Code, Severity};
 use fab_grammar::Span;
 use fab_program::invisible::visible;
+use fab_program::nearest::{among, nearest};
 
 /// One finding.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -91,6 +92,14 @@ impl Diagnostic {
         self
     }
 
+    /// Moves it to the place that causes it; what would repair the first place no longer counts.
+    pub(crate) fn caused_at(mut self, place: Span) -> Diagnostic {
+        let span = std::mem::replace(&mut self.span, place);
+        self.edits.clear();
+        self.help.clear();
+        self.also(span, "found here")
+    }
+
     /// Takes another finding about the same name: the first place in the file is the main location.
     pub(super) fn also_about(&mut self, mut other: Diagnostic) {
         const MOST: usize = 8;
@@ -133,6 +142,22 @@ impl Diagnostic {
             meant.to_owned(),
             Certainty::Likely,
         )
+    }
+
+    /// Offers the candidate nearest to the word that it is about, or lists all; `none` is the help if there are none.
+    pub(crate) fn suggest<'c>(
+        self,
+        word: &str,
+        candidates: impl IntoIterator<Item = &'c str>,
+        none: &str,
+    ) -> Diagnostic {
+        let candidates: Vec<&str> = candidates.into_iter().collect();
+        let span = self.span;
+        match nearest(word, candidates.iter().copied()) {
+            Some(meant) => self.meant(span, meant),
+            None if candidates.is_empty() => self.help(none),
+            None => self.help(format!("there is {}", among(candidates))),
+        }
     }
 
     /// Adds a change that probably repairs it; other changes may be needed too.

@@ -1,95 +1,106 @@
 //! What a stage says: the parts that it lists, and those that extending tasks add beside them.
 
 use fab_grammar::ast::{ComponentOrText, Name, Sayings, Side, Stage};
-use std::collections::{BTreeMap, BTreeSet};
 
-/// What a stage says in `system` and in `say`.
-///
-/// The lists stay as they are written; added parts are kept by the name that they go beside. This way, adding a part
-/// takes no search through a list.
+/// What a stage says in `system` and in `say`, in order.
 #[derive(Default)]
-pub(crate) struct Said<'a> {
-    /// Every component that it says, in the order of the lists; added ones last.
-    names: Vec<&'a str>,
-    known: BTreeSet<&'a str>,
-    beside: BTreeMap<&'a str, Added<'a>>,
-    /// Whether it says a text without a name.
-    pub says_text: bool,
+pub(crate) struct Said<'a>(Vec<Saying<'a>>);
+
+struct Saying<'a> {
+    line: Line,
+    part: ComponentOrText<'a>,
+    /// The component that it was added beside, if it was added.
+    beside: Option<&'a str>,
 }
 
-/// The parts that were added on both sides of another, in the order in which they are said.
-#[derive(Default)]
-struct Added<'a> {
-    before: Vec<Name<'a>>,
-    after: Vec<Name<'a>>,
+/// A line of a stage.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Line {
+    System,
+    Say,
+}
+
+impl<'a> Saying<'a> {
+    fn component(&self) -> Option<&'a str> {
+        match self.part {
+            ComponentOrText::Component(name) => Some(name.text()),
+            ComponentOrText::Text(_) => None,
+        }
+    }
 }
 
 impl<'a> Said<'a> {
     /// Returns what a stage says as it is declared.
     pub fn of(stage: Stage<'a>) -> Said<'a> {
-        let mut said = Said::default();
-        for saying in stage.system().chain(stage.say()).flat_map(Sayings::list) {
-            match saying {
-                ComponentOrText::Component(name) if said.known.insert(name.text()) => {
-                    said.names.push(name.text());
-                }
-                ComponentOrText::Component(_) => {}
-                ComponentOrText::Text(_) => said.says_text = true,
-            }
-        }
-        said
+        let list = |line, lines: Vec<Sayings<'a>>| {
+            let parts = lines.into_iter().flat_map(Sayings::list);
+            parts.map(move |part| Saying {
+                line,
+                part,
+                beside: None,
+            })
+        };
+        let system = list(Line::System, stage.system().collect());
+        Said(
+            system
+                .chain(list(Line::Say, stage.say().collect()))
+                .collect(),
+        )
     }
 
     /// Returns whether it says a component; a component that is left out keeps its place.
     pub fn says(&self, name: &str) -> bool {
-        self.known.contains(name)
+        self.names().any(|known| known == name)
     }
 
     /// Returns the components that it says.
-    pub fn names(&self) -> impl DoubleEndedIterator<Item = &'a str> {
-        self.names.iter().copied()
+    pub fn names(&self) -> impl Iterator<Item = &'a str> {
+        self.0.iter().filter_map(Saying::component)
     }
 
-    /// Adds a part next to another that it says. Parts at one place keep the order in which they are added.
+    /// Returns the parts of one line.
+    pub fn line(&self, line: Line) -> impl Iterator<Item = ComponentOrText<'a>> {
+        let of_line = self.0.iter().filter(move |saying| saying.line == line);
+        of_line.map(|saying| saying.part)
+    }
+
+    /// Adds a component next to another that it says. Those at one place keep the order in which they are added.
     pub fn add(&mut self, part: Name<'a>, side: Side, beside: &'a str) {
-        let added = self.beside.entry(beside).or_default();
-        match side {
-            Side::Before => added.before.push(part),
-            Side::After => added.after.push(part),
+        let is_beside = |saying: &Saying<'_>| saying.component() == Some(beside);
+        let Some(mut place) = self.0.iter().position(is_beside) else {
+            return;
+        };
+        let line = self.0[place].line;
+        if side == Side::After {
+            place += 1;
+            let after = &self.0[place..];
+            let added = after
+                .iter()
+                .take_while(|it| self.was_added_beside(it, beside));
+            place += added.count();
         }
-        if self.known.insert(part.text()) {
-            self.names.push(part.text());
-        }
+        let part = ComponentOrText::Component(part);
+        self.0.insert(
+            place,
+            Saying {
+                line,
+                part,
+                beside: Some(beside),
+            },
+        );
     }
 
-    /// Returns the parts of a list together with those that were added beside them.
-    ///
-    /// - `placed`: the components whose neighbours are placed already. One that is said twice has them only once.
-    pub fn with_added(
-        &self,
-        list: impl Iterator<Item = ComponentOrText<'a>>,
-        placed: &mut BTreeSet<&'a str>,
-    ) -> Vec<ComponentOrText<'a>> {
-        let mut all = Vec::new();
-        for saying in list {
-            let ComponentOrText::Component(name) = saying else {
-                all.push(saying);
-                continue;
-            };
-            // Added parts may have neighbours of their own, to any depth.
-            let mut open = vec![(name, false)];
-            while let Some((name, is_next)) = open.pop() {
-                match self.beside.get(name.text()) {
-                    Some(added) if !is_next && placed.insert(name.text()) => {
-                        let later = |name: &Name<'a>| (*name, false);
-                        open.extend(added.after.iter().rev().map(later));
-                        open.push((name, true));
-                        open.extend(added.before.iter().rev().map(later));
-                    }
-                    _ => all.push(ComponentOrText::Component(name)),
-                }
+    /// Returns whether a part was added beside a component, or beside another part that was.
+    fn was_added_beside(&self, saying: &Saying<'a>, component: &str) -> bool {
+        let mut beside = saying.beside;
+        while let Some(name) = beside {
+            if name == component {
+                return true;
             }
+            let mut all = self.0.iter();
+            let next = all.find(|it| it.component() == Some(name));
+            beside = next.and_then(|it| it.beside);
         }
-        all
+        false
     }
 }

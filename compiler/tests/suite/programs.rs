@@ -344,21 +344,6 @@ fn parts_are_added_to_what_a_stage_says() {
 }
 
 #[test]
-fn a_task_adds_a_limited_number_of_parts() {
-    let adding = |n_parts: usize| {
-        let part =
-            |number| format!("component c{number} \"C.\"\nsay c{number} in plan after role\n");
-        let parts: String = (0..n_parts).map(part).collect();
-        messages(&format!("{TASK}\ntask more extends small {{\n{parts}}}\n"))
-    };
-    assert_eq!(adding(256), [""; 0]);
-    assert_eq!(
-        adding(257),
-        ["F0204 a task adds at most 256 components to its stages"]
-    );
-}
-
-#[test]
 fn checks_are_added_and_variants_left_out() {
     let files = Memory::of([("child.fab", ADDITIONS), ("base.fab", TASK)]);
     let programs = programs("child.fab", &files);
@@ -548,21 +533,4 @@ fn files_beyond_the_limits_are_refused() {
         .extend((0..100).map(|number| (format!("f{number}.fab"), String::new())));
     let compiled = fab_compiler::compile("many.fab", &files).unwrap();
     assert_eq!(compiled.sources.iter().count(), fab_compiler::MAX_FILES);
-}
-
-#[test]
-#[ignore = "long"]
-fn tasks_that_inherit_too_much_together_are_refused() {
-    let long: String = (0..12)
-        .map(|number| format!("    component c{number} \"{}\"\n", "x".repeat(16_000)))
-        .collect();
-    let base = TASK.replace("    verify {", &format!("{long}    verify {{"));
-    let many: String = (0..600)
-        .map(|number| format!("task t{number} extends small {{ horizon 1 }}\n"))
-        .collect();
-    let codes: Vec<String> = messages(&format!("{base}{many}"))
-        .into_iter()
-        .filter(|message| message.starts_with("F0409"))
-        .collect();
-    assert_eq!(codes.len(), 1, "{codes:?}");
 }

@@ -1,0 +1,149 @@
+//! The sections of one task or variant, as it states them itself.
+
+use super::lists::{duplicates, repeated};
+use super::parts::{Site, distinct};
+use crate::diag::{Code, Diagnostic, Report, Reported};
+use fab_grammar::ast::{
+    AddedSay, Body, Check, Component, Declares, Name, NamedValue, Stage, Task, Verify,
+};
+use fab_grammar::{Node, Span};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+/// How a variant changes a task.
+#[derive(Clone, Copy)]
+pub(crate) enum VariantChange<'a> {
+    /// It replaces and adds sections, under its own name.
+    Body(Body<'a>),
+    /// It removes a component.
+    Without(Name<'a>),
+}
+
+/// The sections of one body. A mistake that the body makes by itself is reported when this is made.
+pub(crate) struct Sections<'a> {
+    /// The sections without a name, by the words that they begin with.
+    pub single: BTreeMap<&'a str, Node<'a>>,
+    pub constants: Vec<Site<'a, NamedValue<'a>>>,
+    pub keypoints: Vec<Site<'a, NamedValue<'a>>>,
+    pub components: Vec<Site<'a, Component<'a>>>,
+    pub stages: Vec<Site<'a, Stage<'a>>>,
+    /// The checks of its own `verify`.
+    pub verified: Vec<Site<'a, Check<'a>>>,
+    /// The checks outside of `verify`.
+    pub checks: Vec<Site<'a, Check<'a>>>,
+    pub variants: Vec<Site<'a, VariantChange<'a>>>,
+    pub without_components: Vec<Name<'a>>,
+    pub without_checks: Vec<Name<'a>>,
+    pub without_variants: Vec<Name<'a>>,
+    /// What it adds to inherited stages.
+    pub added_sayings: Vec<(AddedSay<'a>, Name<'a>)>,
+    /// The proof of an error in it, if it has one.
+    pub fault: Result<(), Reported>,
+}
+
+impl<'a> Sections<'a> {
+    pub fn of(body: Body<'a>, report: &mut Report) -> Sections<'a> {
+        let mut single = BTreeMap::new();
+        let mut fault = Ok(());
+        for (word, node, head) in self::single(body) {
+            let (first, _) = *single.entry(word).or_insert((head, node));
+            if first != head {
+                fault = Err(report.error(repeated(word, first, head)));
+            }
+        }
+        let single: BTreeMap<&str, Node<'a>> = single
+            .into_iter()
+            .map(|(word, (_, node))| (word, node))
+            .collect();
+        let named = |it: NamedValue<'a>| Site::new(it.name(), it);
+        let check = |it: Check<'a>| Site::new(it.name(), it);
+        let keypoints = body.keypoints().next();
+        let keypoints = keypoints.into_iter().flat_map(|block| block.list());
+        let verify = single.get("verify").and_then(|node| Verify::cast(*node));
+        let verified = verify.into_iter().flat_map(|verify| verify.checks());
+        let overriding = body.override_checks().map(check);
+        let overriding = overriding.map(|site| site.overriding(Declares::Override));
+        let component = |it: Component<'a>| Site::new(it.name(), it).overriding(it.declares());
+        let task = Task::cast(body.node());
+        let added = body.added_sayings();
+        let mut sections = Sections {
+            single,
+            constants: body.constants().map(named).collect(),
+            keypoints: keypoints.map(named).collect(),
+            components: body.components().map(component).collect(),
+            stages: body.stages().map(|it| Site::new(it.name(), it)).collect(),
+            verified: verified.map(check).collect(),
+            checks: body.checks().map(check).chain(overriding).collect(),
+            variants: task.map(variants).unwrap_or_default(),
+            without_components: body.without().collect(),
+            without_checks: body.without_checks().collect(),
+            without_variants: { task.into_iter() }
+                .flat_map(Task::without_variants)
+                .collect(),
+            added_sayings: { added.flat_map(|line| line.parts().map(move |part| (line, part))) }
+                .collect(),
+            fault,
+        };
+        sections.fault = sections.own_faults(report).and(fault);
+        sections
+    }
+
+    fn own_faults(&mut self, report: &mut Report) -> Result<(), Reported> {
+        let faults = [
+            distinct(&mut self.constants, "constant", report),
+            distinct(&mut self.keypoints, "keypoint", report),
+            distinct(&mut self.components, "component", report),
+            distinct(&mut self.stages, "stage", report),
+            distinct(&mut self.verified, "check", report),
+            distinct(&mut self.checks, "check", report),
+            distinct(&mut self.variants, "variant", report),
+            left_out_once(&self.without_components, report),
+            left_out_once(&self.without_checks, report),
+            left_out_once(&self.without_variants, report),
+        ];
+        faults.into_iter().collect()
+    }
+}
+
+/// Returns the sections without a name, each with its word and its head.
+fn single(body: Body<'_>) -> impl Iterator<Item = (&str, Node<'_>, Span)> {
+    let statements = body.statements();
+    let statements = statements.map(|it| (it.word().text(), it.node(), it.span()));
+    let subgoals = body.subgoals();
+    let subgoals = subgoals.map(|it| ("subgoals", it.node(), it.head_span()));
+    let experts = body.experts().map(|it| ("experts", it.node(), it.span()));
+    let demos = body.demos().map(|it| ("demos", it.node(), it.span()));
+    let keypoints = body.keypoints();
+    let keypoints = keypoints.map(|it| ("keypoints", it.node(), it.head_span()));
+    let annotate = body.annotate();
+    let annotate = annotate.map(|it| ("annotate", it.node(), it.head_span()));
+    let actions = body.actions();
+    let actions = actions.map(|it| ("actions", it.node(), it.head_span()));
+    let rehearse = body.rehearsals();
+    let rehearse = rehearse.map(|it| ("rehearse", it.node(), it.head_span()));
+    let verify = body.verify();
+    let verify = verify.map(|it| ("verify", it.node(), it.head_span()));
+    let blocks = subgoals.chain(keypoints).chain(annotate).chain(actions);
+    let blocks = blocks.chain(rehearse).chain(verify);
+    statements.chain(experts).chain(demos).chain(blocks)
+}
+
+/// Returns the variants that a task declares, and one without each component that it ablates.
+fn variants(task: Task<'_>) -> Vec<Site<'_, VariantChange<'_>>> {
+    let declared = task.variants();
+    let declared = declared.map(|it| Site::new(it.name(), VariantChange::Body(it.body())));
+    let ablated = task.ablated().map(|name| Site {
+        name: Cow::Owned(format!("without_{}", name.text())),
+        ..Site::new(name, VariantChange::Without(name))
+    });
+    declared.chain(ablated).collect()
+}
+
+/// Reports names that are left out twice.
+fn left_out_once(names: &[Name<'_>], report: &mut Report) -> Result<(), Reported> {
+    let names = names.iter().map(|name| (name.text(), name.span()));
+    duplicates(names, report, |name, first, again| {
+        let message = format!("`{name}` is left out twice");
+        Diagnostic::new(Code::Repeated, again, message).also(first, "left out here first")
+    })
+}
