@@ -161,7 +161,7 @@ mod tests {
             Some(Box::new(tool)),
             &setup,
             &mut lines,
-            &Io::new("."),
+            &Io::in_memory(),
         );
         let pairs = pairs.unwrap();
         let kept = fab_arm::calibration::read_pairs(&path.with_extension("pairs.csv"), Ok(&[]));

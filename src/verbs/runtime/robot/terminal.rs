@@ -272,7 +272,7 @@ mod tests {
     #[test]
     fn a_terminal_that_takes_nothing_holds_up_no_motion() {
         let (release, halted) = channel();
-        let io = Io::new(".").with_stderr(Halted(halted));
+        let io = Io::in_memory().with_stderr(Halted(halted));
         let supervisor = TerminalSupervisor::new(Confirm::None, HoldToRun::Off, &io);
         let Ok(mut supervisor) = supervisor else {
             panic!("it asks nobody");

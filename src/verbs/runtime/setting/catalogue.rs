@@ -66,11 +66,10 @@ fn user_file(variable: &str, name: &str, io: &Io) -> Option<UserFile> {
         named_by: NamedBy::User,
     });
     named.or_else(|| {
-        io.user_folder(dirs::config_dir, "XDG_CONFIG_HOME", ".config")
-            .map(|folder| UserFile {
-                path: folder.join("fabc").join(name),
-                named_by: NamedBy::Place,
-            })
+        dirs::config_dir().map(|folder| UserFile {
+            path: folder.join("fabc").join(name),
+            named_by: NamedBy::Place,
+        })
     })
 }
 
