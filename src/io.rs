@@ -1,37 +1,26 @@
-//! Everything a command accesses beyond its arguments: streams, working folder, environment, interrupts.
+//! What a command reads and writes: streams, environment, interrupts.
 //!
-//! In: [`Io::process`] for the process's own surroundings, or [`Io::new`] for one command run inside a process. Out:
-//! what verbs read, write and look up. Data goes to stdout, talk to stderr; a closed pipe is not an error.
-//!
-//! Not covered: what third-party libraries read themselves (proxy variables, certificates), the environment of programs
-//! that a command starts, which is the process's, and raw keys of a terminal, which only the process's own streams have.
+//! In: [`Io::process`] for the process's own streams, or [`Io::in_memory`] for one command run inside a process.
+//! Out: what verbs read, write and look up. Data goes to stdout, talk to stderr; a closed pipe is not an error. The working
+//! folder and the environment are the process's.
 
 use crate::exit::{Exit, Failure};
 use fab_base::files;
 use fab_base::interrupt::Interrupt;
 use fab_compiler::diag::{Color, is_hidden, visible};
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 use std::ffi::{OsStr, OsString};
 use std::io::{BufRead, BufReader, Cursor, ErrorKind, IsTerminal, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::SystemTime;
 
-/// Width of help texts if no terminal reports its own, columns.
-const HELP_COLUMNS: usize = 100;
-
 /// The surroundings of one command. Cloning shares the streams.
 #[derive(Clone)]
 pub struct Io {
     streams: Arc<Streams>,
-    folder: Option<PathBuf>,
-    /// `None` means the process's variables.
-    variables: Option<Arc<BTreeMap<OsString, OsString>>>,
     /// `None` means an interrupt raised by SIGINT and SIGTERM.
     interrupt: Option<Interrupt>,
-    /// `None` means the running program.
-    program: Option<PathBuf>,
 }
 
 struct Streams {
@@ -40,8 +29,6 @@ struct Streams {
     stderr: Mutex<Sink>,
     /// Whether stdin, stdout and stderr are terminals.
     terminals: [bool; 3],
-    /// Whether these are the process's own streams.
-    is_process: bool,
     /// Why data could not be written, if a write failed.
     lost: OnceLock<String>,
 }
@@ -103,7 +90,7 @@ fn lock<T: ?Sized>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Io {
-    /// Returns the process's own streams, folder, environment, clock and signals.
+    /// Returns the process's own streams and signals.
     pub fn process() -> Io {
         Io {
             streams: Arc::new(Streams {
@@ -115,60 +102,29 @@ impl Io {
                     std::io::stdout().is_terminal(),
                     std::io::stderr().is_terminal(),
                 ],
-                is_process: true,
                 lost: OnceLock::new(),
             }),
-            folder: None,
-            variables: None,
             interrupt: None,
-            program: None,
         }
     }
 
-    /// Makes surroundings with empty stdin, captured output, no variables and no interrupts.
-    ///
-    /// The command works in `folder`: relative paths on its command line start there.
-    pub fn new(folder: impl Into<PathBuf>) -> Io {
+    /// Makes surroundings with empty stdin, captured output and no interrupts.
+    pub fn in_memory() -> Io {
         Io {
             streams: Arc::new(Streams {
                 stdin: Mutex::new(Box::new(Cursor::new(Vec::new()))),
                 stdout: Mutex::new(Sink::Kept(Vec::new())),
                 stderr: Mutex::new(Sink::Kept(Vec::new())),
                 terminals: [false; 3],
-                is_process: false,
                 lost: OnceLock::new(),
             }),
-            folder: Some(folder.into()),
-            variables: Some(Arc::default()),
             interrupt: Some(Interrupt::default()),
-            program: None,
         }
-    }
-
-    /// Returns the same surroundings with `bytes` on stdin.
-    pub fn with_stdin(self, bytes: impl Into<Vec<u8>>) -> Io {
-        *lock(&self.streams.stdin) = Box::new(Cursor::new(bytes.into()));
-        self
     }
 
     /// Returns the same surroundings, writing talk to a stream instead of capturing it.
     pub fn with_stderr(self, writer: impl Write + Send + 'static) -> Io {
         *lock(&self.streams.stderr) = Sink::To(Box::new(writer));
-        self
-    }
-
-    /// Returns the same surroundings with one more environment variable.
-    pub fn with_variable(mut self, name: impl Into<OsString>, value: impl Into<OsString>) -> Io {
-        let variables = self
-            .variables
-            .get_or_insert_with(|| Arc::new(std::env::vars_os().collect()));
-        Arc::make_mut(variables).insert(name.into(), value.into());
-        self
-    }
-
-    /// Returns the same surroundings with another program to start as a helper process.
-    pub fn with_program(mut self, program: impl Into<PathBuf>) -> Io {
-        self.program = Some(program.into());
         self
     }
 
@@ -281,15 +237,6 @@ impl Io {
         }
     }
 
-    /// Sets the width of a command's help.
-    pub(crate) fn command(&self, command: clap::Command) -> clap::Command {
-        if self.is_process() {
-            command
-        } else {
-            command.term_width(HELP_COLUMNS)
-        }
-    }
-
     /// Writes a help text or a command-line error.
     pub(crate) fn help(&self, error: &clap::Error) {
         let text = error.render();
@@ -323,7 +270,7 @@ impl Io {
 
     /// Returns whether the streams are the process's own.
     pub(crate) fn is_process(&self) -> bool {
-        self.streams.is_process
+        self.interrupt.is_none()
     }
 
     /// Returns whether the user can be asked: stdin is a terminal.
@@ -340,34 +287,14 @@ impl Io {
 
     /// Returns a variable of the environment.
     pub(crate) fn variable(&self, name: impl AsRef<OsStr>) -> Option<OsString> {
-        match &self.variables {
-            None => std::env::var_os(name),
-            Some(variables) => variables.get(name.as_ref()).cloned(),
-        }
+        std::env::var_os(name)
     }
 
     /// Returns the user's cache folder; `FABC_CACHE_DIR` overrides it.
     pub(crate) fn cache_folder(&self) -> Option<PathBuf> {
         let named = self.variable("FABC_CACHE_DIR");
         let named = named.filter(|value| !value.is_empty()).map(PathBuf::from);
-        named.or_else(|| {
-            let folder = self.user_folder(dirs::cache_dir, "XDG_CACHE_HOME", ".cache")?;
-            Some(folder.join("fabc"))
-        })
-    }
-
-    /// Returns one of the user's folders: the system's, or the one that the command's own environment names.
-    pub(crate) fn user_folder(
-        &self,
-        of_process: fn() -> Option<PathBuf>,
-        variable: &str,
-        in_home: &str,
-    ) -> Option<PathBuf> {
-        if self.is_process() {
-            return of_process();
-        }
-        let named = self.variable(variable).map(PathBuf::from);
-        named.or_else(|| Some(PathBuf::from(self.variable("HOME")?).join(in_home)))
+        named.or_else(|| Some(dirs::cache_dir()?.join("fabc")))
     }
 
     /// Returns the current time.
@@ -377,10 +304,7 @@ impl Io {
 
     /// Returns the program to start as a helper process.
     pub(crate) fn program(&self) -> std::io::Result<PathBuf> {
-        match &self.program {
-            Some(program) => Ok(program.clone()),
-            None => std::env::current_exe(),
-        }
+        std::env::current_exe()
     }
 
     /// Starts to record interrupts, so that work can stop between two of its steps.
@@ -399,28 +323,6 @@ impl Io {
             Some(interrupt) => interrupt.is_raised(),
             None => RAISED.get().is_some_and(Interrupt::is_raised),
         }
-    }
-
-    /// Returns the same surroundings in another working folder.
-    pub(crate) fn within(&self, folder: &Path) -> Io {
-        Io {
-            folder: Some(folder.to_owned()),
-            ..self.clone()
-        }
-    }
-
-    /// Runs `work` with this working folder, on a separate thread if the process's working folder is another one.
-    pub(crate) fn in_folder<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
-        let Some(folder) = &self.folder else {
-            return Ok(work());
-        };
-        let entered = folder::with(folder, work);
-        entered.map_err(|error| {
-            Failure::environment(format!(
-                "the folder `{}` cannot be entered: {error}",
-                folder.display()
-            ))
-        })
     }
 }
 
@@ -483,100 +385,6 @@ fn signals() -> Result<Interrupt, Failure> {
         Err(why) => Err(Failure::environment(format!(
             "cannot listen for interrupts: {why}"
         ))),
-    }
-}
-
-/// Runs work in another working folder than the process's.
-mod folder {
-    use std::cell::Cell;
-    use std::path::{Path, PathBuf};
-    use std::sync::{Mutex, PoisonError};
-
-    /// Runs work on a thread whose working folder is shared only with the threads that it starts.
-    #[cfg(target_os = "linux")]
-    pub fn with<T: Send>(folder: &Path, work: impl FnOnce() -> T + Send) -> std::io::Result<T> {
-        use nix::sched::{CloneFlags, unshare};
-
-        let tried = std::thread::scope(|scope| {
-            // As large as the stack of a main thread.
-            let builder = std::thread::Builder::new().stack_size(8 << 20);
-            let thread =
-                builder.spawn_scoped(scope, move || match unshare(CloneFlags::CLONE_FS) {
-                    Ok(()) => Ok(std::env::set_current_dir(folder).map(|()| work())),
-                    // Docker forbids it unless a container is privileged.
-                    Err(_) => Err(work),
-                })?;
-            let done = thread.join();
-            std::io::Result::Ok(done.unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-        })?;
-        match tried {
-            Ok(done) => done,
-            Err(work) => in_turn(folder, work),
-        }
-    }
-
-    /// Runs work in another working folder while no other work does.
-    #[cfg(not(target_os = "linux"))]
-    pub fn with<T: Send>(folder: &Path, work: impl FnOnce() -> T + Send) -> std::io::Result<T> {
-        in_turn(folder, work)
-    }
-
-    static ENTERED: Mutex<()> = Mutex::new(());
-
-    thread_local! {
-        /// Whether this thread has its turn already.
-        static HAS_TURN: Cell<bool> = const { Cell::new(false) };
-    }
-
-    /// Returns to the earlier folder when dropped, even after a panic.
-    struct Return {
-        folder: PathBuf,
-        had_turn: bool,
-    }
-
-    impl Drop for Return {
-        fn drop(&mut self) {
-            // The earlier folder may have been deleted; then there is nobody to report it to.
-            let _ = std::env::set_current_dir(&self.folder);
-            HAS_TURN.set(self.had_turn);
-        }
-    }
-
-    /// Changes the process's only working folder for a while.
-    fn in_turn<T>(folder: &Path, work: impl FnOnce() -> T) -> std::io::Result<T> {
-        let had_turn = HAS_TURN.get();
-        let _turn = (!had_turn).then(|| ENTERED.lock().unwrap_or_else(PoisonError::into_inner));
-        let _return = Return {
-            folder: std::env::current_dir()?,
-            had_turn,
-        };
-        std::env::set_current_dir(folder)?;
-        HAS_TURN.set(true);
-        Ok(work())
-    }
-
-    #[cfg(test)]
-    mod tests {
-        #![allow(clippy::unwrap_used)]
-
-        use super::in_turn;
-        use std::env::current_dir;
-
-        #[test]
-        fn a_folder_can_be_entered_from_within_another_and_is_left_after_a_panic() {
-            let before = current_dir().unwrap();
-            let [outer, inner] = [(), ()].map(|()| tempfile::tempdir().unwrap());
-            let real = |folder: &tempfile::TempDir| folder.path().canonicalize().unwrap();
-            let seen = in_turn(outer.path(), || {
-                let within = in_turn(inner.path(), || current_dir().unwrap()).unwrap();
-                (within, current_dir().unwrap())
-            });
-            assert_eq!(seen.unwrap(), (real(&inner), real(&outer)));
-            let panicked =
-                std::panic::catch_unwind(|| in_turn(outer.path(), || panic!("on purpose")));
-            assert!(panicked.is_err());
-            assert_eq!(current_dir().unwrap(), before);
-        }
     }
 }
 

@@ -1,11 +1,11 @@
 //! The `fabc` command: parse, run one verb, report.
 //!
-//! [`run`] does inside this process what the program does in a process of its own. Everything a command accesses beyond
-//! its arguments is in its [`Io`]: only this package knows the command line, prints, reads the environment (but for the
+//! [`run`] does inside this process what the program does in a process of its own. Everything a command reads and writes
+//! passes its [`Io`]: only this package knows the command line, prints, reads the environment (but for the
 //! variables of proxies and of ROS, which the network code reads), and chooses exit codes. Data goes to stdout, talk to stderr.
 //!
 //! ```
-//! let io = fabc::Io::new(env!("CARGO_MANIFEST_DIR"));
+//! let io = fabc::Io::in_memory();
 //! let code = fabc::run(["fabc", "check", "tasks/double_triangle.fab"], &io);
 //! assert_eq!(code, 0);
 //! assert!(io.captured().stdout.contains("task `double_triangle` has no errors"));
@@ -37,15 +37,9 @@ use verbs::Cli;
 /// - `args`: the words of the command line, starting with the program's name.
 /// - `io`: what the command reads, writes and looks up.
 pub fn run<A: Into<OsString> + Clone>(args: impl IntoIterator<Item = A>, io: &Io) -> u8 {
-    let parsed = io.command(Cli::command()).try_get_matches_from(args);
+    let parsed = Cli::command().try_get_matches_from(args);
     let exit = match parsed.and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches))) {
-        Ok((mut cli, matches)) => {
-            io.in_folder(|| act(&mut cli, &matches, io))
-                .unwrap_or_else(|failure| {
-                    io.talk(&format!("error: {failure}"));
-                    failure.exit()
-                })
-        }
+        Ok((mut cli, matches)) => act(&mut cli, &matches, io),
         Err(error) => {
             io.help(&error);
             match error.kind() {

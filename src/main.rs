@@ -1,4 +1,4 @@
-//! The `fabc` program: [`fabc::run`] with this process's own streams, folder, environment, clock and signals.
+//! The `fabc` program: [`fabc::run`] with this process's own streams and signals.
 
 use fabc::Io;
 use std::process::ExitCode;

@@ -28,6 +28,13 @@ pub const FOLDER: &str = "snapshots";
 #[serde(transparent)]
 pub struct Name(pub String);
 
+impl Name {
+    /// Returns whether `fabc` gives such names: they contain the scene after an `@`.
+    pub fn is_ours(&self) -> bool {
+        self.0.contains('@')
+    }
+}
+
 impl fmt::Display for Name {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0)

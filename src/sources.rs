@@ -5,8 +5,6 @@ use crate::io::Io;
 use crate::shipped;
 use clap::Args;
 use clap::ValueHint;
-#[cfg(not(feature = "runtime"))]
-use fab_base::kinds::Kind;
 use fab_base::kinds::without_mark;
 use fab_base::wording::quoted;
 use fab_base::{files, npy};
@@ -181,23 +179,10 @@ fn picture(path: &Path, bytes: &[u8]) -> Result<(Listed, Option<String>), String
     Ok((Listed::Picture { width, height }, opened.note))
 }
 
-/// Reads the size of a PNG picture, and whether it has an end; this build of fabc does not open pictures.
+/// The authoring tool opens no pictures.
 #[cfg(not(feature = "runtime"))]
-fn picture(_: &Path, bytes: &[u8]) -> Result<(Listed, Option<String>), String> {
-    let kind = Kind::of(bytes).ok_or("it is no picture")?;
-    let number = |at: usize| bytes.get(at..)?.first_chunk().copied();
-    let size = number(16)
-        .zip(number(20))
-        .map(|it| [it.0, it.1].map(u32::from_be_bytes));
-    let is_whole = bytes.windows(8).any(|it| it == b"IEND\xae\x42\x60\x82");
-    match (kind.name, size) {
-        ("a JPEG picture", _) => Ok((Listed::Unknown, None)),
-        ("a PNG picture", Some([width, height])) if is_whole => {
-            Ok((Listed::Picture { width, height }, None))
-        }
-        ("a PNG picture", _) => Err("the picture is cut off".to_owned()),
-        _ => Err(kind.sentence()),
-    }
+fn picture(_: &Path, _: &[u8]) -> Result<(Listed, Option<String>), String> {
+    Ok((Listed::Unknown, None))
 }
 
 /// Checks that bytes are finite particle positions.

@@ -16,7 +16,7 @@ fn a_json_document_with_hidden_characters_has_the_same_value() {
 #[test]
 fn foreign_words_are_visible_and_a_terminal_does_not_take_their_colours() {
     for is_terminal in [false, true] {
-        let mut io = Io::new(".");
+        let mut io = Io::in_memory();
         let streams = Arc::get_mut(&mut io.streams).expect("nobody else has the streams");
         streams.terminals = [false, is_terminal, is_terminal];
         io.talk("error: \x1b[2Jbad \x1b[31m key");

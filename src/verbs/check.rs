@@ -39,9 +39,10 @@ pub struct CheckArguments {
 
 /// Checks every file, once or after every change.
 pub fn run(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
-    match arguments.watch {
-        true => watch::run(&arguments.files, &[], || check(arguments, io), io),
-        false => check(arguments, io),
+    if arguments.watch {
+        watch::run(&arguments.files, &[], || check(arguments, io), io)
+    } else {
+        check(arguments, io)
     }
 }
 
@@ -55,14 +56,16 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
     let mut n_warnings = 0;
     let found = arguments.files.iter().map(|file| shipped::find(file, io));
     let mut found: Vec<Result<String, Failure>> = found.collect();
-    let effect = match arguments.diff {
-        true => Effect::Show,
-        false => Effect::Write,
+    let effect = if arguments.diff {
+        Effect::Show
+    } else {
+        Effect::Write
     };
     // A file may use one that is named after it, so all are fixed before any is reported.
-    let diff = match arguments.fix {
-        true => fix::run(&mut found, effect, io),
-        false => String::new(),
+    let diff = if arguments.fix {
+        fix::run(&mut found, effect, io)
+    } else {
+        String::new()
     };
     if effect == Effect::Show && !arguments.json && !diff.is_empty() {
         io.data(diff.trim_end_matches('\n'));

@@ -171,14 +171,7 @@ fn rendered_without_camera(
     };
     let shown = stages.iter().map(|stage| {
         let messages = page::messages(&program, stage, values, arguments.step)?;
-        Ok(ShownStage {
-            name: stage.name.clone(),
-            n_asked_first: messages.len(),
-            messages,
-            corrections: corrections_of(&program, stage, values)?,
-            findings: Vec::new(),
-            results: Vec::new(),
-        })
+        ShownStage::of(&program, stage, values, messages)
     });
     let shown: Result<Vec<ShownStage>, RenderError> = shown.collect();
     Ok(Rendered {

@@ -95,7 +95,7 @@ pub fn run(arguments: &SnapArguments, io: &Io) -> Result<Exit, Failure> {
     }
     let mut plans = Vec::new();
     for (folder, declared) in compiled(&arguments.files, io)? {
-        let mut plan = Plan::open(&folder)?;
+        let mut plan = Plan::open(&folder, io)?;
         expect(&declared, arguments, &mut plan, io)?;
         plans.push(plan);
     }

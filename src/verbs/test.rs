@@ -31,9 +31,10 @@ pub struct TestArguments {
 
 /// Runs every test of every file, once or after every change; exits with 1 if one fails.
 pub fn run(arguments: &TestArguments, io: &Io) -> Result<Exit, Failure> {
-    match arguments.watch {
-        true => watch::run(&arguments.files, &[], || test(arguments, io), io),
-        false => test(arguments, io),
+    if arguments.watch {
+        watch::run(&arguments.files, &[], || test(arguments, io), io)
+    } else {
+        test(arguments, io)
     }
 }
 

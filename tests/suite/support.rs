@@ -22,11 +22,11 @@ use fab_standins::Geometric;
 use fab_world::expert::MakeWorld;
 use fab_world::start::Start;
 use fab_world::{Look, SimulatedWorld, World, WorldError};
-use fabc::Io;
 use std::collections::{BTreeMap, VecDeque};
 use std::ffi::{OsStr, OsString};
+use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 use std::sync::Mutex;
 
 /// The project's root.
@@ -40,8 +40,6 @@ pub fn project(path: &str) -> String {
 }
 
 /// The command in this working folder, with an expert cache that all tests share.
-///
-/// It runs in this process; [`Fabc::process`] is for tests of signals, terminals and the real exit.
 pub fn fabc(folder: &Path) -> Fabc {
     Fabc {
         folder: folder.to_owned(),
@@ -55,6 +53,7 @@ pub fn fabc(folder: &Path) -> Fabc {
         ]),
         removed: Vec::new(),
         stdin: Vec::new(),
+        program: env!("CARGO_BIN_EXE_fabc").into(),
     }
 }
 
@@ -65,6 +64,7 @@ pub struct Fabc {
     variables: BTreeMap<OsString, OsString>,
     removed: Vec<OsString>,
     stdin: Vec<u8>,
+    program: PathBuf,
 }
 
 impl Fabc {
@@ -99,31 +99,15 @@ impl Fabc {
         self
     }
 
-    /// Returns its surroundings when it runs in this process.
-    pub fn io(&self) -> Io {
-        let io = Io::new(&self.folder)
-            .with_stdin(self.stdin.clone())
-            .with_program(env!("CARGO_BIN_EXE_fabc"));
-        let variables = self.variables.iter();
-        variables.fold(io, |io, (name, value)| io.with_variable(name, value))
+    /// Runs the program at another path, which is a link to it.
+    pub fn program(&mut self, path: PathBuf) -> &mut Fabc {
+        self.program = path;
+        self
     }
 
-    /// Runs it in the given surroundings.
-    pub fn run(&self, io: &Io) -> Captured {
-        let program = OsString::from("fabc");
-        let words = std::iter::once(&program).chain(&self.arguments);
-        let code = fabc::run(words, io);
-        let fabc::Captured { stdout, stderr } = io.captured();
-        Captured {
-            code: code.into(),
-            stdout,
-            stderr,
-        }
-    }
-
-    /// Returns the same command as a separate process.
+    /// Returns it as a process to start.
     pub fn process(&self) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_fabc"));
+        let mut command = Command::new(&self.program);
         command
             .current_dir(&self.folder)
             .args(&self.arguments)
@@ -143,22 +127,42 @@ pub struct Captured {
     pub stderr: String,
 }
 
-/// Runs a command to its end in this process.
+/// Runs a command to its end, with its own environment alone.
 pub fn finish(command: &mut Fabc) -> Captured {
-    command.run(&command.io())
+    let inherited = ["PATH", "TMPDIR", "LD_LIBRARY_PATH"];
+    let inherited = inherited.map(|name| (name, std::env::var_os(name)));
+    let mut process = Command::new(&command.program);
+    process
+        .env_clear()
+        .env("HOME", root().join("target/test-home"))
+        .envs(
+            inherited
+                .into_iter()
+                .filter_map(|(name, value)| Some((name, value?))),
+        )
+        .envs(&command.variables)
+        .current_dir(&command.folder)
+        .args(&command.arguments);
+    process
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    let mut running = process.spawn().unwrap();
+    // A command that does not read its input closes the pipe.
+    let _ = running.stdin.take().unwrap().write_all(&command.stdin);
+    captured(running.wait_with_output().unwrap())
 }
 
 /// Runs a process to its end.
 pub fn finish_process(command: &mut Command) -> Captured {
-    let Output {
-        status,
-        stdout,
-        stderr,
-    } = command.output().unwrap();
+    captured(command.output().unwrap())
+}
+
+fn captured(output: Output) -> Captured {
     Captured {
-        code: status.code().unwrap_or(-1),
-        stdout: String::from_utf8(stdout).unwrap(),
-        stderr: String::from_utf8(stderr).unwrap(),
+        code: output.status.code().unwrap_or(-1),
+        stdout: String::from_utf8(output.stdout).unwrap(),
+        stderr: String::from_utf8(output.stderr).unwrap(),
     }
 }
 

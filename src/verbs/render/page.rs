@@ -3,7 +3,9 @@
 //! In: a stage's messages, whose texts record their origins. Out: the lines that `fabc render` prints and `fabc snap`
 //! pins, the same for both.
 
-use fab_program::render::{Origin, PromptText};
+use super::corrections_of;
+use fab_program::render::{Origin, PromptText, RenderError, Values};
+use fab_program::{Program, Stage};
 
 /// One message for display.
 pub struct DisplayMessage {
@@ -55,11 +57,11 @@ pub struct Line {
 /// Returns the messages of a stage for display; the authoring tool draws no pictures, and reads no demonstrations.
 #[cfg(not(feature = "runtime"))]
 pub fn messages(
-    program: &fab_program::Program,
-    stage: &fab_program::Stage,
-    values: fab_program::render::Values<'_>,
+    program: &Program,
+    stage: &Stage,
+    values: Values<'_>,
     step: u32,
-) -> Result<Vec<DisplayMessage>, fab_program::render::RenderError> {
+) -> Result<Vec<DisplayMessage>, RenderError> {
     use fab_program::render::{self, PromptSpeaker};
     let messages = render::messages(program, stage, values)?.into_iter();
     let displayed = messages.map(|message| {
@@ -82,6 +84,23 @@ pub fn messages(
 }
 
 impl ShownStage {
+    /// Makes a stage of its first question.
+    pub fn of(
+        program: &Program,
+        stage: &Stage,
+        values: Values<'_>,
+        messages: Vec<DisplayMessage>,
+    ) -> Result<ShownStage, RenderError> {
+        Ok(ShownStage {
+            name: stage.name.clone(),
+            n_asked_first: messages.len(),
+            messages,
+            corrections: corrections_of(program, stage, values)?,
+            findings: Vec::new(),
+            results: Vec::new(),
+        })
+    }
+
     /// Returns the lines of all messages, with a heading above each.
     pub fn lines(&self) -> Vec<Line> {
         let mut lines = Vec::new();

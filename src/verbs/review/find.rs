@@ -14,8 +14,6 @@ use walkdir::{DirEntry, WalkDir};
 
 /// Folders with generated or downloaded files.
 const SKIPPED: [&str; 3] = ["target", "node_modules", "runs"];
-/// In every name that `fabc` gives, before the scene.
-const SCENE: char = '@';
 
 /// Everything to review.
 #[derive(Default)]
@@ -112,7 +110,7 @@ impl ReviewItems {
             let proposed = match folder.read(name, Side::Pending) {
                 Ok(Some(proposed)) => proposed,
                 Ok(None) => continue,
-                Err(_) if !name.0.contains(SCENE) => {
+                Err(_) if !name.is_ours() => {
                     self.n_foreign += 1;
                     continue;
                 }

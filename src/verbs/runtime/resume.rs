@@ -56,12 +56,14 @@ pub fn run(arguments: &ResumeArguments, io: &Io) -> Result<Exit, Failure> {
     wanted.json = arguments.json;
     wanted.spend.caps = arguments.caps.or(wanted.spend.caps);
     // Paths on the command line are relative to the folder where it was run.
-    let io = io.within(&directory);
-    io.in_folder(|| {
-        shipped::restore(&wanted.task.file, &io)?;
-        run::play(&wanted, Destination::Existing(&folder), &io)
-    })
-    .map_err(|failure| failure.saying("the run was begun there"))?
+    std::env::set_current_dir(&directory).map_err(|error| {
+        Failure::environment(format!(
+            "the folder `{}` cannot be entered: {error}; the run was begun there",
+            directory.display()
+        ))
+    })?;
+    shipped::restore(&wanted.task.file, io)?;
+    run::play(&wanted, Destination::Existing(&folder), io)
 }
 
 /// Reads how the run was started.

@@ -11,7 +11,7 @@ use crate::io::Io;
 use crate::snapshots::{Contents, Info, Name, Origin, Side, Snapshot};
 use crate::sources;
 use crate::verbs::render::page::ShownStage;
-use crate::verbs::render::{corrections_of, title};
+use crate::verbs::render::title;
 use fab_program::facts::Facts;
 use fab_program::pointing::Pointing;
 use fab_program::render::{PromptPicture, Values};
@@ -67,7 +67,7 @@ pub fn of_task(
         source,
         folder: sources::folder_of(file),
         redraws: arguments.redraw,
-        moments: moments(programs, arguments, plan, io)?,
+        moments: moments(programs, arguments, plan)?,
         scenes: BTreeMap::new(),
         pictures: BTreeMap::new(),
         found: Vec::new(),
@@ -83,7 +83,6 @@ fn moments(
     programs: &[Program],
     arguments: &SnapArguments,
     plan: &Plan,
-    io: &Io,
 ) -> Result<BTreeSet<Moment>, Failure> {
     let task = &programs[0];
     let mut moments: BTreeSet<Moment> = programs.iter().flat_map(Moment::of).collect();
@@ -92,7 +91,7 @@ fn moments(
         let scene = name.0.strip_prefix(&start);
         let scene = scene.and_then(|scene| scene.strip_suffix(&end));
         if let Some(scene) = scene.filter(|scene| !USUAL.contains(scene))
-            && let Some(known) = known_scenes(name, plan, io)?.first()
+            && let Some(known) = known_scenes(name, plan)?.first()
         {
             moments.insert(known.moment(scene));
         }
@@ -124,13 +123,13 @@ fn moments(
 /// Reads the scenes pinned under a name: the pending one, which is newer, then the accepted one.
 ///
 /// Fails if a readable snapshot is not a valid scene, since somebody edited it.
-fn known_scenes(name: &Name, plan: &Plan, io: &Io) -> Result<Vec<PinnedScene>, Failure> {
+fn known_scenes(name: &Name, plan: &Plan) -> Result<Vec<PinnedScene>, Failure> {
     let pending = plan.pending(name).map(|it| (it, Side::Pending));
-    let accepted = plan.accepted(name, io).map(|it| (it, Side::Accepted));
+    let accepted = plan.accepted(name).map(|it| (it, Side::Accepted));
     let known = pending.into_iter().chain(accepted);
     let parsed = known.map(|(snapshot, side)| {
-        let scene = match snapshot.contents {
-            Contents::Text(text) => PinnedScene::parse(&text),
+        let scene = match &snapshot.contents {
+            Contents::Text(text) => PinnedScene::parse(text),
             Contents::Picture(_) => Err("it is a picture".to_owned()),
         };
         scene.map_err(|why| {
@@ -178,7 +177,7 @@ impl Task<'_> {
         let name = name(program, None, &moment.name, Some(POINTS));
         // After an undone edit, a pending scene of something else may hide an accepted one that fits, perhaps edited by
         // hand.
-        let mut known = known_scenes(&name, self.plan, self.io)?.into_iter();
+        let mut known = known_scenes(&name, self.plan)?.into_iter();
         let fits =
             |known: &PinnedScene| known.seen_of == seen_of && known.moment(&moment.name) == *moment;
         let scene = match known.find(fits) {
@@ -268,8 +267,8 @@ impl Task<'_> {
             let known = snapshot.metadata.info.as_ref();
             known.is_some_and(|known| known.drawn_from == info.drawn_from)
         };
-        let accepted = self.plan.accepted(&name, self.io).filter(is_of_this);
-        let is_whole_one = accepted.as_ref().is_some_and(is_whole);
+        let accepted = self.plan.accepted(&name).filter(|it| is_of_this(it));
+        let is_whole_one = accepted.is_some_and(is_whole);
         if is_whole_one && !self.redraws {
             self.leave(name, info, State::Same);
             return Ok(());
@@ -277,11 +276,11 @@ impl Task<'_> {
         let pending = self.plan.pending(&name);
         let pending = pending.filter(|it| is_of_this(it) && is_whole(it));
         if let Some(pending) = pending.filter(|_| !self.redraws) {
-            let state = self.plan.compared(&name, &pending.contents, self.io);
+            let state = self.plan.compared(&name, &pending.contents);
             let expected = Expected {
                 info,
                 state,
-                taken: Some(pending),
+                taken: Some(pending.clone()),
             };
             self.found.push((name, expected));
             return Ok(());
@@ -308,7 +307,7 @@ impl Task<'_> {
     /// Adds a snapshot with these contents.
     fn take(&mut self, name: Name, info: Info, description: String, contents: Contents) {
         let expected = Expected {
-            state: self.plan.compared(&name, &contents, self.io),
+            state: self.plan.compared(&name, &contents),
             taken: Some(Snapshot::of(
                 self.source,
                 description,
@@ -366,15 +365,8 @@ impl Page<'_> {
         let Some(messages) = camera.messages(stage, values, self.moment.step)? else {
             return Ok(None);
         };
-        let corrections = corrections_of(program, stage, values);
-        Ok(Some(ShownStage {
-            name: stage.name.clone(),
-            n_asked_first: messages.len(),
-            messages,
-            corrections: corrections.map_err(Failure::environment)?,
-            findings: Vec::new(),
-            results: Vec::new(),
-        }))
+        let shown = ShownStage::of(program, stage, values, messages);
+        shown.map(Some).map_err(Failure::environment)
     }
 }
 

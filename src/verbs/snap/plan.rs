@@ -6,18 +6,19 @@ use crate::io::Io;
 use crate::snapshots::{Contents, FOLDER, Folder, Info, Name, Side, Snapshot, SnapshotError};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
 
 /// The snapshots beside some tasks.
 pub struct Plan {
     /// The folder that holds the tasks.
     tasks: PathBuf,
     pub folder: Folder,
+    /// The accepted snapshots; `None` for one that cannot be read.
+    accepted: BTreeMap<Name, Option<Snapshot>>,
+    /// The pending snapshots that can be read; others are proposed again.
+    pending: BTreeMap<Name, Snapshot>,
     expected: BTreeMap<Name, Expected>,
     /// The processed files, as snapshots name them.
     sources: BTreeSet<String>,
-    /// Snapshots already reported as unreadable.
-    reported: Mutex<BTreeSet<Name>>,
 }
 
 /// A snapshot that should exist.
@@ -80,14 +81,30 @@ impl SnapshotState {
 }
 
 impl Plan {
-    /// Opens the snapshots of a folder of tasks.
-    pub fn open(tasks: &Path) -> Result<Plan, Failure> {
+    /// Reads the snapshots of a folder of tasks, and reports those of `fabc` that cannot be read.
+    pub fn open(tasks: &Path, io: &Io) -> Result<Plan, Failure> {
+        let folder = Folder::open(tasks.join(FOLDER)).map_err(Failure::environment)?;
+        let read = |name: &Name, side| folder.read(name, side);
+        let accepted = folder.accepted.iter().map(|name| {
+            let accepted = read(name, Side::Accepted).unwrap_or_else(|error| {
+                if name.is_ours() {
+                    io.talk(&format!("note: {error}; it counts as changed"));
+                }
+                None
+            });
+            (name.clone(), accepted)
+        });
+        let pending = folder.pending.iter().filter_map(|name| {
+            let pending = read(name, Side::Pending).ok()??;
+            Some((name.clone(), pending))
+        });
         Ok(Plan {
             tasks: tasks.to_owned(),
-            folder: Folder::open(tasks.join(FOLDER)).map_err(Failure::environment)?,
+            accepted: accepted.collect(),
+            pending: pending.collect(),
             expected: BTreeMap::new(),
             sources: BTreeSet::new(),
-            reported: Mutex::default(),
+            folder,
         })
     }
 
@@ -105,30 +122,22 @@ impl Plan {
         Ok(())
     }
 
-    /// Reads an accepted snapshot; if it exists and cannot be read, reports why on stderr.
-    pub fn accepted(&self, name: &Name, io: &Io) -> Option<Snapshot> {
-        self.folder
-            .read(name, Side::Accepted)
-            .unwrap_or_else(|error| {
-                let mut reported = self.reported.lock().unwrap_or_else(PoisonError::into_inner);
-                if reported.insert(name.clone()) {
-                    io.talk(&format!("note: {error}; it counts as changed"));
-                }
-                None
-            })
+    /// Returns an accepted snapshot that can be read.
+    pub fn accepted(&self, name: &Name) -> Option<&Snapshot> {
+        self.accepted.get(name)?.as_ref()
     }
 
-    /// Reads a pending snapshot; an unreadable one counts as absent, since it is proposed again.
-    pub fn pending(&self, name: &Name) -> Option<Snapshot> {
-        self.folder.read(name, Side::Pending).ok().flatten()
+    /// Returns a pending snapshot that can be read.
+    pub fn pending(&self, name: &Name) -> Option<&Snapshot> {
+        self.pending.get(name)
     }
 
     /// Compares the accepted snapshot with what it should hold.
-    pub fn compared(&self, name: &Name, contents: &Contents, io: &Io) -> State {
-        match self.accepted(name, io) {
-            Some(accepted) if accepted.contents.is_same(contents) => State::Same,
-            _ if self.folder.accepted.contains(name) => State::Changed,
-            _ => State::New,
+    pub fn compared(&self, name: &Name, contents: &Contents) -> State {
+        match self.accepted.get(name) {
+            Some(Some(accepted)) if accepted.contents.is_same(contents) => State::Same,
+            Some(_) => State::Changed,
+            None => State::New,
         }
     }
 
@@ -143,29 +152,26 @@ impl Plan {
         };
         let expected = self.expected.iter();
         let expected = expected.map(|(name, it)| state(name, &it.info, it.state));
-        let orphans = self.undeclared(Side::Accepted).into_iter();
-        let orphans = orphans
-            .filter(|(_, source, _)| {
-                self.sources.contains(source) || !self.tasks.join(source).exists()
-            })
-            .map(|(name, _, info)| state(name, &info, State::Orphaned));
+        let accepted = self.accepted.iter();
+        let accepted = accepted.filter_map(|(name, it)| Some((name, it.as_ref()?)));
+        let orphans = self.undeclared(accepted).filter(|(_, source, _)| {
+            self.sources.contains(*source) || !self.tasks.join(source).exists()
+        });
+        let orphans = orphans.map(|(name, _, info)| state(name, info, State::Orphaned));
         expected.chain(orphans).collect()
     }
 
-    /// Returns the snapshots of `fabc` that are not expected, with their sources. One that cannot be read belongs to no
-    /// file, and those of other tools, such as of a test suite, have no source or details.
-    fn undeclared(&self, side: Side) -> Vec<(&Name, String, Info)> {
-        let names = match side {
-            Side::Accepted => self.folder.accepted.iter(),
-            Side::Pending => self.folder.pending.iter(),
-        };
-        names
-            .filter(|name| !self.expected.contains_key(*name))
-            .filter_map(|name| {
-                let metadata = self.folder.read(name, side).ok()??.metadata;
-                Some((name, metadata.source?, metadata.info?))
-            })
-            .collect()
+    /// Returns the snapshots of `fabc` that are not expected, with their sources. Those of other tools, such as of a test
+    /// suite, have no source or details.
+    fn undeclared<'s>(
+        &self,
+        snapshots: impl Iterator<Item = (&'s Name, &'s Snapshot)>,
+    ) -> impl Iterator<Item = (&'s Name, &'s str, &'s Info)> {
+        let undeclared = snapshots.filter(|(name, _)| !self.expected.contains_key(*name));
+        undeclared.filter_map(|(name, snapshot)| {
+            let metadata = &snapshot.metadata;
+            Some((name, metadata.source.as_deref()?, metadata.info.as_ref()?))
+        })
     }
 
     /// Writes differences as pending, removes pending snapshots that are not needed, and orphans if asked to.
@@ -182,7 +188,7 @@ impl Plan {
                 let taken = self.expected.get(name).map(|it| it.taken.as_ref());
                 match (found.state, taken) {
                     (State::Changed | State::New, Some(Some(taken))) => {
-                        if self.pending(name).as_ref() != Some(taken) {
+                        if self.pending(name) != Some(taken) {
                             self.folder.propose(name, taken)?;
                         }
                         found.is_pending = true;
@@ -198,8 +204,8 @@ impl Plan {
                 }
             }
             // What was never accepted, and is no longer declared.
-            for (name, source, _) in self.undeclared(Side::Pending) {
-                if self.sources.contains(&source) && !self.folder.accepted.contains(name) {
+            for (name, source, _) in self.undeclared(self.pending.iter()) {
+                if self.sources.contains(source) && !self.accepted.contains_key(name) {
                     self.folder.remove(name, Side::Pending)?;
                 }
             }

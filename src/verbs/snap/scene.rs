@@ -183,9 +183,10 @@ pub fn hashes_of_pictures(program: &Program, folder: &Path) -> Result<Vec<String
             .collect(),
         Some(Subgoals::Demonstrate { folds }) => {
             let own = PathBuf::from(pins_folder(&program.title()));
-            let pinned = match folder.join(&own).exists() {
-                true => own,
-                false => PathBuf::from(pins_folder(&program.task)),
+            let pinned = if folder.join(&own).exists() {
+                own
+            } else {
+                PathBuf::from(pins_folder(&program.task))
             };
             let pictures = (0..=folds.len()).map(|number| pinned.join(format!("{number}.png")));
             // The simulator draws missing pictures; another hash covers that.

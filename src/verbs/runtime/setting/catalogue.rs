@@ -51,10 +51,7 @@ fn user_file(variable: &str, name: &str, io: &Io) -> Option<UserFile> {
     let named = io.variable(variable).filter(|value| !value.is_empty());
     let (path, is_named) = match named {
         Some(path) => (path.into(), true),
-        None => {
-            let folder = io.user_folder(dirs::config_dir, "XDG_CONFIG_HOME", ".config")?;
-            (folder.join("fabc").join(name), false)
-        }
+        None => (dirs::config_dir()?.join("fabc").join(name), false),
     };
     Some(UserFile { path, is_named })
 }

@@ -32,7 +32,7 @@ fn guided(typed: &str, mut places: Vec<Result<[f64; 3], String>>) -> (Vec<Pair>,
         Some(Box::new(tool)),
         &setup,
         &mut lines,
-        &Io::new("."),
+        &Io::in_memory(),
     );
     let pairs = pairs.unwrap();
     let kept = fab_arm::calibration::read_pairs(&path.with_extension("pairs.csv"), Ok(&[]));

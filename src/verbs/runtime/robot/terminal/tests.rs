@@ -21,7 +21,7 @@ impl Write for Halted {
 #[test]
 fn a_terminal_that_takes_nothing_holds_up_no_motion() {
     let (release, halted) = channel();
-    let io = Io::new(".").with_stderr(Halted(halted));
+    let io = Io::in_memory().with_stderr(Halted(halted));
     let supervisor = TerminalSupervisor::new(Confirm::None, HoldToRun::Off, &io);
     let Ok(mut supervisor) = supervisor else {
         panic!("it asks nobody");
