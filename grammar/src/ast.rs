@@ -729,8 +729,8 @@ views! {
     /// A text for a model, with placeholders for values.
     ///
     /// A text between triple quotes loses the indentation that its lines share, and its first and last line
-    /// breaks; every line end becomes a line feed. Nothing else is changed. A text in quotes of the wrong kind is a
-    /// fault, and has no parts.
+    /// breaks; every line end becomes a line feed. Nothing else is changed. A text in quotes of the wrong kind is
+    /// already a fault; it is read as it is, so it causes no further faults.
     Text(BlockText | String | CurlyText | CurlyString | SingleString) {}
 
     /// `{{ … }}` in a text.
@@ -958,7 +958,13 @@ impl<'t> Text<'t> {
                     }
                 }
             }
-            _ => {}
+            // Quotes of the wrong kind enclose the text all the same.
+            _ => {
+                let mut inside = self.node.text().chars();
+                inside.next();
+                inside.next_back();
+                pieces.literal(inside.as_str());
+            }
         }
         pieces.list
     }
