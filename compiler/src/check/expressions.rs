@@ -53,7 +53,14 @@ pub(crate) fn call<'a>(
         } else {
             "a"
         };
-        let forms: Vec<String> = rows.map(Signature::form).collect();
+        // Of many calls, the forms would fill the screen.
+        let forms: Vec<String> = if rows.clone().count() <= 8 {
+            rows.map(Signature::form).collect()
+        } else {
+            let mut names: Vec<String> = rows.map(|row| format!("{}(…)", row.name)).collect();
+            names.dedup();
+            names
+        };
         let message = format!("expected {article} {kind}");
         let diagnostic = Diagnostic::new(Code::WrongForm, expr.span(), message);
         let help = format!("write {}", among(forms.iter().map(String::as_str)));

@@ -3,12 +3,13 @@
 use super::conditions::not_a_sign;
 use super::context::Context;
 use super::quantity::read;
+use super::untouched_score;
 use crate::diag::{Code, Diagnostic, Reported, among};
 use crate::lang::conditions::SIGNS;
 use crate::lang::goal::{METRICS, MetricRow};
 use crate::merge::Merged;
 use fab_grammar::ast::{Expr, Name, Statement};
-use fab_program::{ClothStart, Comparison, Goal, Metric, Sequence};
+use fab_program::{Comparison, Goal, Metric, Sequence, exact};
 
 /// Builds the goal.
 pub(crate) fn check<'a>(
@@ -48,12 +49,17 @@ pub(crate) fn check<'a>(
     let experts = experts.as_deref().map_err(|reported| *reported)?;
     has_experts(&goal, statement, merged, experts, context)?;
     if let Ok(Some(cloth)) = &context.cloth
-        && (goal.metric, &cloth.start) == (Metric::Coverage, &ClothStart::Flat)
-        && goal.is_met(1.0)
+        && let Some(score) = untouched_score::score(&goal, cloth, experts)
+        && goal.is_met(score)
     {
-        let message = "a cloth that lies flat at the start meets this goal";
+        let written = if goal.metric == Metric::ParticleDistance {
+            format!("about {}mm", exact::written(score * 1000.0, 0))
+        } else {
+            exact::written(score, 2)
+        };
+        let message = format!("an untouched cloth meets this goal: it scores {written}");
         let diagnostic = Diagnostic::new(Code::GoalMetAtStart, statement.value().span(), message);
-        let help = "let the cloth start crumpled, or measure something else";
+        let help = "set a stricter limit, so that a rollout that does nothing fails";
         context.remark(diagnostic.help(help));
     }
     Ok(goal)

@@ -37,6 +37,7 @@ mod subgoals;
 mod task;
 mod test;
 mod unspoken;
+mod untouched_score;
 mod unused;
 mod variables;
 mod verify;

@@ -23,7 +23,10 @@ pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Contex
         };
         match &stage.read {
             Read::Action => format(program, stage, line, context),
-            Read::Text { name, .. } => instruction(program, name, line, context),
+            Read::Text { name, before, .. } => {
+                instruction(program, name, line, context);
+                prefix(program, stage, before, line, context);
+            }
         }
     }
     points(program, merged, context);
@@ -105,6 +108,45 @@ fn instruction(program: &Program, name: &str, line: ast::Read<'_>, context: &mut
             context,
         );
     }
+}
+
+/// Warns if no text and no example has the words that must come before a text that is read.
+fn prefix(
+    program: &Program,
+    stage: &Stage,
+    before: &str,
+    line: ast::Read<'_>,
+    context: &mut Context<'_, '_>,
+) {
+    let Some(pattern) = line.pattern() else {
+        return;
+    };
+    let examples = stage.examples.iter().map(|example| &example.reply.text);
+    let mut all = texts(program, stage).map(|text| &text.text).chain(examples);
+    // A prefix of signs alone, such as `>>`, is in no sentence.
+    if !before.contains(char::is_alphanumeric)
+        || all.any(|text| plain(text).contains(&plain(before)))
+    {
+        return;
+    }
+    let message = format!(
+        "no text of the stage `{}` asks for an answer with `{before}`",
+        stage.name
+    );
+    let help = format!("write, for example, `Answer in one line: {before} …`");
+    warn(
+        Code::PrefixNeverNamed,
+        pattern.span(),
+        message,
+        help,
+        context,
+    );
+}
+
+/// Returns a text in lower case, with one blank between its words and without quotes and emphasis.
+fn plain(text: &str) -> String {
+    let text = text.replace(['`', '"', '\'', '*', '_'], "").to_lowercase();
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 // ---- points --------------------------------------------------------------------------------------

@@ -342,8 +342,8 @@ codes! {
     "Either `demonstrate` the folds once, or list an `image` for each subgoal."
 
     "F0508" GoalMetAtStart Warning
-    "a cloth meets the goal at the start"
-    "The goal is a coverage, and a cloth that lies flat at the start covers everything: a rollout that does nothing counts as a success."
+    "an untouched cloth meets the goal already"
+    "The goal is reached before anything is done, so a rollout that does nothing counts as a success. The message says what the untouched cloth scores. For folds that is the score of an ideal sheet of paper, an estimate."
 
     "F0509" NoHorizon Error
     "a task does not state its number of steps"
@@ -408,6 +408,10 @@ codes! {
     "F0612" TextNeverUsed Warning
     "a text is read from an answer and never used"
     "`read NAME from` makes the text known to later stages, but none of their texts has `{{ NAME }}`. The question to the model has no effect."
+
+    "F0613" PrefixNeverNamed Warning
+    "no prompt says the words before a text that is read"
+    "`read NAME from \"Instructions: {NAME}\"` looks for the words before `{NAME}` in the answer. A model writes them only if a text of the stage asks for them, or an example shows them."
 
     "F0614" CandidatesAlike Error
     "candidates would all be alike"

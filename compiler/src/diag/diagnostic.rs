@@ -25,7 +25,7 @@ pub struct Diagnostic {
     /// Changes that repair it, all equally certain.
     pub edits: Vec<Edit>,
     /// The name that it is about, if one finding shall stand for all of one kind about one name in a file.
-    pub(super) about: Option<String>,
+    pub(crate) about: Option<String>,
 }
 
 /// A secondary location.

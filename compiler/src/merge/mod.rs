@@ -363,6 +363,17 @@ impl<'a> Join<'_> {
     /// Reports changes that do not fit what is inherited.
     fn unfit(&mut self, found: Vec<Diagnostic>, merged: &mut Merged<'a>) {
         for mut diagnostic in found {
+            let name = diagnostic.about.clone().unwrap_or_default();
+            let kinds = [
+                ("component", merged.components.get(&name).is_some()),
+                ("check", merged.checks.get(&name).is_some()),
+            ];
+            if diagnostic.code == Code::NothingToRemove
+                && let Some((kind, _)) = kinds.iter().find(|(_, has_name)| *has_name)
+            {
+                let help = format!("`{name}` is a {kind}: write `without {kind} {name}`");
+                diagnostic.help = vec![help];
+            }
             if let Some(variant) = &merged.variant
                 && !merged.task.body().span().contains(diagnostic.span)
             {
