@@ -51,10 +51,14 @@ impl Folder {
             accepted: BTreeSet::new(),
             pending: BTreeSet::new(),
         };
-        match fs::read_dir(&folder.path) {
-            Ok(entries) => {
-                for entry in entries.flatten() {
-                    folder.add(&entry.file_name().to_string_lossy());
+        let files = fs::read_dir(&folder.path).and_then(|entries| {
+            let names = entries.map(|entry| entry.map(|entry| entry.file_name()));
+            names.collect::<io::Result<Vec<_>>>()
+        });
+        match files {
+            Ok(names) => {
+                for name in names {
+                    folder.add(&name.to_string_lossy());
                 }
                 Ok(folder)
             }
@@ -117,9 +121,13 @@ impl Folder {
             if let Contents::Picture(bytes) = &snapshot.contents {
                 replace(&picture_of(&path), bytes)?;
             }
-            replace(&path, file.as_bytes())
+            replace(&path, file.as_bytes())?;
+            match &snapshot.contents {
+                Contents::Text(_) => remove_file(&picture_of(&path)),
+                Contents::Picture(_) => Ok(()),
+            }
         };
-        unless(&path, write())
+        or_unwritable(&path, write())
     }
 
     /// Accepts a pending snapshot; fails if it is no longer the one that the user looked at.
@@ -136,14 +144,14 @@ impl Folder {
                 fs::rename(picture_of(&from), picture_of(&to)).and_then(|()| fs::rename(&from, &to))
             }
         };
-        unless(&to, moved)
+        or_unwritable(&to, moved)
     }
 
     /// Removes a snapshot, if there is one.
     pub fn remove(&self, name: &Name, side: Side) -> Result<(), SnapshotError> {
         let path = self.file(name, side);
         let removed = remove_file(&path).and_then(|()| remove_file(&picture_of(&path)));
-        unless(&path, removed)
+        or_unwritable(&path, removed)
     }
 }
 
@@ -166,7 +174,7 @@ fn remove_file(path: &Path) -> io::Result<()> {
     }
 }
 
-fn unless(path: &Path, changed: io::Result<()>) -> Result<(), SnapshotError> {
+fn or_unwritable(path: &Path, changed: io::Result<()>) -> Result<(), SnapshotError> {
     changed.map_err(|error| SnapshotError::Unwritable {
         path: path.to_owned(),
         error,

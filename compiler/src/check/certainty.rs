@@ -1,7 +1,7 @@
 //! Warns of checks that can never pass or never fail, and of components whose condition never or always holds.
 //!
-//! In: a program. Every step and every count is tried, and what a point measures against itself is known. Everything else
-//! may hold or not.
+//! In: a task's program and those of its variants. Every step and every count is tried, and what a point measures against
+//! itself is known. Everything else may hold or not. A condition that a variant needs is in order.
 
 use crate::diag::{Code, Diagnostic};
 use crate::merge::Merged;
@@ -16,10 +16,15 @@ const MAX_CASES: usize = 10_000;
 /// A condition, and whether it holds.
 type Assumed<'p> = (&'p Condition, bool);
 
-/// Returns a warning for each condition of a program whose result is certain.
-pub(super) fn check(program: &Program, merged: &Merged<'_>) -> Vec<Diagnostic> {
-    let never = |assumed: &[Assumed<'_>]| is_impossible(assumed, program);
+/// Returns a warning for each condition of a task whose result is certain in the task and in its variants.
+///
+/// - `programs`: the task's, and then those of its variants.
+pub(super) fn check(programs: &[Program], merged: &Merged<'_>) -> Vec<Diagnostic> {
     let mut found = Vec::new();
+    let Some(program) = programs.first() else {
+        return found;
+    };
+    let never = |assumed: &[Assumed<'_>]| programs.iter().all(|it| is_impossible(assumed, it));
     for check in &program.verify.checks {
         let Some(part) = merged.checks.get(&check.name) else {
             continue;

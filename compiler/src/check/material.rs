@@ -172,6 +172,15 @@ pub(super) fn named<'a>(
     let diagnostic = Diagnostic::new(Code::UnknownName, name.span(), message)
         .about(name.text())
         .suggest(name.text(), names.chain([RECORDED]), "");
+    let mut seen = context.loaded.visible_from(file);
+    if seen.any(|file| {
+        context
+            .loaded
+            .portable_name(file.id)
+            .ends_with("lib/materials.fab")
+    }) {
+        return Err(context.error(diagnostic));
+    }
     let help = "the shipped ones need `use \"lib/materials.fab\"` at the top of this file";
     Err(context.error(diagnostic.help(help)))
 }

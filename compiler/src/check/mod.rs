@@ -204,6 +204,10 @@ impl<'a> Tasks<'a, '_> {
         for variant in merged.applicable_variants() {
             self.one(task, Some((variant, is_whole.then_some(whole))), form);
         }
+        if is_whole {
+            let certain = certainty::check(&self.checked.programs[whole..], &merged);
+            certain.into_iter().for_each(|it| self.report.remark(it));
+        }
     }
 
     /// Checks a task, or one of its variants.

@@ -158,6 +158,7 @@ fn single_braces(text: Text<'_>, context: &mut Context<'_, '_>) {
 
 /// Returns whether a text is a name that has a value, or a measure.
 fn is_value(text: &str, context: &Context<'_, '_>) -> bool {
+    let text = text.split_once(" in ").map_or(text, |(value, _)| value);
     if let Some((word, _)) = text.split_once('(') {
         return MEASURES.iter().any(|row| row.signature.name == word);
     }

@@ -183,7 +183,9 @@ fn in_dimension<'a>(
             format!("expected a number without a unit, found `{written}`"),
         )
         .label(format!("this is {found_noun}")),
-        (Dimension::Pixels, Dimension::Length) if matches!(context.camera, Ok(Some(_))) => {
+        (Dimension::Pixels, Dimension::Length)
+            if matches!(context.camera, Ok(Some(_))) && !written.contains(" in ") =>
+        {
             let in_px = format!("write `{written} in px` for its length in the picture, or {help}");
             new(Code::MixedFrames, message).help(in_px)
         }

@@ -6,8 +6,8 @@
 use super::context::{Context, Declared};
 use super::names::Names;
 use super::{
-    actions, annotate, camera, certainty, choices, cloth, demos, effect, experts, goal, horizon,
-    keypoints, picker, rehearse, stage, subgoals, test, unspoken, unused, verify,
+    actions, annotate, camera, choices, cloth, demos, effect, experts, goal, horizon, keypoints,
+    picker, rehearse, stage, subgoals, test, unspoken, unused, verify,
 };
 use crate::diag::{Code, Diagnostic, Report, Reported, among};
 use crate::lang::sections::{RequiredFor, SECTIONS};
@@ -139,10 +139,6 @@ pub(super) fn check<'a>(
     };
     choices::check(&program.actions, merged, context.report)?;
     effect::check(&program, merged, context);
-    if merged.variant.is_none() && merged.task.name().span().file == loaded.entry().id {
-        let certain = certainty::check(&program, merged);
-        certain.into_iter().for_each(|it| context.remark(it));
-    }
     let unsaid = |context: &mut Context<'_, '_>| {
         unspoken::check(&program, merged, context);
         unused::fields(&program, merged, context);

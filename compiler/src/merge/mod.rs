@@ -19,7 +19,7 @@ use crate::diag::{Code, Diagnostic, Report, Reported};
 use crate::lang::sections::{Inheritance, SECTIONS};
 use crate::load::Loaded;
 use fab_grammar::ast::{
-    Actions, AddedSay, Body, Check, Component, Demos, ExpertsUsed, Expr, Keypoints, Name,
+    Actions, AddedSay, Body, Check, Component, Declares, Demos, ExpertsUsed, Expr, Keypoints, Name,
     NamedValue, Rehearse, ResultCheck, Stage, Statement, Subgoals, Task, Verify,
 };
 use fab_grammar::{Node, Span};
@@ -73,7 +73,7 @@ pub(crate) struct Merged<'a> {
     pub replaced_stages: BTreeSet<&'a str>,
     /// The checks of `verify`, and those beside it.
     pub checks: Parts<'a, Check<'a>>,
-    /// What the task's own `verify` drops without a word.
+    /// What the task's own `verify` drops without a `without check`.
     pub dropped: Dropped,
     /// The variants that the task and those it extends declare.
     pub variants: Parts<'a, VariantChange<'a>>,
@@ -327,11 +327,14 @@ impl<'a> Join<'_> {
         let is_restated = |name: &str| own.verified.iter().any(|site| site.name == name);
         let (beside, left_out): (Vec<Name<'_>>, Vec<Name<'_>>) =
             { own.without_checks.iter() }.partition(|name| is_restated(name.text()));
-        let beside = beside
-            .into_iter()
-            .chain(own.checks.iter().map(|it| it.part.name()));
-        for name in beside {
-            merged.joined = Err(self.report.error(beside_verify(name, verify)));
+        let restated = "change the check in that `verify`, and drop this line";
+        let added = "move the check into that `verify`; outside of it, a check is added to an inherited `verify`";
+        let added = own.checks.iter().map(|it| {
+            let is_new = it.declares == Declares::New && !is_restated(&it.name);
+            (it.part.name(), if is_new { added } else { restated })
+        });
+        for (name, help) in beside.into_iter().map(|it| (it, restated)).chain(added) {
+            merged.joined = Err(self.report.error(beside_verify(name, verify).help(help)));
         }
         let unfit = merged.checks.remove(&left_out);
         self.unfit(unfit, merged);
@@ -379,7 +382,7 @@ impl<'a> Join<'_> {
             {
                 // An inherited variant is in order where it is declared.
                 let name = &variant.name;
-                diagnostic.message = format!("in its variant `{name}`, {}", diagnostic.message);
+                diagnostic.message = format!("in the variant `{name}`, {}", diagnostic.message);
                 diagnostic = diagnostic
                     .caused_at(merged.task.name().span())
                     .help(format!(
@@ -446,7 +449,5 @@ fn beside_verify(name: Name<'_>, verify: Verify<'_>) -> Diagnostic {
         "the check `{}` is beside this task's own `verify`, which states all checks",
         name.text()
     );
-    Diagnostic::new(Code::Repeated, name.span(), message)
-        .also(verify.head_span(), "stated here")
-        .help("change the check in that `verify`, and drop this line")
+    Diagnostic::new(Code::Repeated, name.span(), message).also(verify.head_span(), "stated here")
 }

@@ -127,7 +127,7 @@ impl<'a, T: Copy> Parts<'a, T> {
         }
     }
 
-    /// Does the same as [`Parts::put`] for a block whose parts may use those above them: a new part directly above a
+    /// Replaces and appends the parts of a block, which may use those above them: a new part directly above a
     /// replaced one goes before it.
     pub fn put_block(&mut self, own: &[Site<'a, T>]) {
         let mut above: BTreeMap<usize, &[Site<'a, T>]> = BTreeMap::new();

@@ -55,7 +55,8 @@ pub(super) enum Change {
 
 /// A row of [`MISTAKES`].
 pub(super) struct Mistake {
-    /// What is written: the beginning of a sign, a whole word, or one of the kinds `WORD`, `NUMBER`, `TEXT` and `ANY`.
+    /// What is written: the beginning of a sign, a whole word, or one of the kinds `WORD`, `NUMBER`, `TEXT`, `ANY`
+    /// and `END`, where nothing is left.
     found: &'static [&'static str],
     place: Where,
     pub change: Change,
@@ -113,6 +114,7 @@ mistakes! {
     // Values and comparisons.
     ["="] After("trust overlap >"), MayWrite(""), "remove it: twins are trusted above the overlap";
     ["<" "=" ":"] After("trust overlap"), Nothing, "write `>`: twins are trusted above the overlap";
+    ["="] In("goal"), Nothing, "write `<` or `>`: a goal has a limit", "`{}` is not a comparison";
     ["=>" "=<" "="] ExpectingNothing, Nothing,
         "write `<`, `<=`, `>` or `>=`; words and counts are compared with `==`", "`{}` is not a comparison";
     ["<" ">" "=="] ExpectingNothing, Nothing,
@@ -132,15 +134,15 @@ mistakes! {
     ["WORD"] In("use"), Nothing, "write the path in quotes: `use \"…\"`";
     ["WORD"] After("expect reject"), Nothing, "write `expect reject(NAME)`", "expected `(`, found `{}`";
     ["in" "half"] In("fold"), Nothing, "say what moves where: `fold corner(back_left) -> center`";
+    ["WORD"] After("given last"), Nothing, "a point joins the names: `given last.pick`";
     ["WORD" "NUMBER" "TEXT" "-"] ExpectingOnly("`=`"), MayInsert("= "), "write `=` before it";
     ["NUMBER"] Expecting("`)`"), MayInsert(": "), "an argument's name is followed by `:`";
     [")" "}"] After(","), Nothing, "remove the comma before it";
     // Changes to what a task inherits, rehearsals and stages.
     ["when"] In("say"), Nothing, "state the condition where the text is declared: `component NAME when … \"…\"`";
-    ["ANY"] Expecting("`in`"), Nothing, ADDED;
-    ["ANY"] Expecting("`after`"), Nothing, ADDED;
+    ["ANY" "END"] Expecting("`in`"), Nothing, ADDED;
+    ["ANY" "END"] Expecting("`after`"), Nothing, ADDED;
     ["in" "after" "before" "stage"] In("say"), Nothing, ADDED;
-    ["WORD"] After("given last"), Nothing, "a point joins the names: `given last.pick`";
     ["WORD" "NUMBER" "TEXT"] ExpectingOnly("`,`"), MayInsert(", "), "write `,` before it";
     ["TEXT"] In("say"), Nothing, ADDED;
     ["ANY"] After("override"), Nothing,
@@ -171,6 +173,7 @@ fn written<'t>(found: &str, place: &Place<'t>) -> Option<&'t str> {
     let begins = |fits: fn(char) -> bool| place.found.starts_with(fits);
     let fits = match found {
         "ANY" => !place.found.is_empty(),
+        "END" => place.found.is_empty(),
         "WORD" => begins(char::is_alphabetic),
         "NUMBER" => begins(|first| first.is_ascii_digit()),
         "TEXT" => begins(|first| first == '"') && !place.rest.starts_with("\"\"\""),

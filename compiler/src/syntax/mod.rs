@@ -192,6 +192,9 @@ fn unexpected(span: Span, place: &Place<'_>) -> Diagnostic {
         return Diagnostic::new(Code::Unexpected, span, message).meant(span, meant);
     }
     if let Some((mistake, found)) = mistakes::recognise(place) {
+        if found.is_empty() {
+            return usual.help(mistake.help);
+        }
         let span = Span {
             end: span.start + found.len(),
             ..span

@@ -92,12 +92,12 @@ fn reasons(left: &Compiled, named: &[String]) -> BTreeMap<String, String> {
         } else if is_read_only(Path::new(name)) {
             "it is read-only"
         } else {
-            return None;
+            "that would add errors"
         };
         let count = counted(count, "certain correction");
-        Some((name.to_owned(), format!("{why}; it has {count}")))
+        (name.to_owned(), format!("{why}; it has {count}"))
     };
-    counts.into_iter().filter_map(reason).collect()
+    counts.into_iter().map(reason).collect()
 }
 
 /// Returns whether nobody, or not this user, may write a file.
