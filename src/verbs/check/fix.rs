@@ -38,7 +38,7 @@ pub fn run(found: &mut [Result<String, Failure>], effect: Effect, io: &Io) -> St
             match fix_one(name, effect, io) {
                 Ok((change, left)) => {
                     diff += &change;
-                    unchanged.extend(reasons(&left, &named));
+                    unchanged.extend(reasons(&left, name, &named));
                 }
                 Err(failure) => *file = Err(failure),
             }
@@ -77,8 +77,9 @@ fn fix_one(name: &str, effect: Effect, io: &Io) -> Result<(String, Compiled), Fa
 
 /// Returns the files that keep certain edits, and why.
 ///
+/// - `fixed`: the file that was fixed; other named files have their turn.
 /// - `named`: the files that the user named.
-fn reasons(left: &Compiled, named: &[String]) -> BTreeMap<String, String> {
+fn reasons(left: &Compiled, fixed: &str, named: &[String]) -> BTreeMap<String, String> {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for diagnostic in left.diagnostics.iter().filter(|it| it.is_certain()) {
         let name = left.sources.get(diagnostic.span.file).name.as_str();
@@ -91,13 +92,15 @@ fn reasons(left: &Compiled, named: &[String]) -> BTreeMap<String, String> {
             "it was not named"
         } else if is_read_only(Path::new(name)) {
             "it is read-only"
-        } else {
+        } else if name == fixed {
             "that would add errors"
+        } else {
+            return None;
         };
         let count = counted(count, "certain correction");
-        (name.to_owned(), format!("{why}; it has {count}"))
+        Some((name.to_owned(), format!("{why}; it has {count}")))
     };
-    counts.into_iter().map(reason).collect()
+    counts.into_iter().filter_map(reason).collect()
 }
 
 /// Returns whether nobody, or not this user, may write a file.

@@ -1,3 +1,5 @@
+//! Tests of the estimate of an untouched cloth's score.
+
 use super::*;
 
 #[test]
