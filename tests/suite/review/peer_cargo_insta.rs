@@ -84,7 +84,8 @@ fn peer_cargo_insta_accepts_what_is_pending() {
         edit["tokens"],
         serde_json::json!({ "before": 700, "after": 702 })
     );
-    assert_eq!(scene["cause"][1]["component"], "center moved");
+    let moved = &scene["edits"][1]["added"][0];
+    assert_eq!(moved, "    \"center\": [[30,40]],");
     let said = finish(fabc(folder.path()).args(["review", "--accept-all"]));
     assert_eq!(said.stdout, "accepted 2, rejected 0, still pending 0\n");
 }
