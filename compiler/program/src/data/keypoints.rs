@@ -258,54 +258,28 @@ pub enum Response {
     ShiTomasi,
 }
 
+/// What an extractor looks at, besides the keypoints that it names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Source<'a> {
+    /// The camera's depth.
+    Depth,
+    /// The camera's picture, or nothing.
+    Picture,
+    /// The mask of this name, of which it gives a cleaner one.
+    Refined(&'a str),
+}
+
 impl Extractor {
     /// Returns whether it needs the camera's depth as well as its picture.
     pub fn needs_depth(&self) -> bool {
-        match self {
-            Extractor::DepthMask { .. } => true,
-            Extractor::Corners { of, .. } => match of {
-                Sight::Depth => true,
-                Sight::Mask | Sight::Picture | Sight::MisreadPicture => false,
-            },
-            Extractor::ColorMask { .. }
-            | Extractor::SplitMask { .. }
-            | Extractor::Closed { .. }
-            | Extractor::Largest { .. }
-            | Extractor::Union { .. }
-            | Extractor::Minus { .. }
-            | Extractor::Centroid { .. }
-            | Extractor::BoundingBox { .. }
-            | Extractor::BoxCenter { .. }
-            | Extractor::PictureCenter
-            | Extractor::Contour { .. }
-            | Extractor::EdgeMiddles { .. }
-            | Extractor::Along { .. }
-            | Extractor::Toward { .. }
-            | Extractor::Outermost { .. }
-            | Extractor::Fixed { .. } => false,
-        }
+        self.nature().1 == Source::Depth
     }
 
     /// Returns the mask that this one refines; `None` if it is taken from the picture.
     pub fn refines(&self) -> Option<&str> {
-        match self {
-            Extractor::Closed { mask, .. } | Extractor::Largest { mask } => Some(mask),
-            // A mask made of two others refines neither.
-            Extractor::Union { .. } | Extractor::Minus { .. } => None,
-            Extractor::DepthMask { .. }
-            | Extractor::ColorMask { .. }
-            | Extractor::SplitMask { .. }
-            | Extractor::Corners { .. }
-            | Extractor::Centroid { .. }
-            | Extractor::BoundingBox { .. }
-            | Extractor::BoxCenter { .. }
-            | Extractor::PictureCenter
-            | Extractor::Contour { .. }
-            | Extractor::EdgeMiddles { .. }
-            | Extractor::Along { .. }
-            | Extractor::Toward { .. }
-            | Extractor::Outermost { .. }
-            | Extractor::Fixed { .. } => None,
+        match self.nature().1 {
+            Source::Refined(mask) => Some(mask),
+            Source::Depth | Source::Picture => None,
         }
     }
 
@@ -341,25 +315,38 @@ impl Extractor {
 
     /// Returns the shape that this extractor gives.
     pub fn shape(&self) -> KeypointShape {
+        self.nature().0
+    }
+
+    /// Returns what it gives and what it looks at.
+    fn nature(&self) -> (KeypointShape, Source<'_>) {
         match self {
-            Extractor::DepthMask { .. }
+            Extractor::DepthMask { .. } => (KeypointShape::Mask, Source::Depth),
+            Extractor::Closed { mask, .. } | Extractor::Largest { mask } => {
+                (KeypointShape::Mask, Source::Refined(mask))
+            }
+            // A mask made of two others refines neither.
+            Extractor::Union { .. }
+            | Extractor::Minus { .. }
             | Extractor::ColorMask { .. }
-            | Extractor::SplitMask { .. }
-            | Extractor::Closed { .. }
-            | Extractor::Largest { .. }
-            | Extractor::Union { .. }
-            | Extractor::Minus { .. } => KeypointShape::Mask,
-            Extractor::BoundingBox { .. } => KeypointShape::Box,
-            Extractor::Contour { .. } => KeypointShape::Outline,
-            Extractor::Corners { .. }
-            | Extractor::EdgeMiddles { .. }
+            | Extractor::SplitMask { .. } => (KeypointShape::Mask, Source::Picture),
+            Extractor::BoundingBox { .. } => (KeypointShape::Box, Source::Picture),
+            Extractor::Contour { .. } => (KeypointShape::Outline, Source::Picture),
+            Extractor::Corners { of, .. } => {
+                let source = match of {
+                    Sight::Depth => Source::Depth,
+                    Sight::Mask | Sight::Picture | Sight::MisreadPicture => Source::Picture,
+                };
+                (KeypointShape::Points, source)
+            }
+            Extractor::EdgeMiddles { .. }
             | Extractor::Along { .. }
             | Extractor::Toward { .. }
-            | Extractor::Fixed { .. } => KeypointShape::Points,
+            | Extractor::Fixed { .. } => (KeypointShape::Points, Source::Picture),
             Extractor::Centroid { .. }
             | Extractor::BoxCenter { .. }
             | Extractor::PictureCenter
-            | Extractor::Outermost { .. } => KeypointShape::Point,
+            | Extractor::Outermost { .. } => (KeypointShape::Point, Source::Picture),
         }
     }
 }
