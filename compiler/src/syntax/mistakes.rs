@@ -99,6 +99,7 @@ mistakes! {
     ["→" "=>" "–>" "—>" "⇒" "to"] Expecting("`->`"), Write("->"), "write `->`";
     [":="] Expecting("`=`"), Write("="), "write `=`", "`{}` is written `=` here";
     [":"] Expecting("`=`"), Write("="), "write `=`";
+    ["=<"] Anywhere, Nothing, "write `<` or `<=`", "`{}` is not a comparison";
     ["="] Expecting("`:`"), Write(":"), "write `:`";
     ["="] Expecting("`)`"), Write(":"), "an argument's name is followed by `:`";
     [":=" ":" "="] Expecting("a value"), MayWrite(""), "remove it: its word is followed by the value";
@@ -115,7 +116,7 @@ mistakes! {
     ["="] After("trust overlap >"), MayWrite(""), "remove it: twins are trusted above the overlap";
     ["<" "=" ":"] After("trust overlap"), Nothing, "write `>`: twins are trusted above the overlap";
     ["="] In("goal"), Nothing, "write `<` or `>`: a goal has a limit", "`{}` is not a comparison";
-    ["=>" "=<" "="] ExpectingNothing, Nothing,
+    ["=>" "="] ExpectingNothing, Nothing,
         "write `<`, `<=`, `>` or `>=`; words and counts are compared with `==`", "`{}` is not a comparison";
     ["<" ">" "=="] ExpectingNothing, Nothing,
         "write two comparisons joined by `and`", "a comparison has two sides, and `{}` begins a third";

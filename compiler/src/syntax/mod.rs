@@ -432,9 +432,11 @@ fn keeps_text(text: &str, span: Span, right: &str) -> bool {
     let is_end = |letter: char| letter == '\n' || letter == '\r';
     let before = text[..span.start].rsplit(is_end).next().unwrap_or_default();
     let after = text[span.end..].split(is_end).next().unwrap_or_default();
+    // Beside another quote, as in `''"`, the new ones would begin a text of several lines.
+    let is_apart = !before.ends_with('"') && !after.starts_with('"');
     let is_paired = |beside: &str| beside.matches(pair).count().is_multiple_of(2);
     let means_more = |letter: char| pair.contains(&letter) || "\"\\{".contains(letter);
-    !body.contains(means_more) && is_paired(before) && is_paired(after)
+    is_apart && !body.contains(means_more) && is_paired(before) && is_paired(after)
 }
 
 /// Joins expectations, which have their own backticks.
