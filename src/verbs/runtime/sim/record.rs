@@ -8,7 +8,7 @@ use crate::io::Io;
 use crate::report::Report;
 use crate::verbs::runtime::setting::FrameArguments;
 use crate::verbs::runtime::setting::materials::MaterialArguments;
-use crate::verbs::runtime::video::{self, ViewArgument};
+use crate::verbs::runtime::video;
 use clap::{Args, ValueHint};
 use fab_sim::{Manner, Mask, Params, SimError, Simulator};
 use fab_world::film::{self, Film, FilmPlan, Recorder};
@@ -39,10 +39,7 @@ pub struct RecordArguments {
     /// With DIR: a demonstration of this task, by the recorded data's own name.
     #[arg(long, value_name = "NAME", conflicts_with = "moves")]
     pub task: Option<String>,
-    /// From where the film is taken; default: slanted.
-    #[arg(long, value_enum)]
-    pub view: Option<ViewArgument>,
-    /// Whose camera over the table; the slanted view sees as much.
+    /// Whose camera over the table; the film shows as much.
     #[arg(long, value_enum, default_value = "folding")]
     pub camera: CameraArgument,
     /// The film.
@@ -106,7 +103,6 @@ pub fn run(arguments: &RecordArguments, io: &Io) -> Result<Exit, Failure> {
     let (mut cloth, asked) = cloth(arguments, &params)?;
     let recorder = Recorder::new(FilmPlan {
         path: arguments.out.clone(),
-        view: ViewArgument::film(arguments.view),
         camera: render::camera(arguments.camera, None)?,
         motions: u32::try_from(asked.len()).unwrap_or(u32::MAX),
         max_bytes: film::MAX_BYTES,
