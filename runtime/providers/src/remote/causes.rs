@@ -159,7 +159,7 @@ const CAUSES: &[Cause] = &[
             )
         },
     },
-    // Keys, money and limits.
+    // Keys, credit and limits.
     Cause {
         applies: |e| e.fault == Fault::NotAuthorised && e.sent.settings.key.is_none(),
         words: |e| {
@@ -341,14 +341,14 @@ const CAUSES: &[Cause] = &[
         },
     },
     Cause {
-        applies: |e| e.fault == Fault::ServerFailed,
+        applies: |e| matches!(e.fault, Fault::ServerFailed | Fault::ConnectionCut),
         words: |e| {
             let key = match (&e.sent.settings.key, e.sent.settings.key_names.first()) {
                 (None, Some(name)) => format!("; no key was sent, so set `{name}` if it wants one"),
                 _ => String::new(),
             };
             (
-                "the server itself failed".to_owned(),
+                "the server itself failed, or ran out of memory".to_owned(),
                 format!("the log of the server at `{}` says why{key}", authority(e)),
             )
         },
@@ -357,7 +357,9 @@ const CAUSES: &[Cause] = &[
     Cause {
         applies: |e| {
             let problem = e.problem().unwrap_or_default();
-            problem.contains("` holds: `") || problem.starts_with("the answer is empty")
+            let is_empty =
+                problem.contains("` holds: `") || problem.starts_with("the answer is empty");
+            is_empty && other_interface(e).is_none()
         },
         words: |_| {
             (

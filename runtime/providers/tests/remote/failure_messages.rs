@@ -31,8 +31,6 @@ enum KeySent {
     No,
 }
 
-const A_MODEL: &str = r#"{"object":"list","data":[{"id":"a-model"}]}"#;
-
 /// Makes a case: the reply's status with its reason, content type and body.
 fn case(name: &'static str, status: &str, kind: &str, body: impl AsRef<[u8]>) -> Case {
     let body = body.as_ref();
