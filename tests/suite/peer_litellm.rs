@@ -249,19 +249,9 @@ fn peer_litellm_carries_whole_rollouts_with_pictures() {
             "bad_request",
             "the server does not serve `unknown`; it serves `geometric`",
         ),
-        failed(
-            "litellm:chatty",
-            wrong,
-            "not_authorised",
-            not_accepted,
-        ),
+        failed("litellm:chatty", wrong, "not_authorised", not_accepted),
         failed("openai:chatty", wrong, "not_authorised", not_accepted),
-        failed(
-            "anthropic:chatty",
-            wrong,
-            "not_authorised",
-            not_accepted,
-        ),
+        failed("anthropic:chatty", wrong, "not_authorised", not_accepted),
     ];
     // They mostly wait before they ask again.
     thread::scope(|scope| {
