@@ -420,7 +420,7 @@ fn junk(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option<
         let problem = Problem::TrailingComma;
         return Some(Fault { span, problem });
     }
-    let rule = block(parent.kind())?.line();
+    let rule = block(parent.kind())?.line;
     let before = previous.filter(|before| is_statement(before.kind()));
     // What a statement may go on with is known to its own rule.
     let joined = before.and_then(|before| {

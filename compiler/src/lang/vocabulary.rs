@@ -81,8 +81,8 @@ pub struct WordEntry {
 /// Lists everything that the language knows.
 pub fn vocabulary() -> Vocabulary {
     let words_of = |block: &'static Block| BlockWords {
-        block: block.name(),
-        words: block.words(),
+        block: &block.name,
+        words: &block.words,
     };
     Vocabulary {
         format: VOCABULARY_FORMAT,

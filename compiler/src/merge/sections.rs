@@ -3,10 +3,10 @@
 use super::lists::{duplicates, repeated};
 use super::parts::{Site, distinct};
 use crate::diag::{Code, Diagnostic, Report, Reported};
+use fab_grammar::Node;
 use fab_grammar::ast::{
     AddedSay, Body, Check, Component, Declares, Name, NamedValue, Stage, Task, Verify,
 };
-use fab_grammar::{Node, Span};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
@@ -45,16 +45,13 @@ impl<'a> Sections<'a> {
     pub fn of(body: Body<'a>, report: &mut Report) -> Sections<'a> {
         let mut single = BTreeMap::new();
         let mut fault = Ok(());
-        for (word, node, head) in self::single(body) {
-            let (first, _) = *single.entry(word).or_insert((head, node));
-            if first != head {
-                fault = Err(report.error(repeated(word, first, head)));
+        for (word, node) in body.single() {
+            let first: Node<'a> = *single.entry(word).or_insert(node);
+            if first.span() != node.span() {
+                let diagnostic = repeated(word, first.head_span(), node.head_span());
+                fault = Err(report.error(diagnostic));
             }
         }
-        let single: BTreeMap<&str, Node<'a>> = single
-            .into_iter()
-            .map(|(word, (_, node))| (word, node))
-            .collect();
         let named = |it: NamedValue<'a>| Site::new(it.name(), it);
         let check = |it: Check<'a>| Site::new(it.name(), it);
         let keypoints = body.keypoints().next();
@@ -103,29 +100,6 @@ impl<'a> Sections<'a> {
         ];
         faults.into_iter().collect()
     }
-}
-
-/// Returns the sections without a name, each with its word and its head.
-fn single(body: Body<'_>) -> impl Iterator<Item = (&str, Node<'_>, Span)> {
-    let statements = body.statements();
-    let statements = statements.map(|it| (it.word().text(), it.node(), it.span()));
-    let subgoals = body.subgoals();
-    let subgoals = subgoals.map(|it| ("subgoals", it.node(), it.head_span()));
-    let experts = body.experts().map(|it| ("experts", it.node(), it.span()));
-    let demos = body.demos().map(|it| ("demos", it.node(), it.span()));
-    let keypoints = body.keypoints();
-    let keypoints = keypoints.map(|it| ("keypoints", it.node(), it.head_span()));
-    let annotate = body.annotate();
-    let annotate = annotate.map(|it| ("annotate", it.node(), it.head_span()));
-    let actions = body.actions();
-    let actions = actions.map(|it| ("actions", it.node(), it.head_span()));
-    let rehearse = body.rehearsals();
-    let rehearse = rehearse.map(|it| ("rehearse", it.node(), it.head_span()));
-    let verify = body.verify();
-    let verify = verify.map(|it| ("verify", it.node(), it.head_span()));
-    let blocks = subgoals.chain(keypoints).chain(annotate).chain(actions);
-    let blocks = blocks.chain(rehearse).chain(verify);
-    statements.chain(experts).chain(demos).chain(blocks)
 }
 
 /// Returns the variants that a task declares, and one without each component that it ablates.

@@ -131,7 +131,7 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
 }
 
 fn merge_conflict(markers: &[Span], text: &str) -> Diagnostic {
-    let line = |span: &Span| fab_grammar::line_and_column(text, span.start).0;
+    let line = |span: &Span| text[..span.start].matches('\n').count() + 1;
     let (first, last) = (markers[0], markers[markers.len() - 1]);
     let lines = if first == last {
         format!("in line {}", line(&first))
@@ -345,11 +345,11 @@ fn unknown_word(
         return diagnostic.help(format!("a task's goal begins with `goal`: `{example}`"));
     }
     let mut blocks = fab_grammar::blocks().iter();
-    match blocks.find(|block| block.words().contains(&word)) {
-        Some(block) if block.kind() == Kind::File => {
+    match blocks.find(|block| block.words.contains(&word)) {
+        Some(block) if block.kind == Kind::File => {
             diagnostic.help("it stands outside of tasks, at the beginning of the file")
         }
-        Some(block) => diagnostic.help(format!("it belongs in `{}`", block.name())),
+        Some(block) => diagnostic.help(format!("it belongs in `{}`", block.name)),
         None => diagnostic.help(format!(
             "a line here begins with {}",
             among(candidates.iter().copied())
