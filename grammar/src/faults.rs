@@ -22,7 +22,7 @@ pub(crate) fn collect(tree: &Tree) -> Vec<Fault> {
             all.extend(judge(parent, previous, child));
             previous = Some(child);
         }
-        all.extend(lacking(parent));
+        all.extend(missing_condition(parent));
     }
     all.sort_by_key(|fault| fault.span);
     let mut faults = Vec::new();
@@ -229,7 +229,8 @@ fn judge(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option
         Kind::NoClose => return missing_close(parent),
         Kind::NoQuote => (parent.span(), Problem::UnclosedString),
         Kind::NoTriple => (first(3, parent.span()), Problem::UnclosedText),
-        Kind::Surplus if lacking(parent).is_none() => {
+        Kind::NoName => return missing_name(parent),
+        Kind::Surplus if parent.child(Kind::NoName).is_none() => {
             let found = node.text().trim().to_owned();
             (span, Problem::Surplus { found })
         }
@@ -264,7 +265,7 @@ fn judge(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option
 
 /// Reports a block without `{`, at the end of its head or at another sign that stands there instead.
 fn missing_open(block: Node<'_>, head: Node<'_>) -> Option<Fault> {
-    if lacking(head).is_some() {
+    if head.child(Kind::NoName).is_some() {
         return None;
     }
     let tree = block.tree();
@@ -329,22 +330,21 @@ fn margin(text: &str, at: usize) -> (usize, bool) {
     (before.len() - words.len(), words.is_empty())
 }
 
-/// Reports a head without a name, and a check without a condition.
-fn lacking(node: Node<'_>) -> Option<Fault> {
-    let needs_name = match node.kind() {
-        Kind::Extends => true,
-        Kind::Head => node.parent()?.kind().needs_name(),
-        _ => false,
-    };
-    if needs_name && node.child(Kind::Name).is_none() {
-        let word = node.child(Kind::Token)?;
-        let behind = node.tree().span(word.range().end..word.range().end);
-        let problem = Problem::MissingName {
+/// Reports a head without a name.
+fn missing_name(head: Node<'_>) -> Option<Fault> {
+    let word = head.children().next()?;
+    let end = word.range().end;
+    let behind = head.tree().span(end..end);
+    Some(Fault {
+        span: head.child(Kind::Surplus).map_or(behind, trimmed),
+        problem: Problem::MissingName {
             after: word.text().to_owned(),
-        };
-        let span = node.child(Kind::Surplus).map_or(behind, trimmed);
-        return Some(Fault { span, problem });
-    }
+        },
+    })
+}
+
+/// Reports a check without a condition.
+fn missing_condition(node: Node<'_>) -> Option<Fault> {
     let has = |kind| node.child(kind).is_some();
     if node.kind() != Kind::Check || !has(Kind::Open) || has(Kind::Expr) || has(Kind::JunkCondition)
     {

@@ -73,7 +73,7 @@ pub fn parse(file: FileId, text: &str) -> Parsed {
         tree: Tree::junk(file, text),
         faults,
     };
-    if let Err(fault) = limits::check(file, text) {
+    if let Some(fault) = limits::exceeded(file, text) {
         return unparsed(vec![fault]);
     }
     let conflicts = conflicts::find(file, text);

@@ -23,20 +23,17 @@ pub fn limit_calls(calls: Option<std::num::NonZeroUsize>) {
     pest::set_call_limit(calls);
 }
 
-/// Rejects a text that exceeds a limit.
-pub(crate) fn check(file: FileId, text: &str) -> Result<(), Fault> {
-    if text.len() > MAX_BYTES {
-        let problem = Problem::TooLong {
-            bytes: text.len(),
-            limit: MAX_BYTES,
-        };
-        let span = Span::new(file, 0..0);
-        return Err(Fault { span, problem });
+/// Returns the first place that exceeds a limit.
+pub(crate) fn exceeded(file: FileId, text: &str) -> Option<Fault> {
+    if text.len() <= MAX_BYTES {
+        return beyond(file, text);
     }
-    match beyond(file, text) {
-        Some(fault) => Err(fault),
-        None => Ok(()),
-    }
+    let problem = Problem::TooLong {
+        bytes: text.len(),
+        limit: MAX_BYTES,
+    };
+    let span = Span::new(file, 0..0);
+    Some(Fault { span, problem })
 }
 
 pub(crate) fn too_deep(span: Span) -> Fault {

@@ -51,20 +51,6 @@ macro_rules! kinds {
         }
 
         impl Kind {
-            /// Returns whether the head of such a block has a name.
-            pub(crate) fn needs_name(self) -> bool {
-                matches!(
-                    self,
-                    Kind::Task
-                        | Kind::Stage
-                        | Kind::Rehearse
-                        | Kind::Check
-                        | Kind::Experts
-                        | Kind::Material
-                        | Kind::Variant
-                )
-            }
-
             /// Returns whether it is text that does not parse.
             pub fn is_junk(self) -> bool {
                 matches!(
@@ -96,8 +82,7 @@ macro_rules! kinds {
 kinds! {
     Comment COMMENT, "`# …` to the end of the line.";
     File file, "The whole file.";
-    Head experts_head | material_head | sequence_head | task_head | subgoals_head | demonstrate_head | keypoints_head | annotate_head | actions_head | stage_head | example_head | rehearse_head | verify_head | check_head | variant_head | test_head,
-        "The first words of a block, up to its `{`.";
+    Head named_head | plain_head | test_head, "The first words of a block, up to its `{`.";
     UseFile use_file, "`use \"…\"`.";
     Experts experts, "`experts NAME { … }` of a file.";
     Material material, "`material NAME { … }` of a file.";
@@ -191,6 +176,7 @@ kinds! {
     CurlyString curly_string, "A text in typographic quotes.";
     SingleString single_string, "A text in single quotes.";
     NoCondition no_condition, "Where a condition after `when` is missing.";
+    NoName no_name, "Where a name is missing.";
     NoOpen no_open, "Where a `{` is missing.";
     NoClose no_close, "Where a `}` is missing.";
     NoQuote no_quote, "Where a `\"` is missing.";

@@ -75,7 +75,7 @@ pub(crate) fn expectation(rule: Rule) -> Option<&'static str> {
         Rule::cited => return expectation(Rule::from_word),
         Rule::fold => return expectation(Rule::fold_word),
         Rule::reply => return expectation(Rule::reply_word),
-        Rule::check | Rule::check_head => return expectation(Rule::check_word),
+        Rule::check => return expectation(Rule::check_word),
         Rule::else_skip | Rule::else_refuse => return expectation(Rule::else_word),
         Rule::twin => return expectation(Rule::twin_word),
         Rule::choose => return expectation(Rule::choose_word),
@@ -202,7 +202,7 @@ fn first_words(rule: &str) -> Vec<&'static str> {
                 is_first = false;
             }
             "|" => is_first = brackets.last().copied().unwrap_or(true),
-            "SOI" | "~" => {}
+            "SOI" | "~" | "&" => {}
             _ if is_first => {
                 is_first = false;
                 let found = match sign.strip_prefix('"') {
