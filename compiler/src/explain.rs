@@ -26,7 +26,7 @@ pub struct Example {
 
 /// Returns the example of a code; `None` if it would be too large to show.
 pub fn example(code: Code) -> Option<Example> {
-    let text = code.entry().example;
+    let text = code.entry().example();
     let version = |mark: &str, other: &str| -> String {
         let lines = text.lines().filter(|line| !line.ends_with(other));
         let lines = lines.map(|line| line.strip_suffix(mark).unwrap_or(line).trim_end());
@@ -51,9 +51,9 @@ pub fn to_text(code: Code) -> String {
         "{}[{}]: {}",
         entry.severity.as_str(),
         code.as_str(),
-        entry.title
+        entry.title()
     );
-    let mut text = format!("{head}\n\n{}\n", entry.explanation);
+    let mut text = format!("{head}\n\n{}\n", entry.explanation());
     if let Some(Example { wrong, right }) = example(code) {
         let uses_half = wrong.contains(HALF_FILE) || right.contains(HALF_FILE);
         let (report, wrong, right) = (report_of(&wrong), indented(&wrong), indented(&right));
@@ -71,7 +71,7 @@ pub fn to_text(code: Code) -> String {
 pub fn list() -> String {
     let row = |entry: &CodeEntry| {
         let (code, severity) = (entry.code.as_str(), entry.severity.as_str());
-        format!("{code}  {severity:<7}  {}\n", entry.title)
+        format!("{code}  {severity:<7}  {}\n", entry.title())
     };
     CODES.iter().map(row).collect()
 }

@@ -121,32 +121,6 @@ fn names<'t>(node: Node<'t>, list: Kind) -> impl Iterator<Item = Name<'t>> {
     node.all(list).flat_map(all)
 }
 
-/// Returns a section and the word that it begins with, if it has no name.
-fn single(section: Node<'_>) -> Option<(&str, Node<'_>)> {
-    use Kind::{
-        Actions, Annotate, Demos, ExpertsUsed, Keypoints, Rehearse, Statement, Subgoals, Verify,
-    };
-    let is_single = matches!(
-        section.kind(),
-        Actions
-            | Annotate
-            | Demos
-            | ExpertsUsed
-            | Keypoints
-            | Rehearse
-            | Statement
-            | Subgoals
-            | Verify
-    );
-    let mut words = section
-        .text()
-        .split(|letter: char| !letter.is_ascii_alphabetic());
-    words
-        .next()
-        .filter(|_| is_single)
-        .map(|word| (word, section))
-}
-
 /// Returns the views of the children of a kind, where their type has several.
 fn of_kind<'t, T: View<'t>>(node: Node<'t>, kind: Kind) -> impl Iterator<Item = T> {
     node.all(kind).filter_map(T::cast)
@@ -243,8 +217,6 @@ views! {
     Body(Task | Variant) {} {
         constants -> impl Iterator<Item = NamedValue<'t>> = |node| all(node);
         statements -> impl Iterator<Item = Statement<'t>> = |node| all(node);
-        /// Returns its sections without a name, each with the word that it begins with.
-        single -> impl Iterator<Item = (&'t str, Node<'t>)> = |node| node.children().filter_map(single);
         experts -> impl Iterator<Item = ExpertsUsed<'t>> = |node| all(node);
         /// Returns its blocks of keypoints.
         keypoints -> impl Iterator<Item = Keypoints<'t>> = |node|

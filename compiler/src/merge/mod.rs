@@ -16,7 +16,7 @@ mod said;
 mod sections;
 
 use crate::diag::{Code, Diagnostic, Report, Reported};
-use crate::lang::sections::{Inheritance, SECTIONS};
+use crate::lang::sections::{Inheritance, SECTIONS, inheritance};
 use crate::load::Loaded;
 use fab_grammar::ast::{
     Actions, AddedSay, Body, Check, Component, Declares, Demos, ExpertsUsed, Expr, Keypoints, Name,
@@ -116,7 +116,7 @@ pub(crate) fn merge<'a>(
     };
     let mut join = Join { report };
     for task in chain.into_iter().rev() {
-        let is_inherited = |word: &str| rule(word) != Inheritance::Never;
+        let is_inherited = |word: &str| inheritance(word) != Inheritance::Never;
         merged.single.retain(|word, _| is_inherited(word));
         join.sections(&mut merged, bodies.sections(task.body()));
     }
@@ -131,12 +131,6 @@ pub(crate) fn merge<'a>(
         None => {}
     }
     Ok(merged)
-}
-
-/// Returns the rule by which a section is inherited.
-fn rule(word: &str) -> Inheritance {
-    let row = SECTIONS.iter().find(|row| row.word == word);
-    row.map_or(Inheritance::Never, |row| row.merges)
 }
 
 /// Returns the task and those it extends.
@@ -275,10 +269,9 @@ impl<'a> Join<'_> {
         for row in by_name {
             self.by_name(row.word, merged, own);
         }
-        let replaced = own
-            .single
-            .iter()
-            .filter(|(word, _)| matches!(rule(word), Inheritance::Whole | Inheritance::Never));
+        let replaced = own.single.iter().filter(|(word, _)| {
+            matches!(inheritance(word), Inheritance::Whole | Inheritance::Never)
+        });
         merged.single.extend(replaced);
         self.added_sayings(merged, own);
     }

@@ -3,6 +3,7 @@
 use super::lists::{duplicates, repeated};
 use super::parts::{Site, distinct};
 use crate::diag::{Code, Diagnostic, Report, Reported};
+use crate::lang::sections::{Inheritance, inheritance};
 use fab_grammar::Node;
 use fab_grammar::ast::{
     AddedSay, Body, Check, Component, Declares, Name, NamedValue, Stage, Task, Verify,
@@ -45,7 +46,7 @@ impl<'a> Sections<'a> {
     pub fn of(body: Body<'a>, report: &mut Report) -> Sections<'a> {
         let mut single = BTreeMap::new();
         let mut fault = Ok(());
-        for (word, node) in body.single() {
+        for (word, node) in self::single(body) {
             let first: Node<'a> = *single.entry(word).or_insert(node);
             if first.span() != node.span() {
                 let diagnostic = repeated(word, first.head_span(), node.head_span());
@@ -100,6 +101,17 @@ impl<'a> Sections<'a> {
         ];
         faults.into_iter().collect()
     }
+}
+
+/// Returns the sections without a name, each with the word that it begins with.
+fn single(body: Body<'_>) -> impl Iterator<Item = (&str, Node<'_>)> {
+    let sections = body.node().children().filter_map(|section| {
+        let mut words = { section.text() }.split(|letter: char| !letter.is_ascii_alphabetic());
+        Some((words.next()?, section))
+    });
+    sections.filter(|(word, _)| {
+        inheritance(word) == Inheritance::Whole || ["about", "keypoints"].contains(word)
+    })
 }
 
 /// Returns the variants that a task declares, and one without each component that it ablates.
