@@ -5,13 +5,12 @@
 //! folder, except into a folder `lib` beside it.
 
 use crate::diag::{Code, Diagnostic, MAX_FINDINGS, Report, Reported};
-use crate::loader::{Listed, LoadError, Loader, Wanted};
+use crate::loader::{LoadError, Loader};
 use crate::path;
 use crate::syntax;
 use fab_grammar::ast::{Experts, Material, Task};
 use fab_grammar::{FileId, Kind, Node, Sources, Span, Tree};
 use fab_program::invisible::{is_hidden, turns_writing};
-use fab_program::{self as program, Trial};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The most files in one compilation.
@@ -59,7 +58,7 @@ pub(crate) struct Loaded<'a> {
     extended: BTreeSet<Span>,
     /// The words of all files that use a name; those that only declare a constant, a keypoint or a material are left out.
     used: BTreeSet<&'a str>,
-    loader: &'a dyn Loader,
+    pub loader: &'a dyn Loader,
 }
 
 impl<'a> Loaded<'a> {
@@ -129,23 +128,6 @@ impl<'a> Loaded<'a> {
     /// Returns whether another task extends this one.
     pub fn is_extended(&self, task: Task<'a>) -> bool {
         self.extended.contains(&task.name().span())
-    }
-
-    /// Returns what lies where a task names a file.
-    ///
-    /// - `path`: relative to the entry's folder.
-    pub fn look(&self, path: &str, wanted: Wanted) -> Listed {
-        self.loader.look(path, wanted)
-    }
-
-    /// Returns what the steps of a task's demonstration did when it was last executed; see [`Loader::trial`].
-    pub fn trial(&self, title: &str) -> Option<Trial> {
-        self.loader.trial(title)
-    }
-
-    /// Returns why a cloth cannot be laid in the caller's simulator; see [`Loader::refuses_cloth`].
-    pub fn refuses_cloth(&self, material: &program::Material, spacing_m: f64) -> Option<String> {
-        self.loader.refuses_cloth(material, spacing_m)
     }
 
     /// Returns whether any file uses a constant, a keypoint or a material of this name.

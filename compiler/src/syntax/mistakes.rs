@@ -55,8 +55,8 @@ pub(super) enum Change {
 
 /// A row of [`MISTAKES`].
 pub(super) struct Mistake {
-    /// What is written: the beginning of a sign, a whole word, or one of the kinds `WORD`, `NUMBER`, `TEXT`, `ANY`
-    /// and `END`, where nothing is left.
+    /// What is written: the beginning of a sign, a whole word, or one of the kinds `WORD`, `NUMBER`, `GROUP` of digits,
+    /// `TEXT`, `ANY` and `END`, where nothing is left.
     found: &'static [&'static str],
     place: Where,
     pub change: Change,
@@ -104,6 +104,7 @@ mistakes! {
     ["="] Expecting("`)`"), Write(":"), "an argument's name is followed by `:`";
     [":=" ":" "="] Expecting("a value"), MayWrite(""), "remove it: its word is followed by the value";
     [":=" ":" "="] Expecting("a text in quotes"), MayWrite(""), "remove it: its word is followed by the text";
+    ["GROUP"] Anywhere, Nothing, "write all digits together", "a number is written without `_`";
     ["."] Expecting("a value"), Write("0."), "write `0` before the point", "a number begins with a digit";
     [":"] Expecting("`{`"), Nothing, "write `{` here, and `}` where the block ends";
     ["[" "("] Expecting("`{`"), MayWrite("{"), "write `{` here, and `}` where the block ends";
@@ -177,6 +178,10 @@ fn written<'t>(found: &str, place: &Place<'t>) -> Option<&'t str> {
         "END" => place.found.is_empty(),
         "WORD" => begins(char::is_alphabetic),
         "NUMBER" => begins(|first| first.is_ascii_digit()),
+        "GROUP" => {
+            let digits = place.found.strip_prefix('_');
+            digits.is_some_and(|it| it.starts_with(|first: char| first.is_ascii_digit()))
+        }
         "TEXT" => begins(|first| first == '"') && !place.rest.starts_with("\"\"\""),
         _ if found.starts_with(char::is_alphabetic) => place.found == found,
         // The sign may be longer than the text found.

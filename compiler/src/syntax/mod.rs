@@ -169,7 +169,7 @@ fn unexpected(span: Span, place: &Place<'_>) -> Diagnostic {
     if is_invisible {
         return usual.help("remove it").likely(span, "");
     }
-    if let Some(decimal) = decimal_comma(span, place).or_else(|| grouped_number(span, place)) {
+    if let Some(decimal) = decimal_comma(span, place) {
         return decimal;
     }
     if let Some((start, word)) = word_before_number(place) {
@@ -278,27 +278,6 @@ fn decimal_comma(span: Span, place: &Place<'_>) -> Option<Diagnostic> {
     } else {
         diagnostic.help("write `.`").likely(comma, ".")
     })
-}
-
-/// Recognises `1_000`; only groups of three digits certainly are one number.
-fn grouped_number(span: Span, place: &Place<'_>) -> Option<Diagnostic> {
-    let group = place.found.strip_prefix('_')?;
-    let digits = group.trim_end_matches(|letter: char| letter.is_ascii_alphabetic());
-    let whole = &place.before[place
-        .before
-        .trim_end_matches(|it: char| it.is_ascii_digit())
-        .len()..];
-    let is_whole = digits.len() == 3 && digits.bytes().all(|it| it.is_ascii_digit());
-    if !is_whole || !(1..=3).contains(&whole.len()) {
-        return None;
-    }
-    let message = "a number is written without `_`";
-    let diagnostic = Diagnostic::new(Code::Unexpected, span, message);
-    Some(
-        diagnostic
-            .help(format!("write `{whole}{group}`"))
-            .edit(span, group),
-    )
 }
 
 /// Returns the word before a number that does not fit: of `model vision temperature 0.2` the setting's name, which was
