@@ -48,7 +48,7 @@ mod syntax;
 
 pub use fab_grammar::is_keyword;
 pub use fab_grammar::{FileId, Source, Sources, Span};
-pub use load::{MAX_FILES, MAX_TOTAL_BYTES, MAX_USE_DEPTH};
+pub use load::MAX_FILES;
 pub use loader::{Listed, LoadError, Loader, Wanted};
 pub use merge::MAX_EXTENDS_DEPTH;
 

@@ -41,7 +41,7 @@ pub struct Node<'t> {
 macro_rules! kinds {
     ($($kind:ident $($rule:ident)|+, $what:literal;)*) => {
         /// The kind of a node. Keywords and signs are [`Kind::Token`].
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
         pub enum Kind {
             /// A keyword or a sign.
             Token,
