@@ -313,11 +313,8 @@ views! {
             let n_parts = all::<Name<'_>>(node).count().saturating_sub(2);
             all(node).take(n_parts)
         };
-        /// Returns on which side of the other part they go.
-        side -> Side = |node| match has_word(node, "before") {
-            true => Side::Before,
-            false => Side::After,
-        };
+        /// Returns whether they go before the other part, not after it.
+        is_before -> bool = |node| has_word(node, "before");
     }
 
     // ---- a stage -------------------------------------------------------------------------------
@@ -627,15 +624,6 @@ impl<'t> Component<'t> {
             _ => Declares::New,
         }
     }
-}
-
-/// On which side of another part something is added.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// `before NAME`.
-    Before,
-    /// `after NAME`.
-    After,
 }
 
 /// A component by name, or a text.
