@@ -33,6 +33,8 @@ impl Severity {
 pub struct CodeEntry {
     /// The code.
     pub code: Code,
+    /// How it is written.
+    number: &'static str,
     /// The severity of its findings.
     pub severity: Severity,
     /// Its file of `examples/`.
@@ -88,19 +90,11 @@ macro_rules! codes {
         pub const CODES: &[CodeEntry] = &[
             $(CodeEntry {
                 code: Code::$name,
+                number: $number,
                 severity: $severity,
                 page: include_str!(concat!("examples/", $number, ".fab")),
             },)*
         ];
-
-        impl Code {
-            /// Returns the code as it is written, such as `F0203`.
-            pub fn as_str(self) -> &'static str {
-                match self {
-                    $(Code::$name => $number,)*
-                }
-            }
-        }
     };
 }
 
@@ -109,6 +103,11 @@ impl Code {
     pub fn entry(self) -> &'static CodeEntry {
         // The table and the enum are written by one macro in one order.
         &CODES[self as usize]
+    }
+
+    /// Returns the code as it is written, such as `F0203`.
+    pub fn as_str(self) -> &'static str {
+        self.entry().number
     }
 
     /// Returns whether it is about the form of a file, not about what the file means.

@@ -105,27 +105,20 @@ fn calls() -> Vec<CallEntry> {
         let calls = (section.calls)().into_iter();
         calls.map(move |signature| of(section.word, signature))
     });
+    let property = "property of a material";
     let properties = PROPERTIES.iter().map(|row| CallEntry {
         form: material::form(&row.call.signature),
-        ..of("property of a material", &row.call.signature)
+        ..of(property, &row.call.signature)
     });
-    let points = CLOTH_POINTS
-        .iter()
-        .map(|row| of("point of the cloth", &row.signature));
-    let extractors = EXTRACTORS
-        .iter()
-        .map(|row| of("extractor", &row.call.signature));
-    let marks = MARKS.iter().map(|row| of("mark", &row.signature));
-    let twins = TWINS.iter().map(|row| of("twin", &row.signature));
-    let measures = MEASURES.iter().map(|row| of("measure", &row.signature));
-    sections
-        .chain(properties)
-        .chain(points)
-        .chain(extractors)
-        .chain(marks)
-        .chain(measures)
-        .chain(twins)
-        .collect()
+    let extractors = { EXTRACTORS.iter() }.map(|row| ("extractor", &row.call.signature));
+    let points = { CLOTH_POINTS.iter() }.map(|row| ("point of the cloth", &row.signature));
+    let marks = MARKS.iter().map(|row| ("mark", &row.signature));
+    let measures = MEASURES.iter().map(|row| ("measure", &row.signature));
+    let twins = TWINS.iter().map(|row| ("twin", &row.signature));
+    let others = points.chain(extractors).chain(marks);
+    let others = others.chain(measures).chain(twins);
+    let others = others.map(|(kind, signature)| of(kind, signature));
+    sections.chain(properties).chain(others).collect()
 }
 
 fn words() -> Vec<WordEntry> {

@@ -338,21 +338,13 @@ fn unknown_word(
 
 /// Reports what stands between the name of a block and its `{`.
 fn surplus(span: Span, found: &str, text: &str) -> Diagnostic {
-    let line = text[..span.start].lines().next_back().unwrap_or_default();
-    let head = line
-        .rsplit(['{', '}'])
-        .next()
-        .unwrap_or_default()
-        .trim_start();
-    let words = || {
-        found
-            .split(|it: char| !it.is_alphanumeric() && it != '_')
-            .filter(|it| !it.is_empty())
-    };
-    let first = words().next().unwrap_or_default();
+    let head = text[..span.start].rsplit(['\n', '{', '}']).next();
+    let head = head.unwrap_or_default().trim_start();
+    let is_sign = |it: char| !it.is_alphanumeric() && it != '_';
+    let first = found.split(is_sign).next().unwrap_or_default();
     let is_task = head.starts_with("task ");
     let join = if is_task { "extends" } else { "when" };
-    if found.starts_with(first) && nearest(first, [join]).is_some() {
+    if nearest(first, [join]).is_some() {
         let message = format!("expected `{join}`, found `{first}`");
         let span = Span {
             end: span.start + first.len(),
@@ -362,7 +354,7 @@ fn surplus(span: Span, found: &str, text: &str) -> Diagnostic {
     }
     let message = format!("expected `{{`, found `{found}`");
     let diagnostic = Diagnostic::new(Code::Unexpected, span, message);
-    let touches = text[..span.start].ends_with(|it: char| it.is_alphanumeric() || it == '_');
+    let touches = !head.ends_with(is_sign);
     if let Some(condition) = found.strip_prefix("if ") {
         return diagnostic.meant(span, &format!("when {condition}"));
     }
@@ -375,7 +367,7 @@ fn surplus(span: Span, found: &str, text: &str) -> Diagnostic {
     // `task half(base)`, `task half inherits base`
     if is_task
         && (found.starts_with('(') || !touches)
-        && let Some(base) = words().next_back()
+        && let Some(base) = found.rsplit(is_sign).find(|it| !it.is_empty())
     {
         return diagnostic.help(format!("did you mean `extends {base}`?"));
     }
@@ -388,22 +380,13 @@ fn surplus(span: Span, found: &str, text: &str) -> Diagnostic {
 /// Returns whether only the quotes of a text change: nothing in it means something else between straight quotes, and
 /// no quote of its kind without a partner is beside it, as in `'don't'`.
 fn keeps_text(text: &str, span: Span, right: &str) -> bool {
-    const PAIRS: [[char; 2]; 7] = [
-        ['\'', '\''],
-        ['“', '”'],
-        ['„', '”'],
-        ['„', '“'],
-        ['‟', '”'],
-        ['«', '»'],
-        ['‘', '’'],
-    ];
-    let written = &text[span.range()];
-    let (first, last) = (written.chars().next(), written.chars().next_back());
-    let Some(pair) =
-        { PAIRS.into_iter() }.find(|[open, close]| (first, last) == (Some(*open), Some(*close)))
-    else {
+    const PAIRS: [&str; 7] = ["''", "“”", "„”", "„“", "‟”", "«»", "‘’"];
+    let mut written = text[span.range()].chars();
+    let (first, last) = (written.next(), written.next_back());
+    let pair: String = first.into_iter().chain(last).collect();
+    if !PAIRS.contains(&pair.as_str()) {
         return false;
-    };
+    }
     let body = right.trim_matches('"');
     if right.starts_with("\"\"\"") {
         return first != Some('\'') && !body.contains("\"\"\"");
@@ -413,8 +396,9 @@ fn keeps_text(text: &str, span: Span, right: &str) -> bool {
     let after = text[span.end..].split(is_end).next().unwrap_or_default();
     // Beside another quote, as in `''"`, the new ones would begin a text of several lines.
     let is_apart = !before.ends_with('"') && !after.starts_with('"');
-    let is_paired = |beside: &str| beside.matches(pair).count().is_multiple_of(2);
-    let means_more = |letter: char| pair.contains(&letter) || "\"\\{".contains(letter);
+    let is_quote = |letter: char| pair.contains(letter);
+    let is_paired = |beside: &str| beside.matches(is_quote).count().is_multiple_of(2);
+    let means_more = |letter: char| is_quote(letter) || "\"\\{".contains(letter);
     is_apart && !body.contains(means_more) && is_paired(before) && is_paired(after)
 }
 
