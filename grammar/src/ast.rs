@@ -805,14 +805,11 @@ impl<'t> Text<'t> {
 
     /// Returns the text if it has no placeholders.
     pub fn plain(self) -> Option<String> {
-        let mut plain = String::new();
-        for piece in self.pieces() {
-            match piece {
-                Piece::Literal(text) => plain.push_str(&text),
-                Piece::Value(_) => return None,
-            }
-        }
-        Some(plain)
+        let literal = |piece| match piece {
+            Piece::Literal(text) => Some(text),
+            Piece::Value(_) => None,
+        };
+        self.pieces().into_iter().map(literal).collect()
     }
 
     /// Returns whether it is empty or has only blanks.
@@ -895,21 +892,13 @@ impl<'t> Text<'t> {
 
 /// Returns the byte ranges of the lines, without their ends.
 fn lines(text: &str, offset: usize) -> Vec<ops::Range<usize>> {
-    let mut lines = Vec::new();
-    let mut start = 0;
-    let mut bytes = text.bytes().enumerate().peekable();
-    while let Some((at, byte)) = bytes.next() {
-        if !matches!(byte, b'\n' | b'\r') {
-            continue;
-        }
-        lines.push(offset + start..offset + at);
-        start = at + 1;
-        if byte == b'\r' && bytes.next_if(|(_, next)| *next == b'\n').is_some() {
-            start += 1;
-        }
-    }
-    lines.push(offset + start..offset + text.len());
-    lines
+    let mut next = offset;
+    let range = |line: &str| {
+        let start = next;
+        next += line.len() + 1;
+        start..start + line.strip_suffix('\r').unwrap_or(line).len()
+    };
+    text.split('\n').map(range).collect()
 }
 
 /// Returns a line's leading blanks.

@@ -25,15 +25,12 @@ pub(crate) fn collect(tree: &Tree) -> Vec<Fault> {
         all.extend(missing_condition(parent));
     }
     all.sort_by_key(|fault| fault.span);
-    let mut faults = Vec::new();
-    let mut rest = all.as_slice();
-    while let Some(first) = rest.first() {
-        let line = line_at(tree.text(), first.span.start);
-        let n_on_line = rest.partition_point(|fault| fault.span.start <= line.end);
-        let (on_line, after) = rest.split_at(n_on_line);
-        faults.extend(of_line(tree, line.start..line.end, on_line));
-        rest = after;
-    }
+    let is_same_line = |one: &Fault, next: &Fault| {
+        let between = &tree.text()[one.span.start..next.span.start];
+        !between.contains(['\n', '\r'])
+    };
+    let lines = all.chunk_by(is_same_line);
+    let mut faults: Vec<Fault> = lines.flat_map(|on_line| of_line(tree, on_line)).collect();
     drop_consequences(tree, &mut faults);
     faults
 }
@@ -109,9 +106,9 @@ fn line_at(text: &str, byte: usize) -> Range<usize> {
 }
 
 /// Returns which faults of one line are reported: the first, and those that depend on nothing else.
-fn of_line(tree: &Tree, line: Range<usize>, faults: &[Fault]) -> Vec<Fault> {
+fn of_line(tree: &Tree, faults: &[Fault]) -> Vec<Fault> {
     if !faults.iter().any(is_local)
-        && let Some(quote) = unpaired_quote(tree, line, faults[0].span)
+        && let Some(quote) = unpaired_quote(tree, faults[0].span)
     {
         return vec![quote];
     }
@@ -163,7 +160,8 @@ fn is_tear(tree: &Tree, fault: &Fault, has_half_text: bool) -> bool {
 /// Finds the text that lacks one of its two quotes, on a line with an odd number of them.
 ///
 /// - `fault`: the first place of the line that does not parse.
-fn unpaired_quote(tree: &Tree, line: Range<usize>, fault: Span) -> Option<Fault> {
+fn unpaired_quote(tree: &Tree, fault: Span) -> Option<Fault> {
+    let line = line_at(tree.text(), fault.start);
     let text = &tree.text()[line.clone()];
     let leaf = tree.node_at(line.start);
     if text.contains("\"\"\"")

@@ -50,7 +50,7 @@ fn beyond(file: FileId, text: &str) -> Option<Fault> {
     let mut at = 0;
     while at < bytes.len() {
         match bytes[at] {
-            b'#' => at = end_of_line(bytes, at),
+            b'#' => at += text[at..].find(['\n', '\r']).unwrap_or(text.len() - at),
             b'"' => at = end_of_text(text, at),
             b'(' | b'{' => {
                 depth += 1;
@@ -88,13 +88,6 @@ fn beyond(file: FileId, text: &str) -> Option<Fault> {
 
 fn is_word(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'_'
-}
-
-fn end_of_line(bytes: &[u8], start: usize) -> usize {
-    bytes[start..]
-        .iter()
-        .position(|byte| matches!(byte, b'\n' | b'\r'))
-        .map_or(bytes.len(), |length| start + length)
 }
 
 /// Returns the end of the text that opens at `start`; an unclosed one ends with its line, a long one with its quotes.
