@@ -200,9 +200,7 @@ views! {
         extends -> Option<Name<'t>> = |node| below(node, Kind::Extends);
         body -> Body<'t> = |node| Body { node };
         variants -> impl Iterator<Item = Variant<'t>> = |node| all(node);
-        /// Returns the names of the components to ablate.
         ablated -> impl Iterator<Item = Name<'t>> = |node| names(node, Kind::Ablate);
-        /// Returns the names of the inherited variants that it leaves out.
         without_variants -> impl Iterator<Item = Name<'t>> = |node| names(node, Kind::WithoutVariant);
     }
 
@@ -218,22 +216,18 @@ views! {
         constants -> impl Iterator<Item = NamedValue<'t>> = |node| all(node);
         statements -> impl Iterator<Item = Statement<'t>> = |node| all(node);
         experts -> impl Iterator<Item = ExpertsUsed<'t>> = |node| all(node);
-        /// Returns its blocks of keypoints.
         keypoints -> impl Iterator<Item = Keypoints<'t>> = |node|
             of_kind(node, Kind::Keypoints);
         /// Returns its components, new and overriding ones in order.
         components -> impl Iterator<Item = Component<'t>> = |node| all(node);
-        /// Returns the names of the components that it removes.
         without -> impl Iterator<Item = Name<'t>> = |node| names(node, Kind::Without);
         stages -> impl Iterator<Item = Stage<'t>> = |node| all(node);
         /// Returns what it adds to the texts of inherited stages.
         added_sayings -> impl Iterator<Item = AddedSay<'t>> = |node| all(node);
         /// Returns the checks that it adds, outside of `verify`.
         checks -> impl Iterator<Item = Check<'t>> = |node| all(node);
-        /// Returns the checks with `override`.
         override_checks -> impl Iterator<Item = Check<'t>> = |node|
             node.all(Kind::OverrideCheck).filter_map(first);
-        /// Returns the names of the checks that it removes.
         without_checks -> impl Iterator<Item = Name<'t>> = |node| names(node, Kind::WithoutCheck);
         tests -> impl Iterator<Item = Test<'t>> = |node| all(node);
     }
@@ -298,7 +292,6 @@ views! {
         name: Name<'t> = first,
         text: Text<'t> = first,
     } {
-        /// Returns the condition under which it is used.
         when -> Option<Expr<'t>> = |node| below(node, Kind::Guard);
     }
 
@@ -404,7 +397,6 @@ views! {
 
     /// `revise N with picture`.
     Revise(Revise) {
-        /// Returns how often.
         count: Expr<'t> = first,
     }
 
@@ -429,11 +421,9 @@ views! {
     Check(Check) {
         name: Name<'t> = head_name,
     } {
-        /// Returns the condition under which it is checked.
         when -> Option<Expr<'t>> = |node| below(node, Kind::Guard);
         /// Returns the condition; `None` if it does not parse.
         condition -> Option<Expr<'t>> = |node| node.child(Kind::Expr).and_then(Expr::cast);
-        /// Returns the message for the model.
         message -> Option<Text<'t>> = |node| first(node);
     }
 
@@ -458,7 +448,6 @@ views! {
     } {
         /// Returns how often a step is tried again.
         retries -> Option<Expr<'t>> = |node| below(node, Kind::Retries);
-        /// Returns the message for the model.
         message -> Option<Text<'t>> = |node| first(node);
     }
 

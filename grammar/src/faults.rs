@@ -41,9 +41,10 @@ fn drop_consequences(tree: &Tree, faults: &mut Vec<Fault>) {
     let is_tear = |fault: &Fault| is_tear(tree, fault, has_half_text);
     let is_missing_close = |fault: &Fault| matches!(fault.problem, Problem::MissingClose { .. });
     // A text without an end has taken the `}`, or a block without `{`.
-    let takes_close = |fault: &Fault| {
-        is_of_quotes(fault) && is_tear(fault)
-            || matches!(fault.problem, Problem::MissingOpen { .. })
+    let takes_close = |fault: &Fault| match fault.problem {
+        Problem::UnclosedString | Problem::UnopenedString | Problem::UnclosedText => is_tear(fault),
+        Problem::MissingOpen { .. } => true,
+        _ => false,
     };
     if faults.iter().any(takes_close) {
         faults.retain(|fault| !is_missing_close(fault));
@@ -123,14 +124,6 @@ fn is_local(fault: &Fault) -> bool {
     matches!(
         fault.problem,
         Problem::WrongQuotes { .. } | Problem::BadEscape
-    )
-}
-
-fn is_of_quotes(fault: &Fault) -> bool {
-    use Problem::{UnclosedString, UnclosedText, UnopenedString};
-    matches!(
-        fault.problem,
-        UnclosedString | UnopenedString | UnclosedText
     )
 }
 
@@ -459,6 +452,8 @@ fn junk(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option<
     if !is_word(first) || known.is_empty() {
         let expected = known.is_empty().then_some("a name");
         let alone = unexpected(tree, span, expected.into_iter().collect());
+        // If nothing is expected, the statement before is complete.
+        let is_needed = |fault: &Fault| matches!(&fault.problem, Problem::Unexpected { expected, .. } if !expected.is_empty());
         return joined.filter(is_needed).or(Some(alone));
     }
     let words = match joined.map(|fault| fault.problem) {
@@ -469,11 +464,6 @@ fn junk(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option<
         tree.span(span.start..span.start + first.len()),
         words,
     ))
-}
-
-/// Returns whether something is expected at a fault, so that the statement before it is incomplete.
-fn is_needed(fault: &Fault) -> bool {
-    matches!(&fault.problem, Problem::Unexpected { expected, .. } if !expected.is_empty())
 }
 
 /// Returns whether a line of junk looks like a new statement.
