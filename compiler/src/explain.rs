@@ -26,7 +26,7 @@ pub struct Example {
 
 /// Returns the example of a code; `None` if it would be too large to show.
 pub fn example(code: Code) -> Option<Example> {
-    let text = code.entry().example;
+    let text = code.entry().example();
     let version = |mark: &str, other: &str| -> String {
         let lines = text.lines().filter(|line| !line.ends_with(other));
         let lines = lines.map(|line| line.strip_suffix(mark).unwrap_or(line).trim_end());
@@ -51,9 +51,9 @@ pub fn to_text(code: Code) -> String {
         "{}[{}]: {}",
         entry.severity.as_str(),
         code.as_str(),
-        entry.title
+        entry.title()
     );
-    let mut text = format!("{head}\n\n{}\n", entry.explanation);
+    let mut text = format!("{head}\n\n{}\n", entry.explanation());
     if let Some(Example { wrong, right }) = example(code) {
         let uses_half = wrong.contains(HALF_FILE) || right.contains(HALF_FILE);
         let (report, wrong, right) = (report_of(&wrong), indented(&wrong), indented(&right));
@@ -71,7 +71,7 @@ pub fn to_text(code: Code) -> String {
 pub fn list() -> String {
     let row = |entry: &CodeEntry| {
         let (code, severity) = (entry.code.as_str(), entry.severity.as_str());
-        format!("{code}  {severity:<7}  {}\n", entry.title)
+        format!("{code}  {severity:<7}  {}\n", entry.title())
     };
     CODES.iter().map(row).collect()
 }
@@ -84,8 +84,8 @@ fn indented(text: &str) -> String {
     text.lines().map(line).collect()
 }
 
-/// An example's file, and the file that it may use.
-struct Files<'t>(&'t str);
+/// An example's file, the file that it may use, and what examples need of the outside.
+pub struct Files<'t>(pub &'t str);
 
 impl Loader for Files<'_> {
     fn load(&self, name: &str) -> Result<String, LoadError> {
@@ -98,45 +98,30 @@ impl Loader for Files<'_> {
         }
     }
 
+    /// Returns what the folder `listed` holds; other files that examples name are not looked for.
     fn look(&self, path: &str, _wanted: Wanted) -> Listed {
-        look(path)
+        let picture = |side| Listed::Picture {
+            width: side,
+            height: side,
+        };
+        match path.strip_prefix("listed/") {
+            None => Listed::Unknown,
+            Some("flat.png" | "folded.png") => picture(224),
+            Some("large.png") => picture(720),
+            Some(_) => Listed::Nothing("no such file".to_owned()),
+        }
     }
 
+    /// Returns what the demonstration of an example with a wrong step did, as `fabc subgoals` found it.
     fn trial(&self, title: &str) -> Option<Trial> {
-        trial(title)
+        let found = serde_json::from_str(include_str!("diag/examples/F0510.json")).ok();
+        found.filter(|_| title == "example")
     }
 
+    /// Returns what the simulator says of the example of a cloth that is too stiff for its spacing.
     fn refuses_cloth(&self, material: &Material, spacing_m: f64) -> Option<String> {
-        refuses_cloth(material, spacing_m)
-    }
-}
-
-/// Returns what the simulator says of the example of a cloth that is too stiff for its spacing.
-pub fn refuses_cloth(material: &Material, spacing_m: f64) -> Option<String> {
-    let is_too_stiff = material.bending_length_m.warp == 0.09 && spacing_m < 0.0076;
-    is_too_stiff.then(|| {
-        include_str!("diag/examples/F0512.txt")
-            .trim_end()
-            .to_owned()
-    })
-}
-
-/// Returns what the demonstration of an example with a wrong step did, as `fabc subgoals` found it.
-pub fn trial(title: &str) -> Option<Trial> {
-    let found = serde_json::from_str(include_str!("diag/examples/F0510.json")).ok();
-    found.filter(|_| title == "example")
-}
-
-/// Returns what the examples' folder `listed` holds; other files that examples name are not looked for.
-pub fn look(path: &str) -> Listed {
-    let picture = |side| Listed::Picture {
-        width: side,
-        height: side,
-    };
-    match path.strip_prefix("listed/") {
-        None => Listed::Unknown,
-        Some("flat.png" | "folded.png") => picture(224),
-        Some("large.png") => picture(720),
-        Some(_) => Listed::Nothing("no such file".to_owned()),
+        let why = include_str!("diag/examples/F0512.txt").trim_end();
+        let is_too_stiff = material.bending_length_m.warp == 0.09 && spacing_m < 0.0076;
+        is_too_stiff.then(|| why.to_owned())
     }
 }

@@ -47,8 +47,8 @@ mod path;
 mod syntax;
 
 pub use fab_grammar::is_keyword;
-pub use fab_grammar::{FileId, Source, Sources, Span, line_and_column};
-pub use load::{MAX_FILES, MAX_TOTAL_BYTES, MAX_USE_DEPTH};
+pub use fab_grammar::{FileId, Source, Sources, Span};
+pub use load::MAX_FILES;
 pub use loader::{Listed, LoadError, Loader, Wanted};
 pub use merge::MAX_EXTENDS_DEPTH;
 

@@ -1,27 +1,20 @@
 //! Reads the entry file and everything that it uses.
 //!
 //! In: a name and a loader. Out: every file as a tree, which files each one sees, and diagnostics about syntax and
-//! `use`. [`MAX_FILES`], [`MAX_USE_DEPTH`] and [`MAX_TOTAL_BYTES`] limit the work. No path may leave the entry's
+//! `use`. [`MAX_FILES`] limits the work. No path may leave the entry's
 //! folder, except into a folder `lib` beside it.
 
 use crate::diag::{Code, Diagnostic, MAX_FINDINGS, Report, Reported};
-use crate::loader::{Listed, LoadError, Loader, Wanted};
+use crate::loader::{LoadError, Loader};
 use crate::path;
 use crate::syntax;
 use fab_grammar::ast::{Experts, Material, Task};
 use fab_grammar::{FileId, Kind, Node, Sources, Span, Tree};
 use fab_program::invisible::{is_hidden, turns_writing};
-use fab_program::{self as program, Trial};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The most files in one compilation.
 pub const MAX_FILES: usize = 64;
-
-/// The most `use`s between the entry and a file.
-pub const MAX_USE_DEPTH: usize = 16;
-
-/// The most text in one compilation, bytes.
-pub const MAX_TOTAL_BYTES: usize = 4 << 20;
 
 /// The parsed texts of a compilation, in the order in which they were first read.
 #[derive(Default)]
@@ -53,13 +46,13 @@ pub(crate) struct LoadedFile<'a> {
 pub(crate) struct Loaded<'a> {
     texts: &'a Texts,
     pub files: Vec<LoadedFile<'a>>,
-    /// The first declaration of each name in each file, by the word that it begins with.
-    declared: BTreeMap<(FileId, &'static str, &'a str), Node<'a>>,
+    /// The first declaration of each name in each file, by its kind.
+    declared: BTreeMap<(FileId, Kind, &'a str), Node<'a>>,
     /// The tasks that others extend, by the spans of their names.
     extended: BTreeSet<Span>,
     /// The words of all files that use a name; those that only declare a constant, a keypoint or a material are left out.
     used: BTreeSet<&'a str>,
-    loader: &'a dyn Loader,
+    pub loader: &'a dyn Loader,
 }
 
 impl<'a> Loaded<'a> {
@@ -76,15 +69,11 @@ impl<'a> Loaded<'a> {
         });
         let files: Vec<LoadedFile<'a>> = files.collect();
         let mut declared = BTreeMap::new();
-        for file in &files {
-            let tasks = file.tasks.iter();
-            let tasks = tasks.map(|it| ("task", it.name(), it.node()));
-            let experts = file.experts.iter();
-            let experts = experts.map(|it| ("experts", it.name(), it.node()));
-            let materials = file.materials.iter();
-            let materials = materials.map(|it| ("material", it.name(), it.node()));
-            for (word, name, node) in tasks.chain(experts).chain(materials) {
-                let key = (file.id, word, name.text());
+        let roots = texts.parsed.iter().map(|parsed| parsed.tree.root());
+        for node in roots.flat_map(Node::children) {
+            let head = node.child(Kind::Head);
+            if let Some(name) = head.and_then(|head| head.child(Kind::Name)) {
+                let key = (node.span().file, node.kind(), name.text());
                 declared.entry(key).or_insert(node);
             }
         }
@@ -107,45 +96,29 @@ impl<'a> Loaded<'a> {
 
     /// Finds the first task of this name that `file` sees.
     pub fn task(&self, file: FileId, name: &str) -> Option<Task<'a>> {
-        self.declared(file, "task", name).and_then(Task::cast)
+        self.declared(file, Kind::Task, name).and_then(Task::cast)
     }
 
     /// Finds the first list of experts of this name that `file` sees.
     pub fn experts(&self, file: FileId, name: &str) -> Option<Experts<'a>> {
-        self.declared(file, "experts", name).and_then(Experts::cast)
+        self.declared(file, Kind::Experts, name)
+            .and_then(Experts::cast)
     }
 
     /// Finds the first material of this name that `file` sees.
     pub fn material(&self, file: FileId, name: &str) -> Option<Material<'a>> {
-        self.declared(file, "material", name)
+        self.declared(file, Kind::Material, name)
             .and_then(Material::cast)
     }
 
-    fn declared(&self, file: FileId, word: &'static str, name: &str) -> Option<Node<'a>> {
+    fn declared(&self, file: FileId, kind: Kind, name: &str) -> Option<Node<'a>> {
         let mut seen = self.parsed(file).reach.iter();
-        seen.find_map(|seen| self.declared.get(&(*seen, word, name)).copied())
+        seen.find_map(|seen| self.declared.get(&(*seen, kind, name)).copied())
     }
 
     /// Returns whether another task extends this one.
     pub fn is_extended(&self, task: Task<'a>) -> bool {
         self.extended.contains(&task.name().span())
-    }
-
-    /// Returns what lies where a task names a file.
-    ///
-    /// - `path`: relative to the entry's folder.
-    pub fn look(&self, path: &str, wanted: Wanted) -> Listed {
-        self.loader.look(path, wanted)
-    }
-
-    /// Returns what the steps of a task's demonstration did when it was last executed; see [`Loader::trial`].
-    pub fn trial(&self, title: &str) -> Option<Trial> {
-        self.loader.trial(title)
-    }
-
-    /// Returns why a cloth cannot be laid in the caller's simulator; see [`Loader::refuses_cloth`].
-    pub fn refuses_cloth(&self, material: &program::Material, spacing_m: f64) -> Option<String> {
-        self.loader.refuses_cloth(material, spacing_m)
     }
 
     /// Returns whether any file uses a constant, a keypoint or a material of this name.
@@ -220,7 +193,6 @@ pub(crate) fn read(
         report,
         texts: Texts::default(),
         read: BTreeMap::new(),
-        total_bytes: 0,
         open: Vec::new(),
     };
     let file = reading.add(entry.to_owned(), path::file_name(entry).to_owned(), text);
@@ -254,14 +226,12 @@ struct Reading<'a> {
     texts: Texts,
     /// The files that were read, by their normalised names.
     read: BTreeMap<String, FileId>,
-    total_bytes: usize,
     /// The files between the entry and the one being read.
     open: Vec<FileId>,
 }
 
 impl Reading<'_> {
     fn add(&mut self, name: String, portable_name: String, text: String) -> FileId {
-        self.total_bytes += text.len();
         let key = path::beside("", &name);
         let file = self.texts.sources.add(name, text);
         self.read.insert(key, file);
@@ -288,7 +258,7 @@ impl Reading<'_> {
         file
     }
 
-    /// Reads the files that a file uses; recursion is bounded by [`MAX_USE_DEPTH`].
+    /// Reads the files that a file uses; recursion is bounded by [`MAX_FILES`].
     fn follow(&mut self, file: FileId) {
         self.open.push(file);
         let uses = self.texts.parsed[file.index()].tree.view().uses();
@@ -346,11 +316,10 @@ impl Reading<'_> {
             }
             return Ok(target);
         }
-        let too_many = |message: String| Diagnostic::new(Code::TooManyFiles, span, message);
-        if self.read.len() >= MAX_FILES || self.open.len() > MAX_USE_DEPTH {
-            return self.refuse(too_many(format!(
-                "`{written}` is not read: there may be at most {MAX_FILES} files, each at most {MAX_USE_DEPTH} `use`s deep"
-            )));
+        if self.read.len() >= MAX_FILES {
+            let message =
+                format!("`{written}` is not read: there may be at most {MAX_FILES} files");
+            return self.refuse(Diagnostic::new(Code::TooManyFiles, span, message));
         }
         let text = match self.loader.load(&name) {
             Ok(text) => text,
@@ -367,11 +336,6 @@ impl Reading<'_> {
                 return self.refuse(diagnostic.help(help));
             }
         };
-        if self.total_bytes + text.len() > MAX_TOTAL_BYTES {
-            return self.refuse(too_many(format!(
-                "`{written}` is not read: with it the files would have more than {MAX_TOTAL_BYTES} bytes"
-            )));
-        }
         let target = self.add(name, portable_name, text);
         self.follow(target);
         Ok(target)
@@ -384,8 +348,7 @@ impl Reading<'_> {
 
 /// Reports the characters of a file that a reader does not see.
 fn hidden_characters(text: &str, file: FileId, report: &mut Report) {
-    let hidden = || text.char_indices().filter(|(_, it)| is_hidden(*it));
-    for (at, character) in hidden().take(MAX_FINDINGS) {
+    for (at, character) in text.char_indices().filter(|(_, it)| is_hidden(*it)) {
         let shown = character.escape_unicode();
         let what = if turns_writing(character) {
             "turns the direction of writing"
@@ -397,8 +360,6 @@ fn hidden_characters(text: &str, file: FileId, report: &mut Report) {
         let diagnostic = Diagnostic::new(Code::ControlCharacter, span, message);
         report.error(diagnostic.help("remove it"));
     }
-    let further = hidden().count().saturating_sub(MAX_FINDINGS);
-    report.count_further(further, file);
 }
 
 /// Returns the names of a file, except where one declares a constant, a keypoint or a material.

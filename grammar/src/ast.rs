@@ -19,6 +19,8 @@ trait View<'t>: Sized {
 }
 
 /// Declares views: the kinds of node, an optional condition, the required parts, and the other parts.
+///
+/// A part's method has its name. It has docs only where the name is not enough.
 macro_rules! views {
     ($(
         $(#[$doc:meta])*
@@ -34,6 +36,7 @@ macro_rules! views {
                 $($part: $type,)*
             }
 
+            #[allow(missing_docs)]
             impl<'t> $view<'t> {
                 /// Views a node; `None` if it is of another kind or lacks a required part.
                 pub fn cast(node: Node<'t>) -> Option<Self> {
@@ -52,6 +55,11 @@ macro_rules! views {
                 /// Returns its span.
                 pub fn span(self) -> Span {
                     self.node.span()
+                }
+
+                /// Returns the span of its first words, if it is a block.
+                pub fn head_span(self) -> Span {
+                    self.node.head_span()
                 }
 
                 $(
@@ -73,30 +81,6 @@ macro_rules! views {
             impl<'t> View<'t> for $view<'t> {
                 fn cast(node: Node<'t>) -> Option<Self> {
                     $view::cast(node)
-                }
-            }
-        )*
-
-        /// Returns whether a node has a view.
-        #[cfg(test)]
-        pub(crate) fn has_view(node: Node<'_>) -> bool {
-            false $(|| $view::cast(node).is_some())*
-                || ComponentOrText::cast(node).is_some()
-                || Expr::cast(node).is_some()
-        }
-    };
-}
-
-/// Adds the methods that all blocks share.
-macro_rules! blocks {
-    ($($view:ident)*) => {
-        $(
-            impl $view<'_> {
-                /// Returns the span of its first words.
-                pub fn head_span(self) -> Span {
-                    let head = self.node.children().next().unwrap_or(self.node);
-                    let ops::Range { start, .. } = head.range();
-                    Span::new(self.span().file, start..start + head.text().trim_end().len())
                 }
             }
         )*
@@ -132,6 +116,11 @@ fn head_name(node: Node<'_>) -> Option<Name<'_>> {
     below(node, Kind::Head)
 }
 
+/// Returns the names in the lists of a kind: `ablate NAME, …`, `without component NAME, …`, `then without NAME, …`.
+fn names<'t>(node: Node<'t>, list: Kind) -> impl Iterator<Item = Name<'t>> {
+    node.all(list).flat_map(all)
+}
+
 /// Returns the views of the children of a kind, where their type has several.
 fn of_kind<'t, T: View<'t>>(node: Node<'t>, kind: Kind) -> impl Iterator<Item = T> {
     node.all(kind).filter_map(T::cast)
@@ -143,58 +132,40 @@ views! {
     /// A name, or another word or sign with alternatives: an argument's label, a unit, a
     /// comparison, a statement's word; for `given`, also names joined by dots.
     Name(Name | Label | Target | Unit | Compare | StatementWord | Path) {} {
-        /// Returns its text.
         text -> &'t str = |node| node.text();
-    }
-
-    /// A list of names: `ablate NAME, …`, `without component NAME, …`, `without check NAME, …`,
-    /// `without variant NAME, …`, `then without NAME, …`.
-    Names(Ablate | Without | WithoutCheck | WithoutVariant | Relax) {} {
-        /// Returns the names in order.
-        list -> impl Iterator<Item = Name<'t>> = |node| all(node);
     }
 
     // ---- a file --------------------------------------------------------------------------------
 
     /// The whole file.
     File(File) {} {
-        /// Returns the files that it uses.
         uses -> impl Iterator<Item = Use<'t>> = |node| all(node);
-        /// Returns its lists of experts.
         experts -> impl Iterator<Item = Experts<'t>> = |node| all(node);
-        /// Returns its materials.
         materials -> impl Iterator<Item = Material<'t>> = |node| all(node);
-        /// Returns its tasks.
         tasks -> impl Iterator<Item = Task<'t>> = |node| all(node);
     }
 
     /// `use "…"`.
     Use(UseFile) {
-        /// Returns the other file's path.
         path: Text<'t> = first,
     }
 
     /// `experts NAME { … }` of a file.
     Experts(Experts) {
-        /// Returns the name.
         name: Name<'t> = head_name,
     } {
-        /// Returns its sequences of folds.
         sequences -> impl Iterator<Item = FoldBlock<'t>> = |node| all(node);
     }
 
     /// `material NAME { … }` of a file.
     Material(Material) {
-        /// Returns the name.
         name: Name<'t> = head_name,
     } {
-        /// Returns its properties.
         properties -> impl Iterator<Item = Property<'t>> = |node| all(node);
     }
 
     /// `NAME VALUE, … from "…"` of a material. Its values are the arguments of [`Property::call`].
     Property(Property) {
-        /// Returns the name.
         name: Name<'t> = first,
     } {
         /// Returns its values, as a call of its name.
@@ -208,20 +179,12 @@ views! {
     /// `sequence { … }` or `demonstrate { … }`.
     FoldBlock(Sequence | Demonstrate) {} {
         /// Returns the moves of all its folds.
-        moves -> impl Iterator<Item = Move<'t>> = |node| all(node).flat_map(Fold::moves);
-    }
-
-    /// `fold A -> B, …`.
-    Fold(Fold) {} {
-        /// Returns the moves that happen at once.
-        moves -> impl Iterator<Item = Move<'t>> = |node| all(node);
+        moves -> impl Iterator<Item = Move<'t>> = |node| node.all(Kind::Fold).flat_map(all);
     }
 
     /// `A -> B at F`.
     Move(Move) {
-        /// Returns where the cloth is gripped.
         pick: Expr<'t> = first,
-        /// Returns where it is placed.
         place: Expr<'t> = second,
     } {
         /// Returns how far along the way it is moved, as a fraction.
@@ -232,90 +195,52 @@ views! {
 
     /// `task NAME extends BASE { … }`.
     Task(Task) {
-        /// Returns the name.
         name: Name<'t> = head_name,
     } {
-        /// Returns the name of the task that it extends.
         extends -> Option<Name<'t>> = |node| below(node, Kind::Extends);
-        /// Returns its sections.
         body -> Body<'t> = |node| Body { node };
-        /// Returns its variants.
         variants -> impl Iterator<Item = Variant<'t>> = |node| all(node);
-        /// Returns the names of the components to ablate.
-        ablated -> impl Iterator<Item = Name<'t>> = |node| of_kind(node, Kind::Ablate).flat_map(Names::list);
-        /// Returns the names of the inherited variants that it leaves out.
-        without_variants -> impl Iterator<Item = Name<'t>> = |node|
-            of_kind(node, Kind::WithoutVariant).flat_map(Names::list);
+        ablated -> impl Iterator<Item = Name<'t>> = |node| names(node, Kind::Ablate);
+        without_variants -> impl Iterator<Item = Name<'t>> = |node| names(node, Kind::WithoutVariant);
     }
 
     /// `variant NAME { … }`.
     Variant(Variant) {
-        /// Returns the name.
         name: Name<'t> = head_name,
     } {
-        /// Returns its sections.
         body -> Body<'t> = |node| Body { node };
     }
 
     /// The body of a task or a variant, between its braces.
     Body(Task | Variant) {} {
-        /// Returns its constants.
         constants -> impl Iterator<Item = NamedValue<'t>> = |node| all(node);
-        /// Returns its statements of one value.
         statements -> impl Iterator<Item = Statement<'t>> = |node| all(node);
-        /// Returns its blocks of subgoals.
-        subgoals -> impl Iterator<Item = Subgoals<'t>> = |node| all(node);
-        /// Returns the lists of experts that it uses.
         experts -> impl Iterator<Item = ExpertsUsed<'t>> = |node| all(node);
-        /// Returns its files of demonstrations.
-        demos -> impl Iterator<Item = Demos<'t>> = |node| all(node);
-        /// Returns its blocks of keypoints.
         keypoints -> impl Iterator<Item = Keypoints<'t>> = |node|
             of_kind(node, Kind::Keypoints);
-        /// Returns its blocks of layers.
-        annotate -> impl Iterator<Item = Keypoints<'t>> = |node|
-            of_kind(node, Kind::Annotate);
-        /// Returns its blocks of actions.
-        actions -> impl Iterator<Item = Actions<'t>> = |node| all(node);
         /// Returns its components, new and overriding ones in order.
         components -> impl Iterator<Item = Component<'t>> = |node| all(node);
-        /// Returns the names of the components that it removes.
-        without -> impl Iterator<Item = Name<'t>> = |node| of_kind(node, Kind::Without).flat_map(Names::list);
-        /// Returns its stages.
+        without -> impl Iterator<Item = Name<'t>> = |node| names(node, Kind::Without);
         stages -> impl Iterator<Item = Stage<'t>> = |node| all(node);
-        /// Returns its rehearsals.
-        rehearsals -> impl Iterator<Item = Rehearse<'t>> = |node| all(node);
         /// Returns what it adds to the texts of inherited stages.
         added_sayings -> impl Iterator<Item = AddedSay<'t>> = |node| all(node);
-        /// Returns its blocks of checks.
-        verify -> impl Iterator<Item = Verify<'t>> = |node| all(node);
         /// Returns the checks that it adds, outside of `verify`.
         checks -> impl Iterator<Item = Check<'t>> = |node| all(node);
-        /// Returns the checks with `override`.
         override_checks -> impl Iterator<Item = Check<'t>> = |node|
-            all(node).map(OverrideCheck::check);
-        /// Returns the names of the checks that it removes.
-        without_checks -> impl Iterator<Item = Name<'t>> = |node|
-            of_kind(node, Kind::WithoutCheck).flat_map(Names::list);
-        /// Returns its tests.
+            node.all(Kind::OverrideCheck).filter_map(first);
+        without_checks -> impl Iterator<Item = Name<'t>> = |node| names(node, Kind::WithoutCheck);
         tests -> impl Iterator<Item = Test<'t>> = |node| all(node);
-        /// Returns its length, bytes.
-        bytes -> usize = |node| node.range().len();
     }
 
     /// `const NAME = …`, or `NAME = …` in `keypoints` and `annotate`.
     NamedValue(Constant | Keypoint) {
-        /// Returns the name.
         name: Name<'t> = first,
-        /// Returns the value.
         value: Expr<'t> = second,
     }
 
     /// `cloth …`, `goal …`: a word and its value.
     Statement(Statement) {
-        /// Returns the word.
         word: Name<'t> = first,
-        /// Returns the value.
         value: Expr<'t> = first,
     }
 
@@ -327,64 +252,51 @@ views! {
 
     /// `demos STAGE from "FILE"`.
     Demos(Demos) {
-        /// Returns the stage's name.
         stage: Name<'t> = first,
-        /// Returns the path.
         file: Text<'t> = first,
     }
 
     /// `subgoals { … }`.
     Subgoals(Subgoals) {} {
-        /// Returns its demonstrations.
         demonstrations -> impl Iterator<Item = FoldBlock<'t>> = |node| all(node);
-        /// Returns its pictures.
         images -> impl Iterator<Item = Image<'t>> = |node| all(node);
     }
 
     /// `image "…" arrow (…) -> (…)`.
     Image(Image) {
-        /// Returns the picture's path.
         path: Text<'t> = first,
     }
 
     /// `keypoints { … }` or `annotate { … }`.
     Keypoints(Keypoints | Annotate) {} {
-        /// Returns its keypoints or layers.
         list -> impl Iterator<Item = NamedValue<'t>> = |node| all(node);
     }
 
     /// `actions { … }`.
     Actions(Actions) {} {
-        /// Returns its fields.
         fields -> impl Iterator<Item = Field<'t>> = |node| all(node);
     }
 
     /// `NAME: one of …`, or `NAME: any of MASK`.
     Field(Field) {
-        /// Returns the name.
         name: Name<'t> = first,
     } {
         /// Returns the choices; empty if the field is any pixel of a mask.
         // The name itself reads as an expression too.
         one_of -> impl Iterator<Item = Expr<'t>> = |node| all(node).skip(1);
-        /// Returns the mask's name.
         any_of -> Option<Name<'t>> = |node| below(node, Kind::AnyOf);
     }
 
     /// `component NAME …`, with or without `override` and `when`.
     Component(Component | OverrideComponent) {
-        /// Returns the name.
         name: Name<'t> = first,
-        /// Returns the text.
         text: Text<'t> = first,
     } {
-        /// Returns the condition under which it is used.
         when -> Option<Expr<'t>> = |node| below(node, Kind::Guard);
     }
 
     /// `say NAME, … in STAGE after NAME`, or `before NAME`.
     AddedSay(AddedSay) {
-        /// Returns the stage's name.
         stage: Name<'t> = |node| from_end(node, 1),
         /// Returns the name of the part that it goes beside.
         beside: Name<'t> = |node| from_end(node, 0),
@@ -394,53 +306,39 @@ views! {
             let n_parts = all::<Name<'_>>(node).count().saturating_sub(2);
             all(node).take(n_parts)
         };
-        /// Returns on which side of the other part they go.
-        side -> Side = |node| match has_word(node, "before") {
-            true => Side::Before,
-            false => Side::After,
-        };
+        /// Returns whether they go before the other part, not after it.
+        is_before -> bool = |node| has_word(node, "before");
     }
 
     // ---- a stage -------------------------------------------------------------------------------
 
     /// `stage NAME { … }`.
     Stage(Stage) {
-        /// Returns the name.
         name: Name<'t> = head_name,
     } {
-        /// Returns its `model` lines.
         model -> impl Iterator<Item = Model<'t>> = |node| all(node);
-        /// Returns its `show` lines.
         show -> impl Iterator<Item = Show<'t>> = |node| all(node);
-        /// Returns its `say` lines.
         say -> impl Iterator<Item = Sayings<'t>> = |node| of_kind(node, Kind::Say);
-        /// Returns its `system` lines.
         system -> impl Iterator<Item = Sayings<'t>> = |node| of_kind(node, Kind::System);
-        /// Returns its `read` lines.
         read -> impl Iterator<Item = Read<'t>> = |node| all(node);
-        /// Returns its examples.
         examples -> impl Iterator<Item = Example<'t>> = |node| all(node);
     }
 
     /// `model …`.
     Model(Model) {} {
-        /// Returns its settings.
         settings -> impl Iterator<Item = Setting<'t>> = |node| all(node);
     }
 
     /// `NAME`, or `NAME VALUE`.
     Setting(Setting) {
-        /// Returns the name.
         name: Name<'t> = first,
     } {
-        /// Returns the value.
         // The name itself reads as an expression too.
         value -> Option<Expr<'t>> = |node| second(node);
     }
 
     /// `show …`.
     Show(Show) {} {
-        /// Returns its pictures.
         pictures -> impl Iterator<Item = Picture<'t>> = |node| all(node);
     }
 
@@ -455,32 +353,25 @@ views! {
 
     /// `say …` or `system …`.
     Sayings(Say | System) {} {
-        /// Returns its parts.
         list -> impl Iterator<Item = ComponentOrText<'t>> = |node| all(node);
     }
 
     /// `read NAME from "…"`.
     Read(Read) {
-        /// Returns the name.
         name: Name<'t> = first,
     } {
-        /// Returns the pattern of the reply.
         pattern -> Option<Text<'t>> = |node| first(node);
     }
 
     /// `example { … }`.
     Example(Example) {} {
-        /// Returns its `say` lines.
         say -> impl Iterator<Item = Sayings<'t>> = |node| of_kind(node, Kind::Say);
-        /// Returns its pictures.
         images -> impl Iterator<Item = Image<'t>> = |node| all(node);
-        /// Returns its replies.
         replies -> impl Iterator<Item = Reply<'t>> = |node| all(node);
     }
 
     /// `reply "…"`, with or without a stage's name.
     Reply(Reply) {
-        /// Returns the text.
         text: Text<'t> = first,
     } {
         /// Returns the name of the stage that it answers.
@@ -491,28 +382,21 @@ views! {
 
     /// `rehearse STAGE { … }`.
     Rehearse(Rehearse) {
-        /// Returns the stage's name.
         stage: Name<'t> = head_name,
     } {
-        /// Returns its `twin` lines.
         twins -> impl Iterator<Item = Call<'t>> = |node| all(node);
-        /// Returns its `choose` lines.
         choices -> impl Iterator<Item = Choose<'t>> = |node| all(node);
-        /// Returns its `revise` lines.
         revisions -> impl Iterator<Item = Revise<'t>> = |node| all(node);
-        /// Returns its `trust` lines.
         trusts -> impl Iterator<Item = Trust<'t>> = |node| all(node);
     }
 
     /// `choose most MEASURE`.
     Choose(Choose) {
-        /// Returns the measure's name.
         measure: Name<'t> = first,
     }
 
     /// `revise N with picture`.
     Revise(Revise) {
-        /// Returns how often.
         count: Expr<'t> = first,
     }
 
@@ -521,7 +405,6 @@ views! {
         /// Returns the limit that the overlap must exceed.
         above: Expr<'t> = first,
     } {
-        /// Returns the phrase `else refuse`.
         else_refuse -> Option<Phrase<'t>> = |node| of_kind(node, Kind::ElseRefuse).next();
     }
 
@@ -529,31 +412,19 @@ views! {
 
     /// `verify { … }`.
     Verify(Verify) {} {
-        /// Returns its checks.
         checks -> impl Iterator<Item = Check<'t>> = |node| all(node);
-        /// Returns its `attempts` lines.
         attempts -> impl Iterator<Item = Attempts<'t>> = |node| all(node);
-        /// Returns its `result` lines.
         results -> impl Iterator<Item = ResultCheck<'t>> = |node| all(node);
     }
 
     /// `check NAME { … } else "…"`.
     Check(Check) {
-        /// Returns the name.
         name: Name<'t> = head_name,
     } {
-        /// Returns the condition under which it is checked.
         when -> Option<Expr<'t>> = |node| below(node, Kind::Guard);
         /// Returns the condition; `None` if it does not parse.
         condition -> Option<Expr<'t>> = |node| node.child(Kind::Expr).and_then(Expr::cast);
-        /// Returns the message for the model.
         message -> Option<Text<'t>> = |node| first(node);
-    }
-
-    /// `override check NAME { … } else "…"`.
-    OverrideCheck(OverrideCheck) {
-        /// Returns the check.
-        check: Check<'t> = first,
     }
 
     /// `attempts N with picture, then without NAME, …, else skip`.
@@ -561,11 +432,9 @@ views! {
         /// Returns how many there are.
         count: Expr<'t> = first,
     } {
-        /// Returns the phrase `with picture`.
         with_picture -> Option<Phrase<'t>> = |node| of_kind(node, Kind::WithPicture).next();
         /// Returns the checks that `then without` removes.
-        relaxed -> impl Iterator<Item = Name<'t>> = |node| all(node).flat_map(Names::list);
-        /// Returns the phrase `else skip`.
+        relaxed -> impl Iterator<Item = Name<'t>> = |node| names(node, Kind::Relax);
         else_skip -> Option<Phrase<'t>> = |node| of_kind(node, Kind::ElseSkip).next();
     }
 
@@ -579,7 +448,6 @@ views! {
     } {
         /// Returns how often a step is tried again.
         retries -> Option<Expr<'t>> = |node| below(node, Kind::Retries);
-        /// Returns the message for the model.
         message -> Option<Text<'t>> = |node| first(node);
     }
 
@@ -587,13 +455,9 @@ views! {
 
     /// `test "…" { … }`.
     Test(Test) {} {
-        /// Returns the name.
         name -> Option<Text<'t>> = |node| below(node, Kind::Head);
-        /// Returns what is given.
         given -> impl Iterator<Item = Given<'t>> = |node| all(node);
-        /// Returns the model's replies.
         replies -> impl Iterator<Item = Reply<'t>> = |node| all(node);
-        /// Returns what is expected.
         expect -> impl Iterator<Item = Expect<'t>> = |node| all(node);
     }
 
@@ -604,7 +468,6 @@ views! {
     } {
         /// Returns its values; empty if it is a text.
         values -> impl Iterator<Item = Expr<'t>> = |node| node.all(Kind::Expr).filter_map(Expr::cast);
-        /// Returns its text.
         text -> Option<Text<'t>> = |node| first(node);
     }
 
@@ -626,7 +489,6 @@ views! {
         /// Returns the number; too many digits give infinity, which no range accepts.
         value: f64 = |node: Node<'_>| node.child(Kind::Token)?.text().parse().ok(),
     } {
-        /// Returns the unit.
         unit -> Option<Name<'t>> = |node| first(node);
     }
 
@@ -638,50 +500,39 @@ views! {
 
     /// `(A, B)`.
     Pair(Group | Pair if |node| several(node, Kind::Expr)) {} {
-        /// Returns both parts.
         parts -> [Expr<'t>; 2] = |node| [part(node, 0), part(node, 1)];
     }
 
     /// `VALUE in UNIT`.
     Converted(Operand) {
-        /// Returns the unit.
         target: Name<'t> = |node: Node<'t>| node.child(Kind::Target).and_then(Name::cast),
     } {
-        /// Returns what is converted.
         value -> Expr<'t> = |node| part(node, 0);
     }
 
     /// `from A to B`.
     Heading(Heading) {} {
-        /// Returns where it begins.
         from -> Expr<'t> = |node| part(node, 0);
-        /// Returns where it leads.
         to -> Expr<'t> = |node| part(node, 1);
     }
 
     /// `A to B`.
     Range(Relation if |node| has_word(node, "to")) {} {
-        /// Returns the lower end.
         low -> Expr<'t> = |node| part(node, 0);
-        /// Returns the upper end.
         high -> Expr<'t> = |node| part(node, 1);
     }
 
     /// `NAME(…)`, a line of a material, or the twin of a rehearsal.
     Call(Call | Property | Twin) {
-        /// Returns the name.
         name: Name<'t> = first,
     } {
-        /// Returns its arguments.
         arguments -> impl Iterator<Item = Argument<'t>> = |node| all(node);
     }
 
     /// `NAME: …`, or the value alone.
     Argument(Argument) {
-        /// Returns the value.
         value: Expr<'t> = first,
     } {
-        /// Returns the name before the colon.
         label -> Option<Name<'t>> = |node| first(node);
     }
 
@@ -690,15 +541,12 @@ views! {
         /// Returns the sign between the two.
         sign: Name<'t> = first,
     } {
-        /// Returns the left side.
         left -> Expr<'t> = |node| part(node, 0);
-        /// Returns the right side.
         right -> Expr<'t> = |node| part(node, 1);
     }
 
     /// `POINT within MARGIN of MASK`.
     Within(Relation if |node| has_word(node, "within")) {} {
-        /// Returns the point.
         point -> Expr<'t> = |node| part(node, 0);
         /// Returns how far outside the point may be.
         margin -> Option<Expr<'t>> = |node| below(node, Kind::Margin);
@@ -708,19 +556,16 @@ views! {
 
     /// Conditions joined by `and`.
     All(Conjunction if |node| several(node, Kind::Negation)) {} {
-        /// Returns the conditions.
         parts -> impl Iterator<Item = Expr<'t>> = |node| all(node);
     }
 
     /// Conditions joined by `or`.
     Any(Expr if |node| several(node, Kind::Conjunction)) {} {
-        /// Returns the conditions.
         parts -> impl Iterator<Item = Expr<'t>> = |node| all(node);
     }
 
     /// `not …`; `not not x` is `x`.
     Not(Negation if |node: Node<'_>| node.all(Kind::Token).count() % 2 == 1) {} {
-        /// Returns the negated condition.
         condition -> Expr<'t> = |node| part(node, 0);
     }
 
@@ -732,19 +577,6 @@ views! {
     /// breaks; every line end becomes a line feed. Nothing else is changed. A text in quotes of the wrong kind is
     /// already a fault; it is read as it is, so it causes no further faults.
     Text(BlockText | String | CurlyText | CurlyString | SingleString) {}
-
-    /// `{{ … }}` in a text.
-    Placeholder(Placeholder) {} {
-        /// Returns the value; `None` if it is a literal text.
-        value -> Option<Expr<'t>> = |node| first(node);
-    }
-
-    /// Literal characters of a text.
-    Literal(StringChars | BlockChars | Escape | Literal) {}
-}
-
-blocks! {
-    Experts FoldBlock Material Task Variant Body Subgoals Keypoints Actions Stage Example Rehearse Verify Check Test
 }
 
 // ---- longer methods ----------------------------------------------------------------------------
@@ -781,15 +613,6 @@ impl<'t> Component<'t> {
             _ => Declares::New,
         }
     }
-}
-
-/// On which side of another part something is added.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// `before NAME`.
-    Before,
-    /// `after NAME`.
-    After,
 }
 
 /// A component by name, or a text.
@@ -971,14 +794,11 @@ impl<'t> Text<'t> {
 
     /// Returns the text if it has no placeholders.
     pub fn plain(self) -> Option<String> {
-        let mut plain = String::new();
-        for piece in self.pieces() {
-            match piece {
-                Piece::Literal(text) => plain.push_str(&text),
-                Piece::Value(_) => return None,
-            }
-        }
-        Some(plain)
+        let literal = |piece| match piece {
+            Piece::Literal(text) => Some(text),
+            Piece::Value(_) => None,
+        };
+        self.pieces().into_iter().map(literal).collect()
     }
 
     /// Returns whether it is empty or has only blanks.
@@ -1061,21 +881,13 @@ impl<'t> Text<'t> {
 
 /// Returns the byte ranges of the lines, without their ends.
 fn lines(text: &str, offset: usize) -> Vec<ops::Range<usize>> {
-    let mut lines = Vec::new();
-    let mut start = 0;
-    let mut bytes = text.bytes().enumerate().peekable();
-    while let Some((at, byte)) = bytes.next() {
-        if !matches!(byte, b'\n' | b'\r') {
-            continue;
-        }
-        lines.push(offset + start..offset + at);
-        start = at + 1;
-        if byte == b'\r' && bytes.next_if(|(_, next)| *next == b'\n').is_some() {
-            start += 1;
-        }
-    }
-    lines.push(offset + start..offset + text.len());
-    lines
+    let mut next = offset;
+    let range = |line: &str| {
+        let start = next;
+        next += line.len() + 1;
+        start..start + line.strip_suffix('\r').unwrap_or(line).len()
+    };
+    text.split('\n').map(range).collect()
 }
 
 /// Returns a line's leading blanks.

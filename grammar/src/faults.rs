@@ -22,18 +22,15 @@ pub(crate) fn collect(tree: &Tree) -> Vec<Fault> {
             all.extend(judge(parent, previous, child));
             previous = Some(child);
         }
-        all.extend(lacking(parent));
+        all.extend(missing_condition(parent));
     }
     all.sort_by_key(|fault| fault.span);
-    let mut faults = Vec::new();
-    let mut rest = all.as_slice();
-    while let Some(first) = rest.first() {
-        let line = line_at(tree.text(), first.span.start);
-        let n_on_line = rest.partition_point(|fault| fault.span.start <= line.end);
-        let (on_line, after) = rest.split_at(n_on_line);
-        faults.extend(of_line(tree, line.start..line.end, on_line));
-        rest = after;
-    }
+    let is_same_line = |one: &Fault, next: &Fault| {
+        let between = &tree.text()[one.span.start..next.span.start];
+        !between.contains(['\n', '\r'])
+    };
+    let lines = all.chunk_by(is_same_line);
+    let mut faults: Vec<Fault> = lines.flat_map(|on_line| of_line(tree, on_line)).collect();
     drop_consequences(tree, &mut faults);
     faults
 }
@@ -44,9 +41,10 @@ fn drop_consequences(tree: &Tree, faults: &mut Vec<Fault>) {
     let is_tear = |fault: &Fault| is_tear(tree, fault, has_half_text);
     let is_missing_close = |fault: &Fault| matches!(fault.problem, Problem::MissingClose { .. });
     // A text without an end has taken the `}`, or a block without `{`.
-    let takes_close = |fault: &Fault| {
-        is_of_quotes(fault) && is_tear(fault)
-            || matches!(fault.problem, Problem::MissingOpen { .. })
+    let takes_close = |fault: &Fault| match fault.problem {
+        Problem::UnclosedString | Problem::UnopenedString | Problem::UnclosedText => is_tear(fault),
+        Problem::MissingOpen { .. } => true,
+        _ => false,
     };
     if faults.iter().any(takes_close) {
         faults.retain(|fault| !is_missing_close(fault));
@@ -109,9 +107,9 @@ fn line_at(text: &str, byte: usize) -> Range<usize> {
 }
 
 /// Returns which faults of one line are reported: the first, and those that depend on nothing else.
-fn of_line(tree: &Tree, line: Range<usize>, faults: &[Fault]) -> Vec<Fault> {
+fn of_line(tree: &Tree, faults: &[Fault]) -> Vec<Fault> {
     if !faults.iter().any(is_local)
-        && let Some(quote) = unpaired_quote(tree, line, faults[0].span)
+        && let Some(quote) = unpaired_quote(tree, faults[0].span)
     {
         return vec![quote];
     }
@@ -126,14 +124,6 @@ fn is_local(fault: &Fault) -> bool {
     matches!(
         fault.problem,
         Problem::WrongQuotes { .. } | Problem::BadEscape
-    )
-}
-
-fn is_of_quotes(fault: &Fault) -> bool {
-    use Problem::{UnclosedString, UnclosedText, UnopenedString};
-    matches!(
-        fault.problem,
-        UnclosedString | UnopenedString | UnclosedText
     )
 }
 
@@ -163,7 +153,8 @@ fn is_tear(tree: &Tree, fault: &Fault, has_half_text: bool) -> bool {
 /// Finds the text that lacks one of its two quotes, on a line with an odd number of them.
 ///
 /// - `fault`: the first place of the line that does not parse.
-fn unpaired_quote(tree: &Tree, line: Range<usize>, fault: Span) -> Option<Fault> {
+fn unpaired_quote(tree: &Tree, fault: Span) -> Option<Fault> {
+    let line = line_at(tree.text(), fault.start);
     let text = &tree.text()[line.clone()];
     let leaf = tree.node_at(line.start);
     if text.contains("\"\"\"")
@@ -229,7 +220,8 @@ fn judge(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option
         Kind::NoClose => return missing_close(parent),
         Kind::NoQuote => (parent.span(), Problem::UnclosedString),
         Kind::NoTriple => (first(3, parent.span()), Problem::UnclosedText),
-        Kind::Surplus if lacking(parent).is_none() => {
+        Kind::NoName => return missing_name(parent),
+        Kind::Surplus if parent.child(Kind::NoName).is_none() => {
             let found = node.text().trim().to_owned();
             (span, Problem::Surplus { found })
         }
@@ -264,7 +256,7 @@ fn judge(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option
 
 /// Reports a block without `{`, at the end of its head or at another sign that stands there instead.
 fn missing_open(block: Node<'_>, head: Node<'_>) -> Option<Fault> {
-    if lacking(head).is_some() {
+    if head.child(Kind::NoName).is_some() {
         return None;
     }
     let tree = block.tree();
@@ -329,22 +321,21 @@ fn margin(text: &str, at: usize) -> (usize, bool) {
     (before.len() - words.len(), words.is_empty())
 }
 
-/// Reports a head without a name, and a check without a condition.
-fn lacking(node: Node<'_>) -> Option<Fault> {
-    let needs_name = match node.kind() {
-        Kind::Extends => true,
-        Kind::Head => node.parent()?.kind().needs_name(),
-        _ => false,
-    };
-    if needs_name && node.child(Kind::Name).is_none() {
-        let word = node.child(Kind::Token)?;
-        let behind = node.tree().span(word.range().end..word.range().end);
-        let problem = Problem::MissingName {
+/// Reports a head without a name.
+fn missing_name(head: Node<'_>) -> Option<Fault> {
+    let word = head.children().next()?;
+    let end = word.range().end;
+    let behind = head.tree().span(end..end);
+    Some(Fault {
+        span: head.child(Kind::Surplus).map_or(behind, trimmed),
+        problem: Problem::MissingName {
             after: word.text().to_owned(),
-        };
-        let span = node.child(Kind::Surplus).map_or(behind, trimmed);
-        return Some(Fault { span, problem });
-    }
+        },
+    })
+}
+
+/// Reports a check without a condition.
+fn missing_condition(node: Node<'_>) -> Option<Fault> {
     let has = |kind| node.child(kind).is_some();
     if node.kind() != Kind::Check || !has(Kind::Open) || has(Kind::Expr) || has(Kind::JunkCondition)
     {
@@ -420,7 +411,7 @@ fn junk(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option<
         let problem = Problem::TrailingComma;
         return Some(Fault { span, problem });
     }
-    let rule = block(parent.kind())?.line();
+    let rule = block(parent.kind())?.line;
     let before = previous.filter(|before| is_statement(before.kind()));
     // What a statement may go on with is known to its own rule.
     let joined = before.and_then(|before| {
@@ -461,6 +452,8 @@ fn junk(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option<
     if !is_word(first) || known.is_empty() {
         let expected = known.is_empty().then_some("a name");
         let alone = unexpected(tree, span, expected.into_iter().collect());
+        // If nothing is expected, the statement before is complete.
+        let is_needed = |fault: &Fault| matches!(&fault.problem, Problem::Unexpected { expected, .. } if !expected.is_empty());
         return joined.filter(is_needed).or(Some(alone));
     }
     let words = match joined.map(|fault| fault.problem) {
@@ -471,11 +464,6 @@ fn junk(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option<
         tree.span(span.start..span.start + first.len()),
         words,
     ))
-}
-
-/// Returns whether something is expected at a fault, so that the statement before it is incomplete.
-fn is_needed(fault: &Fault) -> bool {
-    matches!(&fault.problem, Problem::Unexpected { expected, .. } if !expected.is_empty())
 }
 
 /// Returns whether a line of junk looks like a new statement.

@@ -48,7 +48,7 @@ mod vocabulary;
 
 pub use fault::{Fault, Problem};
 pub use limits::{MAX_BYTES, MAX_NESTING, MAX_WORD_BYTES, limit_calls};
-pub use source::{FileId, Source, Sources, Span, line_and_column};
+pub use source::{FileId, Source, Sources, Span};
 pub use tree::{Kind, Node, Tree};
 pub use vocabulary::{Block, blocks, is_keyword, keywords, words};
 
@@ -73,7 +73,7 @@ pub fn parse(file: FileId, text: &str) -> Parsed {
         tree: Tree::junk(file, text),
         faults,
     };
-    if let Err(fault) = limits::check(file, text) {
+    if let Some(fault) = limits::exceeded(file, text) {
         return unparsed(vec![fault]);
     }
     let conflicts = conflicts::find(file, text);

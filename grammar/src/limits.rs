@@ -23,20 +23,17 @@ pub fn limit_calls(calls: Option<std::num::NonZeroUsize>) {
     pest::set_call_limit(calls);
 }
 
-/// Rejects a text that exceeds a limit.
-pub(crate) fn check(file: FileId, text: &str) -> Result<(), Fault> {
-    if text.len() > MAX_BYTES {
-        let problem = Problem::TooLong {
-            bytes: text.len(),
-            limit: MAX_BYTES,
-        };
-        let span = Span::new(file, 0..0);
-        return Err(Fault { span, problem });
+/// Returns the first place that exceeds a limit.
+pub(crate) fn exceeded(file: FileId, text: &str) -> Option<Fault> {
+    if text.len() <= MAX_BYTES {
+        return beyond(file, text);
     }
-    match beyond(file, text) {
-        Some(fault) => Err(fault),
-        None => Ok(()),
-    }
+    let problem = Problem::TooLong {
+        bytes: text.len(),
+        limit: MAX_BYTES,
+    };
+    let span = Span::new(file, 0..0);
+    Some(Fault { span, problem })
 }
 
 pub(crate) fn too_deep(span: Span) -> Fault {
@@ -53,7 +50,7 @@ fn beyond(file: FileId, text: &str) -> Option<Fault> {
     let mut at = 0;
     while at < bytes.len() {
         match bytes[at] {
-            b'#' => at = end_of_line(bytes, at),
+            b'#' => at += text[at..].find(['\n', '\r']).unwrap_or(text.len() - at),
             b'"' => at = end_of_text(text, at),
             b'(' | b'{' => {
                 depth += 1;
@@ -91,13 +88,6 @@ fn beyond(file: FileId, text: &str) -> Option<Fault> {
 
 fn is_word(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'_'
-}
-
-fn end_of_line(bytes: &[u8], start: usize) -> usize {
-    bytes[start..]
-        .iter()
-        .position(|byte| matches!(byte, b'\n' | b'\r'))
-        .map_or(bytes.len(), |length| start + length)
 }
 
 /// Returns the end of the text that opens at `start`; an unclosed one ends with its line, a long one with its quotes.

@@ -51,22 +51,18 @@ pub(crate) fn unexpected(tree: &Tree, span: Span, expected: Vec<&'static str>) -
         text.len()
     };
     let found = token_at(text, at..end);
-    if found.is_empty() || found.starts_with('#') {
+    let is_end = found.is_empty() || found.starts_with('#');
+    let range = if is_end {
         // Point directly after the last word, not at the next line.
-        let at = text[..at].trim_end().len();
-        return Fault {
-            span: tree.span(at..at),
-            problem: Problem::Unexpected {
-                found: None,
-                expected,
-                words: Vec::new(),
-            },
-        };
-    }
+        let end = text[..at].trim_end().len();
+        end..end
+    } else {
+        at..at + found.len()
+    };
     Fault {
-        span: tree.span(at..at + found.len()),
+        span: tree.span(range),
         problem: Problem::Unexpected {
-            found: Some(found.to_owned()),
+            found: (!is_end).then(|| found.to_owned()),
             expected,
             words: Vec::new(),
         },

@@ -9,20 +9,9 @@ pub struct Source {
     pub name: String,
     /// The text; it is read only once.
     pub text: String,
-    /// Positions with known line and column, in order; the first is the beginning.
-    marks: Vec<Mark>,
+    /// Where each line begins.
+    lines: Vec<usize>,
 }
-
-/// A position in a text: the beginning of a line, or of a piece of a long line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Mark {
-    byte: usize,
-    line: usize,
-    column: usize,
-}
-
-/// The most bytes between two marks, so that a lookup in a line of a megabyte is as fast as any other.
-const MARK_EVERY: usize = 256;
 
 /// Every file of one compilation, in the order in which they were first read.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -79,8 +68,9 @@ impl Span {
 impl Sources {
     /// Adds a file and returns its id.
     pub fn add(&mut self, name: String, text: String) -> FileId {
-        let marks = marks(&text);
-        self.list.push(Source { name, text, marks });
+        let ends = text.match_indices('\n').map(|(end, _)| end + 1);
+        let lines = std::iter::once(0).chain(ends).collect();
+        self.list.push(Source { name, text, lines });
         FileId(self.list.len() - 1)
     }
 
@@ -103,53 +93,13 @@ impl Sources {
 impl Source {
     /// Returns line and column of a byte, both from 1; columns count characters.
     ///
-    /// `byte` must be on a character boundary, at most at the end. The time does not grow with the text.
+    /// `byte` must be on a character boundary, at most at the end.
     pub fn line_and_column(&self, byte: usize) -> (usize, usize) {
-        let after = self.marks.partition_point(|mark| mark.byte <= byte);
-        // The first mark is the beginning of the text, so a mark is at or before every byte.
-        let mark = self.marks[after - 1];
-        let characters = self.text[mark.byte..byte].chars().count();
-        (mark.line, mark.column + characters)
+        // The first line begins at 0, so one begins at or before every byte.
+        let line = self.lines.partition_point(|start| *start <= byte);
+        let before = &self.text[self.lines[line - 1]..byte];
+        (line, before.chars().count() + 1)
     }
-}
-
-fn marks(text: &str) -> Vec<Mark> {
-    let mut last = Mark {
-        byte: 0,
-        line: 1,
-        column: 1,
-    };
-    let mut marks = vec![last];
-    let (mut line, mut column) = (1, 1);
-    for (byte, character) in text.char_indices() {
-        if byte - last.byte >= MARK_EVERY {
-            last = Mark { byte, line, column };
-            marks.push(last);
-        }
-        if character == '\n' {
-            line += 1;
-            column = 1;
-            last = Mark {
-                byte: byte + 1,
-                line,
-                column,
-            };
-            marks.push(last);
-        } else {
-            column += 1;
-        }
-    }
-    marks
-}
-
-/// Returns line and column of a byte, both from 1; columns count characters.
-///
-/// Counts from the beginning of the text; [`Source::line_and_column`] does not.
-pub fn line_and_column(text: &str, byte: usize) -> (usize, usize) {
-    let before = &text[..byte];
-    let line_start = before.rfind('\n').map_or(0, |at| at + 1);
-    let line = before.bytes().filter(|byte| *byte == b'\n').count() + 1;
-    (line, before[line_start..].chars().count() + 1)
 }
 
 #[cfg(test)]

@@ -24,23 +24,11 @@ pub struct Tree {
 #[derive(Clone, Debug)]
 struct Entry {
     kind: Kind,
-    // Texts are far shorter than 4 GiB, and half-size entries are faster to walk.
-    start: u32,
-    end: u32,
+    range: Range<usize>,
     /// Index of the first entry after this one's descendants.
-    next: u32,
+    next: usize,
     /// Index of the parent entry; the root is its own parent.
-    parent: u32,
-}
-
-impl Entry {
-    fn range(&self) -> Range<usize> {
-        self.start as usize..self.end as usize
-    }
-
-    fn next(&self) -> usize {
-        self.next as usize
-    }
+    parent: usize,
 }
 
 /// A node of a [`Tree`].
@@ -53,7 +41,7 @@ pub struct Node<'t> {
 macro_rules! kinds {
     ($($kind:ident $($rule:ident)|+, $what:literal;)*) => {
         /// The kind of a node. Keywords and signs are [`Kind::Token`].
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
         pub enum Kind {
             /// A keyword or a sign.
             Token,
@@ -63,20 +51,6 @@ macro_rules! kinds {
         }
 
         impl Kind {
-            /// Returns whether the head of such a block has a name.
-            pub(crate) fn needs_name(self) -> bool {
-                matches!(
-                    self,
-                    Kind::Task
-                        | Kind::Stage
-                        | Kind::Rehearse
-                        | Kind::Check
-                        | Kind::Experts
-                        | Kind::Material
-                        | Kind::Variant
-                )
-            }
-
             /// Returns whether it is text that does not parse.
             pub fn is_junk(self) -> bool {
                 matches!(
@@ -108,8 +82,7 @@ macro_rules! kinds {
 kinds! {
     Comment COMMENT, "`# …` to the end of the line.";
     File file, "The whole file.";
-    Head experts_head | material_head | sequence_head | task_head | subgoals_head | demonstrate_head | keypoints_head | annotate_head | actions_head | stage_head | example_head | rehearse_head | verify_head | check_head | variant_head | test_head,
-        "The first words of a block, up to its `{`.";
+    Head named_head | plain_head | test_head, "The first words of a block, up to its `{`.";
     UseFile use_file, "`use \"…\"`.";
     Experts experts, "`experts NAME { … }` of a file.";
     Material material, "`material NAME { … }` of a file.";
@@ -203,6 +176,7 @@ kinds! {
     CurlyString curly_string, "A text in typographic quotes.";
     SingleString single_string, "A text in single quotes.";
     NoCondition no_condition, "Where a condition after `when` is missing.";
+    NoName no_name, "Where a name is missing.";
     NoOpen no_open, "Where a `{` is missing.";
     NoClose no_close, "Where a `}` is missing.";
     NoQuote no_quote, "Where a `\"` is missing.";
@@ -220,41 +194,21 @@ kinds! {
 impl Tree {
     /// Makes the tree of a text that is not parsed.
     pub(crate) fn junk(file: FileId, text: &str) -> Tree {
-        // Only a text that is too long to be parsed can be longer than a `u32`.
-        let end = text.floor_char_boundary(text.len().min(u32::MAX as usize)) as u32;
-        let entry = |kind| Entry {
-            kind,
-            start: 0,
-            end,
-            next: 2,
-            parent: 0,
-        };
-        Tree {
-            file,
-            text: text.to_owned(),
-            entries: vec![entry(Kind::File), entry(Kind::Stray)],
-        }
+        let mut builder = Builder::new(file, text);
+        builder.open(Kind::File, 0);
+        builder.push(Kind::Stray, 0..text.len());
+        builder.cursor = text.len();
+        builder.close(text.len());
+        builder.tree
     }
 
     /// Builds the tree from pest's tokens, and fills the gaps between them with words, signs and blanks.
     pub(crate) fn from_pairs(file: FileId, text: &str, pairs: Pairs<'_, Rule>) -> Tree {
-        let mut builder = Builder {
-            tree: Tree {
-                file,
-                text: text.to_owned(),
-                entries: Vec::new(),
-            },
-            open: Vec::new(),
-            cursor: 0,
-        };
+        let mut builder = Builder::new(file, text);
         for token in pairs.tokens() {
+            let (Token::Start { rule, .. } | Token::End { rule, .. }) = token;
             match token {
-                Token::Start {
-                    rule: Rule::EOI, ..
-                }
-                | Token::End {
-                    rule: Rule::EOI, ..
-                } => {}
+                _ if rule == Rule::EOI => {}
                 Token::Start { rule, pos } => builder.open(Kind::of(rule), pos.pos()),
                 Token::End { pos, .. } => builder.close(pos.pos()),
             }
@@ -289,7 +243,7 @@ impl Tree {
     /// Returns the nodes without children in source order; joined, their texts are the whole text.
     pub fn leaves(&self) -> impl Iterator<Item = Node<'_>> {
         self.nodes()
-            .filter(|node| node.entry().next() == node.index + 1)
+            .filter(|node| node.entry().next == node.index + 1)
     }
 
     /// Returns the innermost node that contains the byte at `offset`; at or beyond the end, the one with the last
@@ -298,7 +252,7 @@ impl Tree {
         let offset = offset.min(self.text.len().saturating_sub(1));
         let after = self
             .entries
-            .partition_point(|entry| entry.range().start <= offset);
+            .partition_point(|entry| entry.range.start <= offset);
         // Every byte is in a leaf; empty nodes that begin after that leaf are skipped.
         let last = self.node(after.saturating_sub(1));
         std::iter::once(last)
@@ -318,14 +272,27 @@ struct Builder {
 }
 
 impl Builder {
+    fn new(file: FileId, text: &str) -> Builder {
+        let text = text.to_owned();
+        let entries = Vec::new();
+        Builder {
+            tree: Tree {
+                file,
+                text,
+                entries,
+            },
+            open: Vec::new(),
+            cursor: 0,
+        }
+    }
+
     fn push(&mut self, kind: Kind, range: Range<usize>) {
         let entries = &mut self.tree.entries;
         entries.push(Entry {
             kind,
-            start: range.start as u32,
-            end: range.end as u32,
-            next: entries.len() as u32 + 1,
-            parent: self.open.last().copied().unwrap_or(0) as u32,
+            range,
+            next: entries.len() + 1,
+            parent: self.open.last().copied().unwrap_or(0),
         });
     }
 
@@ -349,14 +316,14 @@ impl Builder {
         self.cursor = at;
         let entries = &mut self.tree.entries;
         let Entry { kind, parent, .. } = entries[index];
-        let (mut end, mut next) = (at as u32, entries.len());
+        let (mut end, mut next) = (at, entries.len());
         while kind != Kind::File && next > index + 1 && entries[next - 1].kind.is_trivia() {
             next -= 1;
-            end = entries[next].start;
+            end = entries[next].range.start;
             entries[next].parent = parent;
         }
-        entries[index].end = end;
-        entries[index].next = next as u32;
+        entries[index].range.end = end;
+        entries[index].next = next;
     }
 
     /// Makes leaves of the words and blanks up to `end`.
@@ -397,7 +364,14 @@ impl<'t> Node<'t> {
 
     /// Returns the range of its bytes in the text.
     pub fn range(self) -> Range<usize> {
-        self.entry().range()
+        self.entry().range.clone()
+    }
+
+    /// Returns the span of the first words of a block; of any other node, its whole span.
+    pub fn head_span(self) -> Span {
+        let head = self.child(Kind::Head).unwrap_or(self);
+        let start = head.range().start;
+        self.tree.span(start..start + head.text().trim_end().len())
     }
 
     /// Returns its text.
@@ -407,7 +381,7 @@ impl<'t> Node<'t> {
 
     /// Returns its parent; `None` for the whole file.
     pub fn parent(self) -> Option<Node<'t>> {
-        (self.index > 0).then(|| self.tree.node(self.entry().parent as usize))
+        (self.index > 0).then(|| self.tree.node(self.entry().parent))
     }
 
     /// Returns its parent, the parent's parent and so on.
@@ -417,11 +391,11 @@ impl<'t> Node<'t> {
 
     /// Returns its children in source order, blanks and comments included.
     pub fn children(self) -> impl Iterator<Item = Node<'t>> {
-        let end = self.entry().next();
+        let end = self.entry().next;
         let mut index = self.index + 1;
         std::iter::from_fn(move || {
             let child = (index < end).then(|| self.tree.node(index))?;
-            index = child.entry().next();
+            index = child.entry().next;
             Some(child)
         })
     }

@@ -75,7 +75,7 @@ pub(crate) fn expectation(rule: Rule) -> Option<&'static str> {
         Rule::cited => return expectation(Rule::from_word),
         Rule::fold => return expectation(Rule::fold_word),
         Rule::reply => return expectation(Rule::reply_word),
-        Rule::check | Rule::check_head => return expectation(Rule::check_word),
+        Rule::check => return expectation(Rule::check_word),
         Rule::else_skip | Rule::else_refuse => return expectation(Rule::else_word),
         Rule::twin => return expectation(Rule::twin_word),
         Rule::choose => return expectation(Rule::choose_word),
@@ -141,32 +141,14 @@ const BLOCKS: &[(Rule, Rule)] = &[
 /// A kind of block, and the words that may begin a line of it.
 #[derive(Clone, Debug)]
 pub struct Block {
-    kind: Kind,
-    name: String,
-    words: Vec<&'static str>,
-    line: Rule,
-}
-
-impl Block {
-    /// Returns the kind of its nodes.
-    pub fn kind(&self) -> Kind {
-        self.kind
-    }
-
-    /// Returns its keyword; `file` for a whole file.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// Returns the words in the order of the reference; empty if lines begin with a name.
-    pub fn words(&self) -> &[&'static str] {
-        &self.words
-    }
-
-    /// Returns the strict rule of its lines.
-    pub(crate) fn line(&self) -> Rule {
-        self.line
-    }
+    /// The kind of its nodes.
+    pub kind: Kind,
+    /// Its keyword; `file` for a whole file.
+    pub name: String,
+    /// The words in the order of the reference; empty if lines begin with a name.
+    pub words: Vec<&'static str>,
+    /// The strict rule of its lines.
+    pub(crate) line: Rule,
 }
 
 /// Returns every kind of block, outer ones first.
@@ -190,7 +172,7 @@ pub(crate) fn block(kind: Kind) -> Option<&'static Block> {
 
 /// Returns the words that may begin a line in a block; empty if lines begin with names, or if `kind` is not a block.
 pub fn words(kind: Kind) -> &'static [&'static str] {
-    block(kind).map_or(&[], Block::words)
+    block(kind).map_or(&[], |block| &block.words)
 }
 
 /// Returns the words that cannot be names: those that begin or join statements, and Jinja's keywords.
@@ -220,7 +202,7 @@ fn first_words(rule: &str) -> Vec<&'static str> {
                 is_first = false;
             }
             "|" => is_first = brackets.last().copied().unwrap_or(true),
-            "SOI" | "~" => {}
+            "SOI" | "~" | "&" => {}
             _ if is_first => {
                 is_first = false;
                 let found = match sign.strip_prefix('"') {

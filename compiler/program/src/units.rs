@@ -247,14 +247,8 @@ impl Serialize for LengthUnit {
 impl<'de> Deserialize<'de> for LengthUnit {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<LengthUnit, D::Error> {
         let name = String::deserialize(deserializer)?;
-        LengthUnit::find(&name).ok_or_else(|| {
-            let lengths = UNITS.iter().filter_map(LengthUnit::of);
-            let names: Vec<String> = lengths.map(|unit| format!("`{}`", unit.name)).collect();
-            let accepted = names.join(", ");
-            D::Error::custom(format!(
-                "no unit of length `{name}`, expected one of {accepted}"
-            ))
-        })
+        LengthUnit::find(&name)
+            .ok_or_else(|| D::Error::custom(format!("no unit of length or speed `{name}`")))
     }
 }
 

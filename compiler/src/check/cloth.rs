@@ -4,12 +4,12 @@ use super::context::Context;
 use super::expressions::{Scope, call, material_name, without_edge};
 use super::material;
 use crate::diag::{Code, Diagnostic, Reported};
-use crate::lang::calls::{CLOTHS, SPACING, particle_limits};
+use crate::lang::calls::{CLOTHS, SPACING};
 use fab_grammar::Span;
 use fab_grammar::ast::Statement;
 use fab_program::exact::written;
 use fab_program::vocabulary::Kind;
-use fab_program::{Cloth, RECORDED_SPACING_M};
+use fab_program::{Cloth, PARTICLES_A_SIDE, RECORDED_SPACING_M};
 
 /// Reads the cloth's size and how it lies at the start.
 pub(crate) fn check<'a>(
@@ -33,7 +33,10 @@ pub(crate) fn check<'a>(
         check_spacing(&cloth, expr.span(), context)?;
     }
     if let Some(material) = &cloth.material
-        && let Some(why) = context.loaded.refuses_cloth(material, cloth.spacing_m)
+        && let Some(why) = context
+            .loaded
+            .loader
+            .refuses_cloth(material, cloth.spacing_m)
     {
         let message = format!("the cloth cannot be laid in the simulator: {why}");
         let at = statement.value().span();
@@ -57,7 +60,7 @@ fn check_spacing(cloth: &Cloth, at: Span, context: &mut Context<'_, '_>) -> Resu
         let diagnostic = Diagnostic::new(Code::OutOfRange, at, message);
         return Err(context.error(diagnostic.help(help)));
     }
-    let [_, most] = particle_limits();
+    let [_, most] = PARTICLES_A_SIDE;
     let longer = cloth.dimx.max(cloth.dimy);
     if longer > most {
         let spacing = written(mm(cloth.spacing_m), 3);
@@ -81,7 +84,7 @@ fn replaced(
     statement: Statement<'_>,
     context: &mut Context<'_, '_>,
 ) -> Result<Cloth, Reported> {
-    let [least, most] = particle_limits();
+    let [least, most] = PARTICLES_A_SIDE;
     if [dimx, dimy].iter().all(|dim| (least..=most).contains(dim)) {
         return Ok(Cloth {
             dimx,

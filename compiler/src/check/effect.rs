@@ -41,7 +41,7 @@ fn trial(program: &Program, context: &Context<'_, '_>) -> Option<Trial> {
     }
     let found = titles
         .iter()
-        .filter_map(|title| context.loaded.trial(title));
+        .filter_map(|title| context.loaded.loader.trial(title));
     found.into_iter().find(|trial| trial.of == wanted)
 }
 

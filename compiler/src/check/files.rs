@@ -43,7 +43,7 @@ fn is_there(
         Diagnostic::new(Code::FileMissing, text.span(), message)
             .help("paths are relative to the file that contains them")
     };
-    match context.loaded.look(path, wanted) {
+    match context.loaded.loader.look(path, wanted) {
         Listed::Unknown => Ok(()),
         Listed::Nothing(why) => Err(context.error(missing(why))),
         Listed::Other if matches!(wanted, Wanted::CameraPicture | Wanted::Picture) => {

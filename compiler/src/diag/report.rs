@@ -4,7 +4,6 @@ use super::codes::{Code, Severity};
 use super::diagnostic::Diagnostic;
 use fab_grammar::{FileId, Span};
 use std::collections::{BTreeMap, BTreeSet};
-use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// The most findings of each severity that are kept; the rest are only counted.
 ///
@@ -28,8 +27,8 @@ pub(crate) fn every<T, E>(parts: impl Iterator<Item = Result<T, E>>) -> Result<V
 #[derive(Debug, Default)]
 pub(crate) struct Report {
     found: Vec<Diagnostic>,
-    /// Location, code and message digest of each finding. Two findings that share all three count as one.
-    seen: BTreeSet<(Span, Code, u64)>,
+    /// Location, code and message of each finding. Two findings that share all three count as one.
+    seen: BTreeSet<(Span, Code, String)>,
     /// For each severity, the number of findings, and how many of them are kept.
     counts: BTreeMap<Severity, (usize, usize)>,
     /// The findings that stand for all of their kind about a name of a file.
@@ -63,10 +62,8 @@ impl Report {
     }
 
     fn add(&mut self, diagnostic: Diagnostic) {
-        // `DefaultHasher::new` has fixed keys, so the digest is the same in every run.
-        let mut digest = DefaultHasher::new();
-        diagnostic.message.hash(&mut digest);
-        let key = (diagnostic.span, diagnostic.code, digest.finish());
+        let message = diagnostic.message.clone();
+        let key = (diagnostic.span, diagnostic.code, message);
         if !self.seen.insert(key) {
             return;
         }
@@ -133,7 +130,7 @@ impl Report {
         }
     }
 
-    /// Does the same as [`Report::absorb`] for the findings of one place, and drops the others.
+    /// Takes over another report's findings in one place, and drops the others.
     pub(crate) fn absorb_within(&mut self, place: Span, mut other: Report) {
         other.found.retain(|it| place.contains(it.span));
         other.files_with_errors.retain(|file| *file == place.file);

@@ -1,7 +1,6 @@
 //! The calls that make parts of a task: cloths, cameras, points of the cloth. One row each.
 
 use fab_program::data::keypoints::IMAGE;
-use fab_program::units::base;
 use fab_program::vocabulary::{Arg, ArgValue, Args, Call, CallOf, Default, Kind, Range, Word};
 use fab_program::{
     Camera, Cloth, ClothPoint, ClothStart, ImageUp, MANNERS, Manner, PARTICLES_A_SIDE, Picker,
@@ -300,9 +299,4 @@ fn particle(point: ClothPoint) -> [f64; 2] {
         ClothPoint::Particle { right, front } => [right, front],
         ClothPoint::Center => [0.5, 0.5],
     }
-}
-
-/// Returns the fewest and the most particles on a side.
-pub(crate) fn particle_limits() -> [u32; 2] {
-    [PARTICLES.from, PARTICLES.to].map(|end| base(end) as u32)
 }

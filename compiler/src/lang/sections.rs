@@ -51,7 +51,14 @@ pub struct Section {
 }
 
 impl Section {
-    /// Returns the same section, whose value is one of these calls.
+    const fn needed(self, needed: RequiredFor) -> Section {
+        Section { needed, ..self }
+    }
+
+    const fn merges(self, merges: Inheritance) -> Section {
+        Section { merges, ..self }
+    }
+
     const fn called(self, calls: fn() -> Vec<&'static Signature>) -> Section {
         Section { calls, ..self }
     }
@@ -61,21 +68,22 @@ fn signatures<Make>(rows: &'static [Call<Make>]) -> Vec<&'static Signature> {
     rows.iter().map(|row| &row.signature).collect()
 }
 
-const fn row(
-    word: &'static str,
-    form: &'static str,
-    needed: RequiredFor,
-    merges: Inheritance,
-    doc: &'static str,
-) -> Section {
+/// Returns the row of a section that no task needs, is replaced whole, and whose value is no call.
+const fn row(word: &'static str, form: &'static str, doc: &'static str) -> Section {
     Section {
         word,
         form,
-        needed,
-        merges,
+        needed: RequiredFor::Never,
+        merges: Inheritance::Whole,
         doc,
         calls: Vec::new,
     }
+}
+
+/// Returns how the section that begins with a word is inherited.
+pub(crate) fn inheritance(word: &str) -> Inheritance {
+    let row = SECTIONS.iter().find(|row| row.word == word);
+    row.map_or(Inheritance::Never, |row| row.merges)
 }
 
 /// Every section, in the order of the reference.
@@ -83,172 +91,134 @@ pub(crate) const SECTIONS: &[Section] = &[
     row(
         "about",
         "about \"TEXT\"",
-        RequiredFor::Never,
-        Inheritance::Never,
-        "what the task is for, in one line, shown by `fabc check`; no model sees it, and it does not change the program's hash",
-    ),
-    row(
-        "const",
-        "const NAME = QUANTITY",
-        RequiredFor::Never,
-        Inheritance::ByName,
-        "a quantity with a name",
-    ),
+        "what the task is for, in one line, shown by `fabc check`; no model sees it, and it \
+         does not change the program's hash",
+    )
+    .merges(Inheritance::Never),
+    row("const", "const NAME = QUANTITY", "a quantity with a name").merges(Inheritance::ByName),
     row(
         "cloth",
         "cloth grid(55, 44)",
-        RequiredFor::RunnableTask,
-        Inheritance::Whole,
         "how large the cloth is, and how it lies",
     )
+    .needed(RequiredFor::RunnableTask)
     .called(|| signatures(CLOTHS)),
     row(
         "camera",
         "camera top_down(height: L, fov: ANGLE, image: N px)",
-        RequiredFor::Run,
-        Inheritance::Whole,
         "where the camera is, and what it sees",
     )
+    .needed(RequiredFor::Run)
     .called(|| signatures(CAMERAS)),
     row(
         "picker",
         "picker put_down",
-        RequiredFor::Never,
-        Inheritance::Whole,
         "how the cloth is carried and released",
     )
     .called(|| signatures(PICKERS)),
-    row(
-        "goal",
-        "goal MEASURE < LIMIT",
-        RequiredFor::Never,
-        Inheritance::Whole,
-        "what counts as done",
-    ),
+    row("goal", "goal MEASURE < LIMIT", "what counts as done"),
     row(
         "horizon",
         "horizon N",
-        RequiredFor::Never,
-        Inheritance::Whole,
         "the most actions of a rollout; without it, as many as the subgoals show",
     ),
     row(
         "subgoals",
         "subgoals { demonstrate { fold A -> B } }",
-        RequiredFor::RunnableTask,
-        Inheritance::Whole,
         "the pictures that show what to do, step by step",
-    ),
+    )
+    .needed(RequiredFor::RunnableTask),
     row(
         "experts",
         "experts NAME",
-        RequiredFor::Never,
-        Inheritance::Whole,
         "which fold sequences count as right; without it, the demonstration",
     ),
     row(
         "demos",
         "demos STAGE from \"FILE\"",
-        RequiredFor::Never,
-        Inheritance::Whole,
         "which demonstrations a stage's model is shown",
     ),
     row(
         "keypoints",
         "keypoints { NAME = EXTRACTOR(…) }",
-        RequiredFor::Run,
-        Inheritance::ByName,
         "what is found in each picture",
-    ),
+    )
+    .needed(RequiredFor::Run)
+    .merges(Inheritance::ByName),
     row(
         "annotate",
         "annotate { NAME = MARK(…) }",
-        RequiredFor::Never,
-        Inheritance::Whole,
         "what is drawn on the camera's picture",
     ),
     row(
         "actions",
         "actions { FIELD: one of CHOICE, … }",
-        RequiredFor::Run,
-        Inheritance::Whole,
         "what an answer may choose",
-    ),
+    )
+    .needed(RequiredFor::Run),
     row(
         "component",
         "component NAME when CONDITION \"TEXT\"",
-        RequiredFor::Never,
-        Inheritance::ByName,
         "a text with a name, which stages say",
-    ),
+    )
+    .merges(Inheritance::ByName),
     row(
         "override",
         "override component NAME \"TEXT\", override check NAME { … }",
-        RequiredFor::Never,
-        Inheritance::Changes,
         "replaces an inherited component or check",
-    ),
+    )
+    .merges(Inheritance::Changes),
     row(
         "without",
         "without component NAME, without check NAME, without variant NAME",
-        RequiredFor::Never,
-        Inheritance::Changes,
         "leaves out an inherited component, check or variant",
-    ),
+    )
+    .merges(Inheritance::Changes),
     row(
         "stage",
         "stage NAME { model … say … read … }",
-        RequiredFor::RunnableTask,
-        Inheritance::ByName,
         "one question to a model",
-    ),
+    )
+    .needed(RequiredFor::RunnableTask)
+    .merges(Inheritance::ByName),
     row(
         "rehearse",
         "rehearse STAGE { twin(…) choose most MEASURE trust overlap > N }",
-        RequiredFor::Never,
-        Inheritance::Whole,
         "tries a stage's answers on a simulated twin of the cloth before the world moves",
     ),
     row(
         "say",
         "say NAME in STAGE after NAME, say NAME in STAGE before NAME",
-        RequiredFor::Never,
-        Inheritance::Changes,
         "adds a component to what an inherited stage says",
-    ),
+    )
+    .merges(Inheritance::Changes),
     row(
         "verify",
         "verify { check NAME { CONDITION } else \"TEXT\" }",
-        RequiredFor::Never,
-        Inheritance::Whole,
         "which answers are rejected, and the messages to the model",
     ),
     row(
         "check",
         "check NAME { CONDITION } else \"TEXT\"",
-        RequiredFor::Never,
-        Inheritance::ByName,
         "adds a check to an inherited `verify`",
-    ),
+    )
+    .merges(Inheritance::ByName),
     row(
         "variant",
         "variant NAME { SECTIONS }",
-        RequiredFor::Never,
-        Inheritance::ByName,
         "the task with some sections changed",
-    ),
+    )
+    .merges(Inheritance::ByName),
     row(
         "ablate",
         "ablate COMPONENT, …",
-        RequiredFor::Never,
-        Inheritance::ByName,
         "a variant without each of these components",
-    ),
+    )
+    .merges(Inheritance::ByName),
     row(
         "test",
         "test \"WHAT\" { given … reply … expect … }",
-        RequiredFor::Never,
-        Inheritance::Never,
         "the expected result of an answer",
-    ),
+    )
+    .merges(Inheritance::Never),
 ];

@@ -81,8 +81,8 @@ pub struct WordEntry {
 /// Lists everything that the language knows.
 pub fn vocabulary() -> Vocabulary {
     let words_of = |block: &'static Block| BlockWords {
-        block: block.name(),
-        words: block.words(),
+        block: &block.name,
+        words: &block.words,
     };
     Vocabulary {
         format: VOCABULARY_FORMAT,
@@ -105,27 +105,20 @@ fn calls() -> Vec<CallEntry> {
         let calls = (section.calls)().into_iter();
         calls.map(move |signature| of(section.word, signature))
     });
+    let property = "property of a material";
     let properties = PROPERTIES.iter().map(|row| CallEntry {
         form: material::form(&row.call.signature),
-        ..of("property of a material", &row.call.signature)
+        ..of(property, &row.call.signature)
     });
-    let points = CLOTH_POINTS
-        .iter()
-        .map(|row| of("point of the cloth", &row.signature));
-    let extractors = EXTRACTORS
-        .iter()
-        .map(|row| of("extractor", &row.call.signature));
-    let marks = MARKS.iter().map(|row| of("mark", &row.signature));
-    let twins = TWINS.iter().map(|row| of("twin", &row.signature));
-    let measures = MEASURES.iter().map(|row| of("measure", &row.signature));
-    sections
-        .chain(properties)
-        .chain(points)
-        .chain(extractors)
-        .chain(marks)
-        .chain(measures)
-        .chain(twins)
-        .collect()
+    let extractors = { EXTRACTORS.iter() }.map(|row| ("extractor", &row.call.signature));
+    let points = { CLOTH_POINTS.iter() }.map(|row| ("point of the cloth", &row.signature));
+    let marks = MARKS.iter().map(|row| ("mark", &row.signature));
+    let measures = MEASURES.iter().map(|row| ("measure", &row.signature));
+    let twins = TWINS.iter().map(|row| ("twin", &row.signature));
+    let others = points.chain(extractors).chain(marks);
+    let others = others.chain(measures).chain(twins);
+    let others = others.map(|(kind, signature)| of(kind, signature));
+    sections.chain(properties).chain(others).collect()
 }
 
 fn words() -> Vec<WordEntry> {
@@ -145,51 +138,23 @@ fn words() -> Vec<WordEntry> {
         ("expectation", EXPECTATIONS),
         ("measure on a twin", RehearsalMeasure::WORDS),
     ];
-    let mut words = Vec::new();
-    for (set, list) in sets {
-        words.extend(list.iter().map(|word| of(set, word.name, None, word.doc)));
-    }
+    let sets = { sets.into_iter() }
+        .flat_map(|(set, list)| list.iter().map(move |it| of(set, it.name, None, it.doc)));
     let number = |range| Some(Kind::Quantity(range));
-    words.extend(
-        METRICS
-            .iter()
-            .map(|row| of("goal", row.metric.as_str(), number(row.limit), row.doc)),
-    );
-    words.extend(
-        SETTINGS
-            .iter()
-            .map(|row| of("setting", row.name, Some(row.kind), row.doc)),
-    );
-    words.extend(
-        FIELDS
-            .iter()
-            .map(|row| of("field", row.name, row.range.map(Kind::Quantity), row.doc)),
-    );
-    words.extend(
-        WORDS
-            .iter()
-            .map(|row| of("condition", row.name, None, row.doc)),
-    );
-    words.extend(
-        SIGNS
-            .iter()
-            .map(|row| of("comparison", row.name, None, row.doc)),
-    );
-    words.extend(
-        NUMBERS
-            .iter()
-            .map(|row| of("verify", row.name, number(row.range), row.doc)),
-    );
-    words.extend(
-        rehearse::NUMBERS
-            .iter()
-            .map(|row| of("rehearse", row.name, number(row.range), row.doc)),
-    );
-    words.push(of(
-        "horizon",
-        "horizon",
-        number(STEPS),
-        "the most actions of a rollout",
-    ));
-    words
+    let goals = METRICS.iter();
+    let goals = goals.map(|it| of("goal", it.metric.as_str(), number(it.limit), it.doc));
+    let settings = SETTINGS.iter();
+    let settings = settings.map(|it| of("setting", it.name, Some(it.kind), it.doc));
+    let fields = FIELDS.iter();
+    let fields = fields.map(|it| of("field", it.name, it.range.map(Kind::Quantity), it.doc));
+    let conditions = { WORDS.iter() }.map(|it| of("condition", it.name, None, it.doc));
+    let signs = { SIGNS.iter() }.map(|it| of("comparison", it.name, None, it.doc));
+    let verify = NUMBERS.iter().map(|it| ("verify", it));
+    let numbers = verify.chain(rehearse::NUMBERS.iter().map(|it| ("rehearse", it)));
+    let numbers = numbers.map(|(set, it)| of(set, it.name, number(it.range), it.doc));
+    let steps = "the most actions of a rollout";
+    let horizon = of("horizon", "horizon", number(STEPS), steps);
+    { sets.chain(goals).chain(settings).chain(fields) }
+        .chain(conditions.chain(signs).chain(numbers).chain([horizon]))
+        .collect()
 }

@@ -1,6 +1,6 @@
 //! Joins a task with the tasks that it extends, and with one of its variants.
 //!
-//! Each body is read once into its [`Sections`]. They are joined by the rule that [`SECTIONS`] states for each:
+//! Each body is read once into its [`Sections`]. They are joined as the rows of `SECTIONS` state:
 //! - A section that is inherited whole is replaced whole.
 //! - A constant, a keypoint, a stage or a variant replaces the one of the same name; new ones go last. New keypoints
 //!   above a replaced one go directly before it, so it may use them.
@@ -16,7 +16,7 @@ mod said;
 mod sections;
 
 use crate::diag::{Code, Diagnostic, Report, Reported};
-use crate::lang::sections::{Inheritance, SECTIONS};
+use crate::lang::sections::{Inheritance, inheritance};
 use crate::load::Loaded;
 use fab_grammar::ast::{
     Actions, AddedSay, Body, Check, Component, Declares, Demos, ExpertsUsed, Expr, Keypoints, Name,
@@ -116,7 +116,7 @@ pub(crate) fn merge<'a>(
     };
     let mut join = Join { report };
     for task in chain.into_iter().rev() {
-        let is_inherited = |word: &str| rule(word) != Inheritance::Never;
+        let is_inherited = |word: &str| inheritance(word) != Inheritance::Never;
         merged.single.retain(|word, _| is_inherited(word));
         join.sections(&mut merged, bodies.sections(task.body()));
     }
@@ -131,12 +131,6 @@ pub(crate) fn merge<'a>(
         None => {}
     }
     Ok(merged)
-}
-
-/// Returns the rule by which a section is inherited.
-fn rule(word: &str) -> Inheritance {
-    let row = SECTIONS.iter().find(|row| row.word == word);
-    row.map_or(Inheritance::Never, |row| row.merges)
 }
 
 /// Returns the task and those it extends.
@@ -266,53 +260,26 @@ struct Join<'r> {
 }
 
 impl<'a> Join<'_> {
-    /// Joins the sections of one body with those that it inherits, each by the rule of its row.
+    /// Joins the sections of one body with those that it inherits.
     fn sections(&mut self, merged: &mut Merged<'a>, own: &Sections<'a>) {
         merged.joined = merged.joined.and(own.fault);
-        let by_name = SECTIONS
-            .iter()
-            .filter(|row| row.merges == Inheritance::ByName);
-        for row in by_name {
-            self.by_name(row.word, merged, own);
-        }
-        let replaced = own
-            .single
-            .iter()
-            .filter(|(word, _)| matches!(rule(word), Inheritance::Whole | Inheritance::Never));
-        merged.single.extend(replaced);
-        self.added_sayings(merged, own);
-    }
-
-    /// Joins the parts of one kind; what `override` and `without` change belongs to the kind.
-    fn by_name(&mut self, word: &str, merged: &mut Merged<'a>, own: &Sections<'a>) {
-        let unfit = match word {
-            "const" => return merged.constants.put(&own.constants),
-            "keypoints" => return merged.keypoints.put_block(&own.keypoints),
-            "stage" => {
-                for stage in own.stages.iter().map(|site| site.part) {
-                    let name = stage.name().text();
-                    if merged.said.insert(name, Said::of(stage)).is_some() {
-                        merged.replaced_stages.insert(name);
-                    }
-                }
-                return merged.stages.put(&own.stages);
-            }
-            "component" => {
-                let mut unfit = merged.components.remove(&own.without_components);
-                unfit.extend(merged.components.change(&own.components));
-                unfit
-            }
-            "check" => return self.checks(merged, own),
-            "variant" => {
-                let unfit = merged.variants.remove(&own.without_variants);
-                merged.variants.put(&own.variants);
-                unfit
-            }
-            // Each is a variant.
-            "ablate" => return,
-            _ => unreachable!("`{word}` has a rule of its own"),
-        };
+        merged.constants.put(&own.constants);
+        merged.keypoints.put_block(&own.keypoints);
+        let mut unfit = merged.components.remove(&own.without_components);
+        unfit.extend(merged.components.change(&own.components));
+        unfit.extend(merged.variants.remove(&own.without_variants));
         self.unfit(unfit, merged);
+        merged.variants.put(&own.variants);
+        for stage in own.stages.iter().map(|site| site.part) {
+            let name = stage.name().text();
+            if merged.said.insert(name, Said::of(stage)).is_some() {
+                merged.replaced_stages.insert(name);
+            }
+        }
+        merged.stages.put(&own.stages);
+        self.checks(merged, own);
+        merged.single.extend(&own.single);
+        self.added_sayings(merged, own);
     }
 
     /// Takes over the checks of a `verify`, or changes inherited ones.
@@ -359,7 +326,7 @@ impl<'a> Join<'_> {
                 continue;
             }
             let said = merged.said.entry(line.stage().text()).or_default();
-            said.add(*part, line.side(), line.beside().text());
+            said.add(*part, *line);
         }
     }
 

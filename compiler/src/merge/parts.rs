@@ -1,7 +1,6 @@
 //! Parts of one kind, found by their names: how those of a task join those that it inherits.
 
-use super::lists::{declared_twice, duplicates};
-use crate::diag::{Code, Diagnostic, Report, Reported};
+use crate::diag::{Code, Diagnostic};
 use fab_grammar::Span;
 use fab_grammar::ast::{Declares, Name};
 use std::borrow::Cow;
@@ -30,21 +29,6 @@ impl<'a, T> Site<'a, T> {
     pub fn overriding(self, declares: Declares) -> Site<'a, T> {
         Site { declares, ..self }
     }
-}
-
-/// Reports parts of one body with the same name, and keeps the first of each.
-pub(super) fn distinct<T>(
-    sites: &mut Vec<Site<'_, T>>,
-    kind: &str,
-    report: &mut Report,
-) -> Result<(), Reported> {
-    let names = sites.iter().map(|site| (site.name.as_ref(), site.span));
-    let all = duplicates(names, report, |name, first, again| {
-        declared_twice(kind, name, first, again)
-    });
-    let mut seen = BTreeSet::new();
-    sites.retain(|site| seen.insert(site.name.clone()));
-    all
 }
 
 /// Parts in order, found by name.

@@ -1,6 +1,7 @@
 //! What a stage says: the parts that it lists, and those that extending tasks add beside them.
 
-use fab_grammar::ast::{ComponentOrText, Name, Sayings, Side, Stage};
+use fab_grammar::Kind;
+use fab_grammar::ast::{AddedSay, ComponentOrText, Name, Sayings, Stage};
 
 /// What a stage says in `system` and in `say`, in order.
 #[derive(Default)]
@@ -32,20 +33,16 @@ impl<'a> Saying<'a> {
 impl<'a> Said<'a> {
     /// Returns what a stage says as it is declared.
     pub fn of(stage: Stage<'a>) -> Said<'a> {
-        let list = |line, lines: Vec<Sayings<'a>>| {
-            let parts = lines.into_iter().flat_map(Sayings::list);
-            parts.map(move |part| Saying {
+        let of = |line, kind| {
+            let lines = stage.node().all(kind).filter_map(Sayings::cast);
+            lines.flat_map(Sayings::list).map(move |part| Saying {
                 line,
                 part,
                 beside: None,
             })
         };
-        let system = list(Line::System, stage.system().collect());
-        Said(
-            system
-                .chain(list(Line::Say, stage.say().collect()))
-                .collect(),
-        )
+        let system = of(Line::System, Kind::System);
+        Said(system.chain(of(Line::Say, Kind::Say)).collect())
     }
 
     /// Returns whether it says a component; a component that is left out keeps its place.
@@ -65,13 +62,14 @@ impl<'a> Said<'a> {
     }
 
     /// Adds a component next to another that it says. Those at one place keep the order in which they are added.
-    pub fn add(&mut self, part: Name<'a>, side: Side, beside: &'a str) {
+    pub fn add(&mut self, part: Name<'a>, added: AddedSay<'a>) {
+        let beside = added.beside().text();
         let is_beside = |saying: &Saying<'_>| saying.component() == Some(beside);
         let Some(mut place) = self.0.iter().position(is_beside) else {
             return;
         };
         let line = self.0[place].line;
-        if side == Side::After {
+        if !added.is_before() {
             place += 1;
             let after = &self.0[place..];
             let added = after

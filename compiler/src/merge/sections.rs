@@ -1,14 +1,15 @@
 //! The sections of one task or variant, as it states them itself.
 
-use super::lists::{duplicates, repeated};
-use super::parts::{Site, distinct};
+use super::lists::{declared_twice, duplicates, repeated};
+use super::parts::Site;
 use crate::diag::{Code, Diagnostic, Report, Reported};
+use crate::lang::sections::{Inheritance, inheritance};
+use fab_grammar::Node;
 use fab_grammar::ast::{
     AddedSay, Body, Check, Component, Declares, Name, NamedValue, Stage, Task, Verify,
 };
-use fab_grammar::{Node, Span};
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// How a variant changes a task.
 #[derive(Clone, Copy)]
@@ -45,16 +46,13 @@ impl<'a> Sections<'a> {
     pub fn of(body: Body<'a>, report: &mut Report) -> Sections<'a> {
         let mut single = BTreeMap::new();
         let mut fault = Ok(());
-        for (word, node, head) in self::single(body) {
-            let (first, _) = *single.entry(word).or_insert((head, node));
-            if first != head {
-                fault = Err(report.error(repeated(word, first, head)));
+        for (word, node) in self::single(body) {
+            let first: Node<'a> = *single.entry(word).or_insert(node);
+            if first.span() != node.span() {
+                let diagnostic = repeated(word, first.head_span(), node.head_span());
+                fault = Err(report.error(diagnostic));
             }
         }
-        let single: BTreeMap<&str, Node<'a>> = single
-            .into_iter()
-            .map(|(word, (_, node))| (word, node))
-            .collect();
         let named = |it: NamedValue<'a>| Site::new(it.name(), it);
         let check = |it: Check<'a>| Site::new(it.name(), it);
         let keypoints = body.keypoints().next();
@@ -66,66 +64,75 @@ impl<'a> Sections<'a> {
         let component = |it: Component<'a>| Site::new(it.name(), it).overriding(it.declares());
         let task = Task::cast(body.node());
         let added = body.added_sayings();
-        let mut sections = Sections {
+        let added = added.flat_map(|line| line.parts().map(move |part| (line, part)));
+        let components = body.components().map(component);
+        let stages = body.stages().map(|it| Site::new(it.name(), it));
+        let variants = task.map(variants).unwrap_or_default();
+        let without_variants = task.into_iter().flat_map(Task::without_variants);
+        let mut own = Own { report, fault };
+        Sections {
             single,
-            constants: body.constants().map(named).collect(),
-            keypoints: keypoints.map(named).collect(),
-            components: body.components().map(component).collect(),
-            stages: body.stages().map(|it| Site::new(it.name(), it)).collect(),
-            verified: verified.map(check).collect(),
-            checks: body.checks().map(check).chain(overriding).collect(),
-            variants: task.map(variants).unwrap_or_default(),
-            without_components: body.without().collect(),
-            without_checks: body.without_checks().collect(),
-            without_variants: { task.into_iter() }
-                .flat_map(Task::without_variants)
-                .collect(),
-            added_sayings: { added.flat_map(|line| line.parts().map(move |part| (line, part))) }
-                .collect(),
-            fault,
-        };
-        sections.fault = sections.own_faults(report).and(fault);
-        sections
-    }
-
-    fn own_faults(&mut self, report: &mut Report) -> Result<(), Reported> {
-        let faults = [
-            distinct(&mut self.constants, "constant", report),
-            distinct(&mut self.keypoints, "keypoint", report),
-            distinct(&mut self.components, "component", report),
-            distinct(&mut self.stages, "stage", report),
-            distinct(&mut self.verified, "check", report),
-            distinct(&mut self.checks, "check", report),
-            distinct(&mut self.variants, "variant", report),
-            left_out_once(&self.without_components, report),
-            left_out_once(&self.without_checks, report),
-            left_out_once(&self.without_variants, report),
-        ];
-        faults.into_iter().collect()
+            constants: own.distinct("constant", body.constants().map(named)),
+            keypoints: own.distinct("keypoint", keypoints.map(named)),
+            components: own.distinct("component", components),
+            stages: own.distinct("stage", stages),
+            verified: own.distinct("check", verified.map(check)),
+            checks: own.distinct("check", body.checks().map(check).chain(overriding)),
+            variants: own.distinct("variant", variants),
+            without_components: own.left_out(body.without()),
+            without_checks: own.left_out(body.without_checks()),
+            without_variants: own.left_out(without_variants),
+            added_sayings: added.collect(),
+            fault: own.fault,
+        }
     }
 }
 
-/// Returns the sections without a name, each with its word and its head.
-fn single(body: Body<'_>) -> impl Iterator<Item = (&str, Node<'_>, Span)> {
-    let statements = body.statements();
-    let statements = statements.map(|it| (it.word().text(), it.node(), it.span()));
-    let subgoals = body.subgoals();
-    let subgoals = subgoals.map(|it| ("subgoals", it.node(), it.head_span()));
-    let experts = body.experts().map(|it| ("experts", it.node(), it.span()));
-    let demos = body.demos().map(|it| ("demos", it.node(), it.span()));
-    let keypoints = body.keypoints();
-    let keypoints = keypoints.map(|it| ("keypoints", it.node(), it.head_span()));
-    let annotate = body.annotate();
-    let annotate = annotate.map(|it| ("annotate", it.node(), it.head_span()));
-    let actions = body.actions();
-    let actions = actions.map(|it| ("actions", it.node(), it.head_span()));
-    let rehearse = body.rehearsals();
-    let rehearse = rehearse.map(|it| ("rehearse", it.node(), it.head_span()));
-    let verify = body.verify();
-    let verify = verify.map(|it| ("verify", it.node(), it.head_span()));
-    let blocks = subgoals.chain(keypoints).chain(annotate).chain(actions);
-    let blocks = blocks.chain(rehearse).chain(verify);
-    statements.chain(experts).chain(demos).chain(blocks)
+/// Reports what a body states or leaves out twice.
+struct Own<'r> {
+    report: &'r mut Report,
+    fault: Result<(), Reported>,
+}
+
+impl Own<'_> {
+    /// Returns the first part of each name.
+    fn distinct<'a, T>(
+        &mut self,
+        kind: &str,
+        sites: impl IntoIterator<Item = Site<'a, T>>,
+    ) -> Vec<Site<'a, T>> {
+        let mut sites: Vec<Site<'a, T>> = sites.into_iter().collect();
+        let names = sites.iter().map(|site| (site.name.as_ref(), site.span));
+        let unique = duplicates(names, self.report, |name, first, again| {
+            declared_twice(kind, name, first, again)
+        });
+        self.fault = self.fault.and(unique);
+        let mut seen = BTreeSet::new();
+        sites.retain(|site| seen.insert(site.name.clone()));
+        sites
+    }
+
+    fn left_out<'a>(&mut self, names: impl Iterator<Item = Name<'a>>) -> Vec<Name<'a>> {
+        let names: Vec<Name<'a>> = names.collect();
+        let all = names.iter().map(|name| (name.text(), name.span()));
+        let unique = duplicates(all, self.report, |name, first, again| {
+            let message = format!("`{name}` is left out twice");
+            Diagnostic::new(Code::Repeated, again, message).also(first, "left out here first")
+        });
+        self.fault = self.fault.and(unique);
+        names
+    }
+}
+
+/// Returns the sections without a name, each with the word that it begins with.
+fn single(body: Body<'_>) -> impl Iterator<Item = (&str, Node<'_>)> {
+    let sections = body.node().children().filter_map(|section| {
+        let mut words = { section.text() }.split(|letter: char| !letter.is_ascii_alphabetic());
+        Some((words.next()?, section))
+    });
+    sections.filter(|(word, _)| {
+        inheritance(word) == Inheritance::Whole || ["about", "keypoints"].contains(word)
+    })
 }
 
 /// Returns the variants that a task declares, and one without each component that it ablates.
@@ -137,13 +144,4 @@ fn variants(task: Task<'_>) -> Vec<Site<'_, VariantChange<'_>>> {
         ..Site::new(name, VariantChange::Without(name))
     });
     declared.chain(ablated).collect()
-}
-
-/// Reports names that are left out twice.
-fn left_out_once(names: &[Name<'_>], report: &mut Report) -> Result<(), Reported> {
-    let names = names.iter().map(|name| (name.text(), name.span()));
-    duplicates(names, report, |name, first, again| {
-        let message = format!("`{name}` is left out twice");
-        Diagnostic::new(Code::Repeated, again, message).also(first, "left out here first")
-    })
 }

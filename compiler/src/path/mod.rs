@@ -54,12 +54,10 @@ pub(crate) fn within(file: &str, path: &str) -> Option<String> {
     (!leads_out).then_some(path)
 }
 
-/// Does the same as [`within`], and also accepts paths into the folder `lib` beside the entry's folder.
+/// Resolves the path of a `use`, which may also lead into the folder `lib` beside the entry's folder.
 pub(crate) fn within_or_library(file: &str, path: &str) -> Option<String> {
-    let path = beside(file, path);
-    let is_library = path.starts_with("../lib/");
-    let leads_out = path == ".." || path.starts_with("../");
-    (is_library || !leads_out).then_some(path)
+    let is_library = |path: &String| path.starts_with("../lib/");
+    within(file, path).or_else(|| Some(beside(file, path)).filter(is_library))
 }
 
 #[cfg(test)]

@@ -55,8 +55,8 @@ pub(super) enum Change {
 
 /// A row of [`MISTAKES`].
 pub(super) struct Mistake {
-    /// What is written: the beginning of a sign, a whole word, or one of the kinds `WORD`, `NUMBER`, `TEXT`, `ANY`
-    /// and `END`, where nothing is left.
+    /// What is written: the beginning of a sign, a whole word, or one of the kinds `WORD`, `NUMBER`, `GROUP` of digits,
+    /// `TEXT`, `ANY` and `END`, where nothing is left.
     found: &'static [&'static str],
     place: Where,
     pub change: Change,
@@ -104,6 +104,7 @@ mistakes! {
     ["="] Expecting("`)`"), Write(":"), "an argument's name is followed by `:`";
     [":=" ":" "="] Expecting("a value"), MayWrite(""), "remove it: its word is followed by the value";
     [":=" ":" "="] Expecting("a text in quotes"), MayWrite(""), "remove it: its word is followed by the text";
+    ["GROUP"] Anywhere, Nothing, "write all digits together", "a number is written without `_`";
     ["."] Expecting("a value"), Write("0."), "write `0` before the point", "a number begins with a digit";
     [":"] Expecting("`{`"), Nothing, "write `{` here, and `}` where the block ends";
     ["[" "("] Expecting("`{`"), MayWrite("{"), "write `{` here, and `}` where the block ends";
@@ -177,6 +178,10 @@ fn written<'t>(found: &str, place: &Place<'t>) -> Option<&'t str> {
         "END" => place.found.is_empty(),
         "WORD" => begins(char::is_alphabetic),
         "NUMBER" => begins(|first| first.is_ascii_digit()),
+        "GROUP" => {
+            let digits = place.found.strip_prefix('_');
+            digits.is_some_and(|it| it.starts_with(|first: char| first.is_ascii_digit()))
+        }
         "TEXT" => begins(|first| first == '"') && !place.rest.starts_with("\"\"\""),
         _ if found.starts_with(char::is_alphabetic) => place.found == found,
         // The sign may be longer than the text found.
@@ -228,61 +233,34 @@ pub(super) fn open_bracket(before: &str) -> Option<usize> {
     open.pop()
 }
 
-/// Words with which people begin a line of a block, each with what to write instead.
-const MISPLACED: &[(&str, &[&str], &str)] = &[
-    (
-        "task",
-        &["system"],
-        "write `say NAME in STAGE after NAME`: beside a part of `system`, it becomes a part of `system`",
-    ),
-    (
-        "task",
-        &["model", "show", "read", "example"],
-        "it belongs in a `stage`; to change it, state the stage again: a stage replaces the inherited one of the same name",
-    ),
-    (
-        "task",
-        &["attempts", "result"],
-        "it belongs in `verify`; a `verify` of this task's own replaces the inherited one, so state the inherited checks in it too",
-    ),
-    (
-        "task",
-        &["add", "append", "insert", "new", "extend"],
-        "a new part needs no word before it: write `component NAME \"…\"`, `check NAME { … } else \"…\"`, or `say NAME in STAGE after NAME`",
-    ),
-    (
-        "task",
-        &["remove", "delete", "drop", "omit", "exclude"],
-        "write `without component NAME`, `without check NAME` or `without variant NAME`; another section is stated again to change it",
-    ),
-    (
-        "variant",
-        &["variant"],
-        "variants do not nest: write each in the task, beside the others",
-    ),
-    ("stage", &["vision"], "write `model vision`"),
-    ("stage", &["text"], "write `model text`"),
-    (
-        "subgoals",
-        &["fold"],
-        "write `demonstrate { fold A -> B }`, with all folds between its braces",
-    ),
-    (
-        "verify",
-        &["else", "then", "otherwise", "message"],
-        "the message of a check is behind `else`: write `check NAME { … } else \"…\"`",
-    ),
-    (
-        "verify",
-        &["override"],
-        "move `override check` out of `verify`, into the task; a `verify` of the task's own inherits no checks",
-    ),
-    (
-        "verify",
-        &["without"],
-        "move `without check` out of `verify`, into the task",
-    ),
-];
+macro_rules! misplaced {
+    ($($block:literal: $($word:literal)+ => $help:literal;)*) => {
+        /// Words with which people begin a line of a block, each with what to write instead.
+        const MISPLACED: &[(&str, &[&str], &str)] = &[$(($block, &[$($word),+], $help)),*];
+    };
+}
+
+misplaced! {
+    "task": "system" =>
+        "write `say NAME in STAGE after NAME`: beside a part of `system`, it becomes a part of `system`";
+    "task": "model" "show" "read" "example" =>
+        "it belongs in a `stage`; to change it, state the stage again: a stage replaces the inherited one of the same name";
+    "task": "attempts" "result" =>
+        "it belongs in `verify`; a `verify` of this task's own replaces the inherited one, so state the inherited checks in it too";
+    "task": "add" "append" "insert" "new" "extend" =>
+        "a new part needs no word before it: write `component NAME \"…\"`, `check NAME { … } else \"…\"`, or `say NAME in STAGE after NAME`";
+    "task": "remove" "delete" "drop" "omit" "exclude" =>
+        "write `without component NAME`, `without check NAME` or `without variant NAME`; another section is stated again to change it";
+    "variant": "variant" => "variants do not nest: write each in the task, beside the others";
+    "stage": "vision" => "write `model vision`";
+    "stage": "text" => "write `model text`";
+    "subgoals": "fold" => "write `demonstrate { fold A -> B }`, with all folds between its braces";
+    "verify": "else" "then" "otherwise" "message" =>
+        "the message of a check is behind `else`: write `check NAME { … } else \"…\"`";
+    "verify": "override" =>
+        "move `override check` out of `verify`, into the task; a `verify` of the task's own inherits no checks";
+    "verify": "without" => "move `without check` out of `verify`, into the task";
+}
 
 /// Returns what to write instead of a word that does not begin a line of a block.
 pub(super) fn misplaced(word: &str, block: &str) -> Option<&'static str> {

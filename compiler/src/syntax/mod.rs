@@ -12,19 +12,19 @@ use mistakes::{Change, Place};
 /// Makes the diagnostic for a fault of `text`, a whole file.
 pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
     let span = fault.span;
-    let new = |code: Code, message: String| Diagnostic::new(code, span, message);
+    let new = |code: Code, message: &str| Diagnostic::new(code, span, message);
     match &fault.problem {
         Problem::TooLong { bytes, limit } => new(
             Code::FileTooLong,
-            format!("the file has {bytes} bytes, at most {limit} are accepted"),
+            &format!("the file has {bytes} bytes, at most {limit} are accepted"),
         ),
         Problem::TooDeep { limit } => new(
             Code::NestedTooDeep,
-            format!("more than {limit} brackets and braces are open at once"),
+            &format!("more than {limit} brackets and braces are open at once"),
         ),
         Problem::LongWord { limit } => new(
             Code::WordTooLong,
-            format!("a word has more than {limit} letters"),
+            &format!("a word has more than {limit} letters"),
         ),
         Problem::MergeConflict { markers } => merge_conflict(markers, text),
         Problem::Unexpected {
@@ -47,24 +47,24 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
             words,
             block,
         } => unknown_word(span, word, (candidates, words), block.as_deref()),
-        Problem::MissingOpen { block } => new(Code::MissingBrace, format!("`{block}` has no `{{`"))
+        Problem::MissingOpen { block } => new(Code::MissingBrace, &format!("`{block}` has no `{{`"))
             .label("expected `{`")
             .likely(span, " {"),
         Problem::MissingClose { block } => new(
             Code::MissingBrace,
-            format!("the `{{` of `{block}` is never closed"),
+            &format!("the `{{` of `{block}` is never closed"),
         )
         .label("stays open")
         .help("add a `}` where the block ends"),
         Problem::MissingName { after } => new(
             Code::MissingName,
-            format!("`{after}` is not followed by a name"),
+            &format!("`{after}` is not followed by a name"),
         )
         .label("expected a name")
         .help("a name begins with a letter and has only letters without accents, digits and `_`; words of the language cannot be names"),
         Problem::Surplus { found } => surplus(span, found, text),
         Problem::StrayClose { early } => {
-            let diagnostic = new(Code::StrayBrace, "this `}` closes nothing".to_owned());
+            let diagnostic = new(Code::StrayBrace, "this `}` closes nothing");
             match early {
                 Some(early) => diagnostic
                     .also(*early, "this one is probably too many")
@@ -75,7 +75,7 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
         Problem::OutsideTask { word, early } => {
             let diagnostic = new(
                 Code::SectionOutsideTask,
-                format!("`{word}` is outside of any task"),
+                &format!("`{word}` is outside of any task"),
             )
             .help("move it between the braces of a `task`; perhaps a `}` above closes the task too early");
             let early = early.iter();
@@ -83,38 +83,29 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
                 it.also(*early, "this one is probably too many")
             })
         }
-        Problem::TrailingComma => new(Code::TrailingComma, "a list ends with a comma".to_owned())
+        Problem::TrailingComma => new(Code::TrailingComma, "a list ends with a comma")
             .help("remove the comma, or add another part")
             .edit(span, ""),
-        Problem::UnclosedString => new(
-            Code::UnclosedText,
-            "the text does not end on this line".to_owned(),
-        )
-        .help("close it with `\"`; a text of several lines is written between `\"\"\"` and `\"\"\"`"),
+        Problem::UnclosedString => new(Code::UnclosedText, "the text does not end on this line")
+            .help("close it with `\"`; a text of several lines is written between `\"\"\"` and `\"\"\"`"),
         Problem::UnopenedString => new(
             Code::UnclosedText,
-            "this text has no quote at its beginning".to_owned(),
+            "this text has no quote at its beginning",
         )
         .help("open it with `\"`")
-        .likely(Span { end: span.start, ..span }, "\""),
-        Problem::UnclosedText => new(
-            Code::UnclosedText,
-            "the text that begins here does not end".to_owned(),
-        )
-        .help("close it with `\"\"\"`"),
+        .likely(Span::new(span.file, span.start..span.start), "\""),
+        Problem::UnclosedText => new(Code::UnclosedText, "the text that begins here does not end")
+            .help("close it with `\"\"\"`"),
         Problem::WrongQuotes { right } => {
-            let diagnostic = new(
-                Code::WrongQuotes,
-                "these quotes are not of the right kind".to_owned(),
-            )
-            .help("write straight double quotes `\"`");
+            let diagnostic = new(Code::WrongQuotes, "these quotes are not of the right kind")
+                .help("write straight double quotes `\"`");
             if keeps_text(text, span, right) {
                 diagnostic.edit(span, right.clone())
             } else {
                 diagnostic
             }
         }
-        Problem::BadEscape => new(Code::BadEscape, "this `\\` escapes nothing".to_owned())
+        Problem::BadEscape => new(Code::BadEscape, "this `\\` escapes nothing")
             .help("write `\\\\` for a backslash and `\\\"` for a quote; a text of several lines is written between `\"\"\"` and `\"\"\"`, and folders are separated by `/`"),
         Problem::LoneBraces => {
             let line = text[span.end..].lines().next().unwrap_or_default();
@@ -124,14 +115,14 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
                 }
                 _ => "expected a name and `}}` after `{{`".to_owned(),
             };
-            new(Code::LoneBraces, message)
+            new(Code::LoneBraces, &message)
                 .help("write `{{ name }}` for a value, `{{ \"{{\" }}` for two literal braces")
         }
     }
 }
 
 fn merge_conflict(markers: &[Span], text: &str) -> Diagnostic {
-    let line = |span: &Span| fab_grammar::line_and_column(text, span.start).0;
+    let line = |span: &Span| text[..span.start].matches('\n').count() + 1;
     let (first, last) = (markers[0], markers[markers.len() - 1]);
     let lines = if first == last {
         format!("in line {}", line(&first))
@@ -169,23 +160,15 @@ fn unexpected(span: Span, place: &Place<'_>) -> Diagnostic {
     if is_invisible {
         return usual.help("remove it").likely(span, "");
     }
-    if let Some(decimal) = decimal_comma(span, place).or_else(|| grouped_number(span, place)) {
+    if let Some(decimal) = decimal_comma(span, place) {
         return decimal;
     }
     if let Some((start, word)) = word_before_number(place) {
-        let word_span = Span {
-            start,
-            end: start + word.len(),
-            ..span
-        };
         let message = format!("expected `,`, found `{word}`");
-        let before = Span {
-            end: start,
-            ..word_span
-        };
-        return Diagnostic::new(Code::Unexpected, word_span, message)
+        let at_word = Span::new(span.file, start..start + word.len());
+        return Diagnostic::new(Code::Unexpected, at_word, message)
             .help("write `,` before it")
-            .likely(before, ", ");
+            .likely(Span::new(span.file, start..start), ", ");
     }
     if let Some(meant) = misspelt(place) {
         let message = format!("expected `{meant}`, found `{}`", place.found);
@@ -195,19 +178,13 @@ fn unexpected(span: Span, place: &Place<'_>) -> Diagnostic {
         if found.is_empty() {
             return usual.help(mistake.help);
         }
-        let span = Span {
-            end: span.start + found.len(),
-            ..span
-        };
+        let span = Span::new(span.file, span.start..span.start + found.len());
         let message = if mistake.message.is_empty() {
             message(&format!("`{found}`"))
         } else {
             mistake.message.replace("{}", found)
         };
-        let before = Span {
-            end: span.start,
-            ..span
-        };
+        let before = Span::new(span.file, span.start..span.start);
         let diagnostic = Diagnostic::new(Code::Unexpected, span, message).help(mistake.help);
         return match mistake.change {
             Change::Nothing => diagnostic,
@@ -217,14 +194,7 @@ fn unexpected(span: Span, place: &Place<'_>) -> Diagnostic {
         };
     }
     match mistakes::open_bracket(place.before).filter(|_| place.expected.contains(&"`)`")) {
-        Some(start) => {
-            let bracket = Span {
-                start,
-                end: start + 1,
-                ..span
-            };
-            usual.also(bracket, "this `(` is open")
-        }
+        Some(start) => usual.also(Span::new(span.file, start..start + 1), "this `(` is open"),
         None => usual,
     }
 }
@@ -264,11 +234,7 @@ fn decimal_comma(span: Span, place: &Place<'_>) -> Option<Diagnostic> {
     if !before.ends_with(is_digit) || !after.starts_with(is_digit) {
         return None;
     }
-    let comma = Span {
-        start: at,
-        end: at + 1,
-        ..span
-    };
+    let comma = Span::new(span.file, at..at + 1);
     let message = "the decimal separator is a point, not a comma";
     let diagnostic = Diagnostic::new(Code::Unexpected, comma, message);
     // `1,000` is more often a thousand than one.
@@ -278,27 +244,6 @@ fn decimal_comma(span: Span, place: &Place<'_>) -> Option<Diagnostic> {
     } else {
         diagnostic.help("write `.`").likely(comma, ".")
     })
-}
-
-/// Recognises `1_000`; only groups of three digits certainly are one number.
-fn grouped_number(span: Span, place: &Place<'_>) -> Option<Diagnostic> {
-    let group = place.found.strip_prefix('_')?;
-    let digits = group.trim_end_matches(|letter: char| letter.is_ascii_alphabetic());
-    let whole = &place.before[place
-        .before
-        .trim_end_matches(|it: char| it.is_ascii_digit())
-        .len()..];
-    let is_whole = digits.len() == 3 && digits.bytes().all(|it| it.is_ascii_digit());
-    if !is_whole || !(1..=3).contains(&whole.len()) {
-        return None;
-    }
-    let message = "a number is written without `_`";
-    let diagnostic = Diagnostic::new(Code::Unexpected, span, message);
-    Some(
-        diagnostic
-            .help(format!("write `{whole}{group}`"))
-            .edit(span, group),
-    )
 }
 
 /// Returns the word before a number that does not fit: of `model vision temperature 0.2` the setting's name, which was
@@ -345,11 +290,11 @@ fn unknown_word(
         return diagnostic.help(format!("a task's goal begins with `goal`: `{example}`"));
     }
     let mut blocks = fab_grammar::blocks().iter();
-    match blocks.find(|block| block.words().contains(&word)) {
-        Some(block) if block.kind() == Kind::File => {
+    match blocks.find(|block| block.words.contains(&word)) {
+        Some(block) if block.kind == Kind::File => {
             diagnostic.help("it stands outside of tasks, at the beginning of the file")
         }
-        Some(block) => diagnostic.help(format!("it belongs in `{}`", block.name())),
+        Some(block) => diagnostic.help(format!("it belongs in `{}`", block.name)),
         None => diagnostic.help(format!(
             "a line here begins with {}",
             among(candidates.iter().copied())
@@ -359,31 +304,20 @@ fn unknown_word(
 
 /// Reports what stands between the name of a block and its `{`.
 fn surplus(span: Span, found: &str, text: &str) -> Diagnostic {
-    let line = text[..span.start].lines().next_back().unwrap_or_default();
-    let head = line
-        .rsplit(['{', '}'])
-        .next()
-        .unwrap_or_default()
-        .trim_start();
-    let words = || {
-        found
-            .split(|it: char| !it.is_alphanumeric() && it != '_')
-            .filter(|it| !it.is_empty())
-    };
-    let first = words().next().unwrap_or_default();
+    let head = text[..span.start].rsplit(['\n', '{', '}']).next();
+    let head = head.unwrap_or_default().trim_start();
+    let is_sign = |it: char| !it.is_alphanumeric() && it != '_';
+    let first = found.split(is_sign).next().unwrap_or_default();
     let is_task = head.starts_with("task ");
     let join = if is_task { "extends" } else { "when" };
-    if found.starts_with(first) && nearest(first, [join]).is_some() {
+    if nearest(first, [join]).is_some() {
         let message = format!("expected `{join}`, found `{first}`");
-        let span = Span {
-            end: span.start + first.len(),
-            ..span
-        };
+        let span = Span::new(span.file, span.start..span.start + first.len());
         return Diagnostic::new(Code::Unexpected, span, message).meant(span, join);
     }
     let message = format!("expected `{{`, found `{found}`");
     let diagnostic = Diagnostic::new(Code::Unexpected, span, message);
-    let touches = text[..span.start].ends_with(|it: char| it.is_alphanumeric() || it == '_');
+    let touches = !head.ends_with(is_sign);
     if let Some(condition) = found.strip_prefix("if ") {
         return diagnostic.meant(span, &format!("when {condition}"));
     }
@@ -396,7 +330,7 @@ fn surplus(span: Span, found: &str, text: &str) -> Diagnostic {
     // `task half(base)`, `task half inherits base`
     if is_task
         && (found.starts_with('(') || !touches)
-        && let Some(base) = words().next_back()
+        && let Some(base) = found.rsplit(is_sign).find(|it| !it.is_empty())
     {
         return diagnostic.help(format!("did you mean `extends {base}`?"));
     }
@@ -409,22 +343,13 @@ fn surplus(span: Span, found: &str, text: &str) -> Diagnostic {
 /// Returns whether only the quotes of a text change: nothing in it means something else between straight quotes, and
 /// no quote of its kind without a partner is beside it, as in `'don't'`.
 fn keeps_text(text: &str, span: Span, right: &str) -> bool {
-    const PAIRS: [[char; 2]; 7] = [
-        ['\'', '\''],
-        ['“', '”'],
-        ['„', '”'],
-        ['„', '“'],
-        ['‟', '”'],
-        ['«', '»'],
-        ['‘', '’'],
-    ];
-    let written = &text[span.range()];
-    let (first, last) = (written.chars().next(), written.chars().next_back());
-    let Some(pair) =
-        { PAIRS.into_iter() }.find(|[open, close]| (first, last) == (Some(*open), Some(*close)))
-    else {
+    const PAIRS: [&str; 7] = ["''", "“”", "„”", "„“", "‟”", "«»", "‘’"];
+    let mut written = text[span.range()].chars();
+    let (first, last) = (written.next(), written.next_back());
+    let pair: String = first.into_iter().chain(last).collect();
+    if !PAIRS.contains(&pair.as_str()) {
         return false;
-    };
+    }
     let body = right.trim_matches('"');
     if right.starts_with("\"\"\"") {
         return first != Some('\'') && !body.contains("\"\"\"");
@@ -434,8 +359,9 @@ fn keeps_text(text: &str, span: Span, right: &str) -> bool {
     let after = text[span.end..].split(is_end).next().unwrap_or_default();
     // Beside another quote, as in `''"`, the new ones would begin a text of several lines.
     let is_apart = !before.ends_with('"') && !after.starts_with('"');
-    let is_paired = |beside: &str| beside.matches(pair).count().is_multiple_of(2);
-    let means_more = |letter: char| pair.contains(&letter) || "\"\\{".contains(letter);
+    let is_quote = |letter: char| pair.contains(letter);
+    let is_paired = |beside: &str| beside.matches(is_quote).count().is_multiple_of(2);
+    let means_more = |letter: char| is_quote(letter) || "\"\\{".contains(letter);
     is_apart && !body.contains(means_more) && is_paired(before) && is_paired(after)
 }
 

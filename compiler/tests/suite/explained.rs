@@ -55,6 +55,17 @@ fn examples_extend_the_first_task_of_the_language_page() {
 }
 
 #[test]
+fn codes_are_in_the_order_of_their_numbers_and_each_is_found_by_it() {
+    assert!(CODES.is_sorted_by_key(|entry| entry.code.as_str()));
+    for entry in CODES {
+        let number = entry.code.as_str();
+        assert_eq!(Code::parse(&number.to_lowercase()), Some(entry.code));
+        assert_eq!(entry.code.entry().code, entry.code);
+    }
+    assert_eq!(Code::parse("F9999"), None);
+}
+
+#[test]
 fn every_code_is_in_a_group_and_in_the_list() {
     let list = explain::list();
     for entry in CODES {
@@ -63,7 +74,7 @@ fn every_code_is_in_a_group_and_in_the_list() {
         assert_eq!(of.count(), 1, "{code}");
         assert!(list.contains(&format!("{code}  {}", entry.severity.as_str())));
         let text = explain::to_text(entry.code);
-        assert!(text.contains(entry.title) && text.contains(entry.explanation));
+        assert!(text.contains(entry.title()) && text.contains(&entry.explanation()));
         let shows_example = text.contains("For example:") && text.contains("Right would be:");
         assert_eq!(shows_example, !WITHOUT_EXAMPLE.contains(&code), "{code}");
     }
@@ -127,7 +138,7 @@ fn index() -> String {
             let severity = entry.severity.as_str();
             text.push_str(&format!(
                 "| [{code}]({file}) | {severity} | {} |\n",
-                entry.title
+                entry.title()
             ));
         }
     }
@@ -140,7 +151,8 @@ fn page(entry: &CodeEntry) -> String {
     let about = group.map_or("", |(_, about)| *about);
     let mut text = format!(
         "# {code}: {}\n\n*{severity}*, {about}\n\n{}\n",
-        entry.title, entry.explanation
+        entry.title(),
+        entry.explanation()
     );
     if let Some(Example { wrong, right }) = example(entry.code) {
         let report = report_of(&wrong);

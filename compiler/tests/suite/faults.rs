@@ -14,7 +14,7 @@
 
 use crate::common;
 use fab_compiler::diag::{self, CODES, Color, Diagnostic, Severity};
-use fab_compiler::{Compiled, Listed, LoadError, Loader, Wanted, line_and_column};
+use fab_compiler::{Compiled, Listed, LoadError, Loader, Wanted};
 use fab_program::{Material, Trial};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -47,7 +47,7 @@ fn every_fault_is_reported_as_its_fixture_says() {
             !all.any(|it| {
                 let source = compiled.sources.get(it.span.file);
                 source.name == name
-                    && line_and_column(&source.text, it.span.start) == *place
+                    && source.line_and_column(it.span.start) == *place
                     && it.help.contains(help)
             })
         });
@@ -225,7 +225,7 @@ struct Finding {
 
 fn finding(diagnostic: &Diagnostic, compiled: &Compiled) -> Finding {
     let source = compiled.sources.get(diagnostic.span.file);
-    let (line, column) = line_and_column(&source.text, diagnostic.span.start);
+    let (line, column) = source.line_and_column(diagnostic.span.start);
     let marked = &source.text[diagnostic.span.range()];
     // A span that a comment cannot mark is stated only by its beginning.
     let is_markable =

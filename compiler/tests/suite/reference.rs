@@ -92,7 +92,11 @@ fn sections(known: &Vocabulary) -> String {
 fn codes() -> String {
     let rows = CODES.iter().map(|entry| {
         let (code, severity) = (entry.code.as_str(), entry.severity.as_str());
-        vec![code.to_owned(), severity.to_owned(), entry.title.to_owned()]
+        vec![
+            code.to_owned(),
+            severity.to_owned(),
+            entry.title().to_owned(),
+        ]
     });
     table(&["code", "severity", "what"], rows)
 }

@@ -1,30 +1,12 @@
-//! Tests that every kind of node has a view, and what texts become.
+//! Tests which view an expression has, and what texts become.
 
 use super::*;
 use crate::{FileId, Tree, parse};
-
-const EVERYTHING: &str = include_str!("../../tests/everything.fab");
 
 fn tree(text: &str) -> Tree {
     let parsed = parse(FileId::FIRST, text);
     assert_eq!(parsed.faults, []);
     parsed.tree
-}
-
-#[test]
-fn every_kind_of_node_has_a_view() {
-    let tree = tree(EVERYTHING);
-    let is_sign = |kind| matches!(kind, Kind::Token | Kind::Head | Kind::Open | Kind::Close);
-    // Their single part is read through the view of what they belong to.
-    let is_read_by_parent = |kind| {
-        use Kind::{AnyOf, Cited, Extends, Guard, Margin, Retries};
-        matches!(kind, AnyOf | Cited | Extends | Guard | Margin | Retries)
-    };
-    for node in tree.nodes() {
-        let kind = node.kind();
-        let exempt = kind.is_trivia() || is_sign(kind) || is_read_by_parent(kind);
-        assert!(exempt || has_view(node), "{node:?}");
-    }
 }
 
 #[test]

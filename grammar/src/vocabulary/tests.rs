@@ -43,11 +43,11 @@ fn keywords_name_nothing() {
 fn an_unclosed_text_ends_before_every_named_section() {
     let listed = definition("runaway");
     let sections = blocks().iter().filter(|block| {
-        let is_section = words(Kind::Task).contains(&block.name());
-        is_section && block.kind() != Kind::Experts
+        let is_section = words(Kind::Task).contains(&block.name.as_str());
+        is_section && block.kind != Kind::Experts
     });
     for block in sections {
-        let word = format!("\"{}\"", block.name());
+        let word = format!("\"{}\"", block.name.as_str());
         assert!(listed.contains(&word), "`runaway` lacks {word}");
     }
 }

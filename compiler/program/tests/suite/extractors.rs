@@ -1,7 +1,8 @@
 //! The rows of extractors.
 
+use crate::samples;
 use fab_program::vocabulary::ArgValue;
-use fab_program::{EXTRACTORS, Extractor, samples};
+use fab_program::{EXTRACTORS, Extractor};
 
 #[test]
 fn every_extractor_is_made_from_the_arguments_that_its_row_declares() {

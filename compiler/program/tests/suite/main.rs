@@ -13,6 +13,7 @@ mod linear;
 mod manner;
 mod measures;
 mod page;
+mod samples;
 #[path = "../spaces/mod.rs"]
 mod spaces;
 mod statements;

@@ -1,7 +1,8 @@
 //! The rows of measures.
 
+use crate::samples;
 use fab_program::measures::{MEASURES, Measure};
-use fab_program::{Depends, Length, Point, PointMeasure, samples};
+use fab_program::{Depends, Length, Point, PointMeasure};
 
 #[test]
 fn every_measure_is_made_from_the_arguments_that_its_row_declares() {

@@ -4,7 +4,8 @@
 
 pub mod jinja2;
 
-use fab_compiler::{Compiled, Listed, LoadError, Loader, Wanted, explain};
+use fab_compiler::explain::Files;
+use fab_compiler::{Compiled, Listed, LoadError, Loader, Wanted};
 use fab_program::Proposal;
 use fab_program::facts::{ExecutedAction, Facts};
 use fab_program::pointing::Pointing;
@@ -38,16 +39,16 @@ impl Loader for Memory {
         })
     }
 
-    fn look(&self, path: &str, _wanted: Wanted) -> Listed {
-        explain::look(path)
+    fn look(&self, path: &str, wanted: Wanted) -> Listed {
+        Files("").look(path, wanted)
     }
 
     fn trial(&self, title: &str) -> Option<fab_program::Trial> {
-        explain::trial(title)
+        Files("").trial(title)
     }
 
     fn refuses_cloth(&self, material: &fab_program::Material, spacing_m: f64) -> Option<String> {
-        explain::refuses_cloth(material, spacing_m)
+        Files("").refuses_cloth(material, spacing_m)
     }
 }
 
