@@ -3,9 +3,8 @@
 //! In: a call, and the rows of its name. Out: the row that fits best, and each parameter with its expression.
 //! Reading the expressions is left to [`super::expressions`].
 
-use super::context::Context;
-use crate::diag::{Code, Diagnostic, Reported, among, nearest};
-use fab_grammar::Span;
+use super::context::{Context, Result};
+use crate::diag::{Code, Diagnostic, among};
 use fab_grammar::ast::{Argument, Call, Expr, Name};
 use fab_program::vocabulary::{Arg, Place, Signature};
 
@@ -56,15 +55,14 @@ pub(crate) fn bind<'a>(
     call: Call<'a>,
     signature: &Signature,
     form: fn(&Signature) -> String,
-    context: &mut Context<'a, '_>,
-) -> Result<Bound<'a>, Reported> {
+    context: &mut Context<'_>,
+) -> Result<Bound<'a>> {
     let mut bound: Bound<'a> = Vec::with_capacity(signature.args.len());
     let mut places = signature
         .args
         .iter()
         .filter(|arg| arg.place != Place::Named);
     let mut place = places.next();
-    let mut n_surplus = 0;
     let mut fits = Ok(());
     for argument in call.arguments() {
         let arg = match argument.label() {
@@ -77,16 +75,7 @@ pub(crate) fn bind<'a>(
                     }
                     Ok(arg)
                 }
-                None => {
-                    if n_surplus == 0
-                        && matches!(argument.value(), Expr::Quantity(_))
-                        && let Some(diagnostic) = decimal_comma(call, context)
-                    {
-                        return Err(context.error(diagnostic));
-                    }
-                    n_surplus += 1;
-                    Err(surplus(call.name(), argument, signature, form))
-                }
+                None => Err(surplus(call.name(), argument, signature, form)),
             },
         };
         let arg = match arg {
@@ -123,18 +112,13 @@ pub(crate) fn bind<'a>(
         .filter(|arg| arg.default.is_none() && !is_given(arg));
     let missing: Vec<&str> = missing.map(|arg| arg.name).collect();
     if !missing.is_empty() {
-        let message = format!(
-            "`{}` lacks {}",
-            signature.name,
-            among(missing.iter().copied()).replace(" or ", " and ")
-        );
-        let diagnostic = Diagnostic::new(Code::WrongArguments, call.name().span(), message);
-        let diagnostic = diagnostic.help(format!("write `{}`", form(signature)));
-        let words = signature
-            .args
-            .iter()
-            .find(|arg| missing.contains(&arg.name))
-            .and_then(|arg| arg.kind.words().map(|words| (arg.name, words)));
+        let lacks = among(missing.iter().copied()).replace(" or ", " and ");
+        let message = format!("`{}` lacks {lacks}", signature.name);
+        let diagnostic = Diagnostic::new(Code::WrongArguments, call.name().span(), message)
+            .help(format!("write `{}`", form(signature)));
+        let mut args = signature.args.iter();
+        let first = args.find(|arg| missing.contains(&arg.name));
+        let words = first.and_then(|arg| Some((arg.name, arg.kind.words()?)));
         return Err(context.error(match words {
             Some((name, words)) => {
                 let words = among(words.iter().map(|word| word.name));
@@ -154,8 +138,8 @@ fn needs_partner(
     arg: &Arg,
     value: Expr<'_>,
     bound: &Bound<'_>,
-    context: &mut Context<'_, '_>,
-) -> Result<(), Reported> {
+    context: &mut Context<'_>,
+) -> Result<()> {
     let Some(needs) = arg.needs else {
         return Ok(());
     };
@@ -175,8 +159,8 @@ fn needs_partner(
         Some(word) => format!("{}: {word}", needs.arg),
     };
     let message = format!("`{}` has no effect without `{partner}`", arg.name);
-    let diagnostic = Diagnostic::new(Code::WrongArguments, value.span(), message);
-    Err(context.error(diagnostic.help(format!("add `{partner}`, or remove `{}`", arg.name))))
+    let help = format!("add `{partner}`, or remove `{}`", arg.name);
+    Err(context.refuse(Code::WrongArguments, value.span(), message, help))
 }
 
 fn unknown_label(
@@ -186,34 +170,14 @@ fn unknown_label(
     form: fn(&Signature) -> String,
 ) -> Diagnostic {
     let message = format!("`{}` takes no `{}`", call.text(), label.text());
-    let diagnostic = Diagnostic::new(Code::WrongArguments, label.span(), message);
-    let named = signature
-        .args
-        .iter()
-        .filter(|arg| arg.place == Place::Named);
-    match nearest(label.text(), named.map(|arg| arg.name)) {
-        Some(meant) => diagnostic.meant(label.span(), meant),
-        None => diagnostic.help(format!("write `{}`", form(signature))),
-    }
-}
-
-/// Makes the diagnostic for a comma between two plain digits of a call, as in `2,5`, if there is one.
-fn decimal_comma(call: Call<'_>, context: &Context<'_, '_>) -> Option<Diagnostic> {
-    let mut arguments = call.arguments().zip(call.arguments().skip(1));
-    let comma = arguments.find_map(|(whole, decimals)| {
-        let (Expr::Quantity(number), Expr::Quantity(_)) = (whole.value(), decimals.value()) else {
-            return None;
-        };
-        let comma = Span {
-            start: whole.value().span().end,
-            end: decimals.value().span().start,
-            ..whole.value().span()
-        };
-        (number.unit().is_none() && context.loaded.written(comma) == ",").then_some(comma)
-    })?;
-    let message = "the decimal separator is a point, not a comma";
-    let diagnostic = Diagnostic::new(Code::WrongArguments, comma, message);
-    Some(diagnostic.help("write `.`, or a space after the comma if these are two numbers"))
+    let named = signature.args.iter();
+    let named = named.filter(|arg| arg.place == Place::Named);
+    let form = format!("write `{}`", form(signature));
+    Diagnostic::new(Code::WrongArguments, label.span(), message).suggest(
+        label.text(),
+        named.map(|arg| arg.name),
+        &form,
+    )
 }
 
 fn surplus(
@@ -235,6 +199,11 @@ fn surplus(
             call.text()
         ),
     };
-    Diagnostic::new(Code::WrongArguments, span, message)
-        .help(format!("write `{}`", form(signature)))
+    let diagnostic = Diagnostic::new(Code::WrongArguments, span, message)
+        .help(format!("write `{}`", form(signature)));
+    match argument.value() {
+        // `2,5`
+        Expr::Quantity(_) => diagnostic.help("the decimal separator is a point, not a comma"),
+        _ => diagnostic,
+    }
 }

@@ -1,8 +1,8 @@
 //! `camera top_down(height: 650mm, fov: 45deg, image: 224px)`: where the camera is, and what it sees.
 
-use super::context::Context;
+use super::context::{Context, Result};
 use super::expressions::{Scope, call};
-use crate::diag::{Code, Diagnostic, Reported};
+use crate::diag::{Code, Diagnostic};
 use crate::lang::calls::CAMERAS;
 use crate::merge::Merged;
 use fab_grammar::ast::Statement;
@@ -10,10 +10,7 @@ use fab_program::exact::written;
 use fab_program::{Camera, Extractor, Keypoint, KeypointShape, RECORDED_HEIGHT_M};
 
 /// Reads where the camera is, and what it sees.
-pub(crate) fn check<'a>(
-    statement: Statement<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<Camera, Reported> {
+pub(crate) fn check(statement: Statement<'_>, context: &mut Context<'_>) -> Result<Camera> {
     let signatures = CAMERAS.iter().map(|row| &row.signature);
     let scope = Scope::Everywhere;
     let (row, args, _) = call("camera", statement.value(), signatures, scope, context)?;
@@ -21,7 +18,7 @@ pub(crate) fn check<'a>(
 }
 
 /// Warns if the flat cloth, turned in any direction, does not fit into the picture.
-pub(crate) fn fits_cloth(laid: Statement<'_>, seen: Statement<'_>, context: &mut Context<'_, '_>) {
+pub(crate) fn fits_cloth(laid: Statement<'_>, seen: Statement<'_>, context: &mut Context<'_>) {
     let (Ok(Some(cloth)), Ok(Some(camera))) = (&context.cloth, &context.camera) else {
         return;
     };
@@ -52,7 +49,7 @@ pub(crate) fn masks_see_cloth(
     seen: Statement<'_>,
     keypoints: &[Keypoint],
     merged: &Merged<'_>,
-    context: &mut Context<'_, '_>,
+    context: &mut Context<'_>,
 ) {
     let Ok(Some(camera)) = &context.camera else {
         return;
@@ -106,7 +103,7 @@ pub(crate) fn masks_see_cloth(
 pub(crate) fn cloth_is_first(
     keypoints: &[Keypoint],
     merged: &Merged<'_>,
-    context: &mut Context<'_, '_>,
+    context: &mut Context<'_>,
 ) {
     const NAME: &str = "cloth";
     let masks = { keypoints.iter() }.filter(|it| it.extractor.shape() == KeypointShape::Mask);

@@ -3,7 +3,8 @@
 //! In: the fields of a program. The rules follow how answers are read; `tests/suite/action_spaces.rs` shows that an
 //! action space which keeps them is read as it is written.
 
-use crate::diag::{Code, Diagnostic, Report, Reported};
+use super::context::Result;
+use crate::diag::{Code, Diagnostic, Report};
 use crate::merge::Merged;
 use fab_grammar::ast::Name;
 use fab_program::exact::{normalised_deg, written};
@@ -22,7 +23,7 @@ pub(super) fn check(
     fields: &[ActionField],
     merged: &Merged<'_>,
     report: &mut Report,
-) -> Result<(), Reported> {
+) -> Result<()> {
     let names = merged.actions().into_iter().flat_map(|part| part.fields());
     let names: Vec<Name<'_>> = names.map(|part| part.name()).collect();
     let mut all = Ok(());

@@ -5,37 +5,37 @@ use super::variables::Variables;
 use crate::diag::{Code, Diagnostic, Report, Reported};
 use crate::load::Loaded;
 use fab_grammar::Span;
-use fab_grammar::ast::{Expr, Name, Quantity};
+use fab_grammar::ast::{Expr, Name};
 use fab_program::vocabulary::Word;
-use fab_program::{ActionField, Camera, Cloth, Layer, Material, Sequence};
+use fab_program::{ActionField, Camera, Cloth, Colour, Face, Layer, Material, Sequence};
 use std::collections::BTreeMap;
 
+/// A result of checks that fail only after an error was reported.
+pub(crate) type Result<T, E = Reported> = std::result::Result<T, E>;
+
 /// A part of a task: `Ok(None)` if it is not declared, `Err(Reported)` if its declaration is wrong.
-pub(crate) type Declared<T> = Result<Option<T>, Reported>;
+pub(crate) type Declared<T> = Result<Option<T>>;
 
 /// What files declare outside of tasks, checked once; each by the place of its declaration.
 #[derive(Default)]
 pub(crate) struct Outside {
-    pub experts: BTreeMap<Span, Result<Vec<Sequence>, Reported>>,
-    pub materials: BTreeMap<Span, Result<Material, Reported>>,
+    pub experts: BTreeMap<Span, Result<Vec<Sequence>>>,
+    pub materials: BTreeMap<Span, Result<Material>>,
 }
 
 /// The shared state of one task's checks.
-pub(crate) struct Context<'a, 'r> {
-    pub loaded: &'r Loaded<'a>,
-    pub outside: &'r Outside,
-    pub report: &'r mut Report,
+pub(crate) struct Context<'a> {
+    pub loaded: &'a Loaded<'a>,
+    pub outside: &'a Outside,
+    pub report: &'a mut Report,
     pub names: Names<'a>,
-    pub constants: BTreeMap<&'a str, Result<Quantity<'a>, Reported>>,
     /// Set, like `camera` and the fields below, when its section is checked. Later sections depend on it.
     pub cloth: Declared<Cloth>,
     /// The grid that replaces every declared one, if the caller gave one.
     pub grid: Option<[u32; 2]>,
     pub camera: Declared<Camera>,
-    /// The index of each keypoint, and the proof of an error if its declaration is wrong.
-    pub keypoints: BTreeMap<&'a str, (usize, Result<(), Reported>)>,
     pub actions: Fields<'a>,
-    pub layers: BTreeMap<&'a str, Result<Layer, Reported>>,
+    pub layers: BTreeMap<&'a str, Result<Layer>>,
     /// The layers that the texts of the current stage name.
     pub named_layers: Vec<(String, Span)>,
     /// The variables of the templates built so far.
@@ -44,9 +44,9 @@ pub(crate) struct Context<'a, 'r> {
 
 /// The declared fields of the action; errors in them were reported.
 pub(crate) struct Fields<'a> {
-    pub list: Vec<(&'a str, Result<ActionField, Reported>)>,
+    pub list: Vec<(&'a str, Result<ActionField>)>,
     /// Whether together they make a complete action.
-    pub complete: Result<(), Reported>,
+    pub complete: Result<()>,
 }
 
 impl Fields<'_> {
@@ -66,22 +66,20 @@ impl Fields<'_> {
     }
 }
 
-impl<'a, 'r> Context<'a, 'r> {
+impl<'a> Context<'a> {
     /// Makes the context in which nothing is declared yet.
     pub fn new(
-        loaded: &'r Loaded<'a>,
-        outside: &'r Outside,
-        report: &'r mut Report,
-    ) -> Context<'a, 'r> {
+        loaded: &'a Loaded<'a>,
+        outside: &'a Outside,
+        report: &'a mut Report,
+    ) -> Context<'a> {
         Context {
             report,
             outside,
-            names: Names::none(),
-            constants: BTreeMap::new(),
+            names: Names::default(),
             cloth: Ok(None),
             grid: None,
             camera: Ok(None),
-            keypoints: BTreeMap::new(),
             actions: Fields {
                 list: Vec::new(),
                 complete: Ok(()),
@@ -96,18 +94,25 @@ impl<'a, 'r> Context<'a, 'r> {
     // ---- cloth and camera ------------------------------------------------------------------------
 
     /// Returns the cloth's longer side, metres; NaN in a base without a cloth, which never becomes a program.
-    pub fn edge_m(&self) -> Result<f64, Reported> {
+    pub fn edge_m(&self) -> Result<f64> {
         measure_of(&self.cloth, Cloth::edge_m)
     }
 
     /// Returns the flat cloth's area, square metres; NaN in a base without a cloth.
-    pub fn area_m2(&self) -> Result<f64, Reported> {
+    pub fn area_m2(&self) -> Result<f64> {
         measure_of(&self.cloth, Cloth::area_m2)
     }
 
     /// Returns the pixels per metre on the table; NaN in a base without a camera, which never becomes a program.
-    pub fn px_per_m(&self) -> Result<f64, Reported> {
+    pub fn px_per_m(&self) -> Result<f64> {
         measure_of(&self.camera, Camera::px_per_m)
+    }
+
+    /// Returns the colour of a face of the cloth; in a base without a cloth, that of the recorded one.
+    pub fn colour(&self, face: Face) -> Result<Colour> {
+        let cloth = self.cloth.as_ref().map_err(|reported| *reported)?;
+        let cloth = cloth.as_ref();
+        Ok(cloth.map_or_else(|| Colour::recorded(face), |it| it.colour(face)))
     }
 
     /// Returns the text of a span, cut to a length that fits a message.
@@ -127,9 +132,20 @@ impl<'a, 'r> Context<'a, 'r> {
         self.report.error(diagnostic)
     }
 
-    /// Reports an error in one line.
+    /// Reports an error without advice.
     pub fn fault(&mut self, code: Code, span: Span, message: impl Into<String>) -> Reported {
         self.error(Diagnostic::new(code, span, message))
+    }
+
+    /// Reports an error with advice.
+    pub fn refuse(
+        &mut self,
+        code: Code,
+        span: Span,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Reported {
+        self.error(Diagnostic::new(code, span, message).help(help))
     }
 
     /// Adds a warning or a note.
@@ -137,8 +153,19 @@ impl<'a, 'r> Context<'a, 'r> {
         self.report.remark(diagnostic);
     }
 
+    /// Adds a warning or a note with advice.
+    pub fn warn(
+        &mut self,
+        code: Code,
+        span: Span,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        self.remark(Diagnostic::new(code, span, message).help(help));
+    }
+
     /// Keeps only those findings of a check that are within a place.
-    pub fn within(&mut self, place: Span, check: impl FnOnce(&mut Context<'a, '_>)) {
+    pub fn within(&mut self, place: Span, check: impl FnOnce(&mut Context<'a>)) {
         let before = std::mem::take(self.report);
         check(self);
         let found = std::mem::replace(self.report, before);
@@ -157,6 +184,21 @@ impl<'a, 'r> Context<'a, 'r> {
             Some(word) => diagnostic.help(format!("write `{word}`, without quotes")),
             None => diagnostic,
         }
+    }
+
+    /// Reports an expression that is not `expected`.
+    pub fn wrong(
+        &mut self,
+        code: Code,
+        expr: Expr<'_>,
+        expected: &str,
+        help: Option<&str>,
+    ) -> Reported {
+        let diagnostic = self.unexpected(code, expr, expected);
+        self.error(match help {
+            Some(help) => diagnostic.help(help),
+            None => diagnostic,
+        })
     }
 
     /// Reports an unknown name of `kind`.
@@ -186,36 +228,50 @@ impl<'a, 'r> Context<'a, 'r> {
         self.error(diagnostic.suggest(text, candidates, none))
     }
 
+    /// Finds the row of a table that a name means.
+    ///
+    /// - `kind`: the noun for a row.
+    pub fn row<T>(
+        &mut self,
+        kind: &str,
+        name: Name<'_>,
+        rows: &'static [T],
+        word: fn(&T) -> &str,
+    ) -> Result<&'static T> {
+        let row = rows.iter().find(|row| word(row) == name.text());
+        row.ok_or_else(|| self.unknown(kind, name, rows.iter().map(word)))
+    }
+
     /// Finds a word of a closed set of `kind`.
     pub fn word(
         &mut self,
         kind: &str,
         name: Name<'_>,
         words: &'static [Word],
-    ) -> Result<&'static str, Reported> {
-        match words.iter().find(|word| word.name == name.text()) {
-            Some(word) => Ok(word.name),
-            None => Err(self.unknown(kind, name, words.iter().map(|word| word.name))),
-        }
+    ) -> Result<&'static str> {
+        Ok(self.row(kind, name, words, |word| word.name)?.name)
     }
 
     /// Reports that there are too many of something.
     ///
-    /// - `beyond`: the first one beyond the limit, if there is one.
-    pub fn bounded(
+    /// - `places`: where each is.
+    /// - `whole`, `parts`: what has at most so many of what.
+    pub fn at_most(
         &mut self,
-        beyond: Option<Span>,
-        message: impl FnOnce() -> String,
-    ) -> Result<(), Reported> {
-        match beyond {
-            None => Ok(()),
-            Some(span) => Err(self.fault(Code::OutOfRange, span, message())),
-        }
+        most: usize,
+        mut places: impl Iterator<Item = Span>,
+        whole: &str,
+        parts: &str,
+    ) -> Result<()> {
+        places.nth(most).map_or(Ok(()), |beyond| {
+            let message = format!("{whole} has at most {most} {parts}");
+            Err(self.fault(Code::OutOfRange, beyond, message))
+        })
     }
 }
 
 /// Returns a measure of what is declared once; NaN in a base that lacks it.
-fn measure_of<T>(declared: &Declared<T>, measure: fn(&T) -> f64) -> Result<f64, Reported> {
+fn measure_of<T>(declared: &Declared<T>, measure: fn(&T) -> f64) -> Result<f64> {
     let declared = declared.as_ref().map_err(|reported| *reported)?;
     Ok(declared.as_ref().map_or(f64::NAN, measure))
 }

@@ -1,9 +1,9 @@
 //! `demos plan from "double_straight.demos.json"`.
 
-use super::context::{Context, Declared};
+use super::context::{Context, Declared, Result};
 use super::files;
 use super::stage::number_of;
-use crate::diag::{Code, Diagnostic, Reported};
+use crate::diag::Code;
 use crate::loader::Wanted;
 use crate::merge::Merged;
 use fab_grammar::ast;
@@ -12,11 +12,11 @@ use fab_program::{Demos, Read, Stage};
 /// Reads which demonstrations a stage uses; `None` in a base without stages.
 ///
 /// - `stages`: the task's stages, in the order in which they are declared.
-pub(crate) fn check<'a>(
-    part: ast::Demos<'a>,
-    merged: &Merged<'a>,
-    stages: &[Result<Stage, Reported>],
-    context: &mut Context<'a, '_>,
+pub(crate) fn check(
+    part: ast::Demos<'_>,
+    merged: &Merged<'_>,
+    stages: &[Result<Stage>],
+    context: &mut Context<'_>,
 ) -> Declared<Demos> {
     let file = files::named(
         part.file(),
@@ -36,11 +36,8 @@ pub(crate) fn check<'a>(
             "shows pictures"
         };
         let message = format!("the stage `{}` {lacks}", stage.name);
-        let diagnostic = Diagnostic::new(Code::WrongForm, part.stage().span(), message);
-        return Err(context.error(
-            diagnostic
-                .help("demonstrations need a stage that reads the action and shows no pictures"),
-        ));
+        let help = "demonstrations need a stage that reads the action and shows no pictures";
+        return Err(context.refuse(Code::WrongForm, part.stage().span(), message, help));
     }
     Ok(Some(Demos {
         stage: stage.name.clone(),

@@ -1,8 +1,8 @@
 //! `experts NAME { sequence { … } }`: the fold sequences that count as right.
 
-use super::context::{Context, Declared};
+use super::context::{Context, Declared, Result};
 use super::folds;
-use crate::diag::{Code, Diagnostic, Report, Reported, every};
+use crate::diag::{Code, Diagnostic, Report, every};
 use crate::load::Loaded;
 use crate::merge::Merged;
 use fab_grammar::ast::Experts;
@@ -10,16 +10,12 @@ use fab_program::{Sequence, Subgoals};
 use std::collections::BTreeSet;
 
 /// Builds the sequences of a list of experts.
-pub(crate) fn check<'a>(
-    list: Experts<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<Vec<Sequence>, Reported> {
+pub(crate) fn check(list: Experts<'_>, context: &mut Context<'_>) -> Result<Vec<Sequence>> {
     if list.sequences().next().is_none() {
         let name = list.name();
         let message = format!("`{}` has no sequence", name.text());
-        let diagnostic = Diagnostic::new(Code::NoFolds, name.span(), message)
-            .help("write one such as `sequence { fold corner(back_left) -> center }`");
-        return Err(context.error(diagnostic));
+        let help = "write one such as `sequence { fold corner(back_left) -> center }`";
+        return Err(context.refuse(Code::NoFolds, name.span(), message, help));
     }
     every(list.sequences().map(|block| {
         let folds = folds::check(block, context)?;
@@ -28,11 +24,11 @@ pub(crate) fn check<'a>(
 }
 
 /// Returns the sequences that count as right for a task: the named experts', or else the demonstration.
-pub(crate) fn sequences<'a>(
-    merged: &Merged<'a>,
+pub(crate) fn sequences(
+    merged: &Merged<'_>,
     subgoals: &Declared<Subgoals>,
-    context: &mut Context<'a, '_>,
-) -> Result<Vec<Sequence>, Reported> {
+    context: &mut Context<'_>,
+) -> Result<Vec<Sequence>> {
     let Some(named) = merged.experts() else {
         return Ok(match subgoals {
             Ok(Some(Subgoals::Demonstrate { folds })) => vec![Sequence {

@@ -8,10 +8,10 @@ use crate::merge::Merged;
 use fab_program::Subgoals;
 
 /// Returns the most steps of a rollout: the stated number, or by default as many as the subgoals show.
-pub(crate) fn check<'a>(
-    merged: &Merged<'a>,
+pub(crate) fn check(
+    merged: &Merged<'_>,
     subgoals: &Declared<Subgoals>,
-    context: &mut Context<'a, '_>,
+    context: &mut Context<'_>,
 ) -> Declared<u32> {
     let n_shown = subgoals
         .as_ref()
@@ -21,9 +21,8 @@ pub(crate) fn check<'a>(
         if merged.subgoals().is_none() && is_meant_to_run {
             let name = merged.task.name();
             let message = format!("`{}` has neither subgoals nor a `horizon`", name.text());
-            let diagnostic = Diagnostic::new(Code::NoHorizon, name.span(), message)
-                .help("write `horizon 10` for at most ten actions, or show `subgoals`");
-            return Err(context.error(diagnostic));
+            let help = "write `horizon 10` for at most ten actions, or show `subgoals`";
+            return Err(context.refuse(Code::NoHorizon, name.span(), message, help));
         }
         return n_shown.map_err(|reported| *reported);
     };

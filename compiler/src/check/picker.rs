@@ -1,18 +1,18 @@
 //! `picker drop`, `picker put_down(lift: 100mm)`: how the gripper carries and releases the cloth.
 
-use super::context::Context;
+use super::context::{Context, Result};
 use super::expressions::{Scope, call, name_of};
-use crate::diag::{Code, Diagnostic, Reported};
+use crate::diag::{Code, Diagnostic};
 use crate::lang::calls::PICKERS;
 use crate::merge::Merged;
 use fab_grammar::ast::{Expr, Statement};
 use fab_program::{ActionField, Manner, Picker};
 
 /// Reads how the gripper carries and releases the cloth.
-pub(crate) fn check<'a>(
-    statement: Statement<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<(Picker, Manner), Reported> {
+pub(crate) fn check(
+    statement: Statement<'_>,
+    context: &mut Context<'_>,
+) -> Result<(Picker, Manner)> {
     let written = statement.value();
     let Expr::Call(_) = written else {
         let name = name_of(written, "picker", Picker::WORDS, context)?;
@@ -31,8 +31,8 @@ pub(crate) fn stated_once(
     manner: &Manner,
     fields: &[ActionField],
     merged: &Merged<'_>,
-    context: &mut Context<'_, '_>,
-) -> Result<(), Reported> {
+    context: &mut Context<'_>,
+) -> Result<()> {
     let Some(picker) = merged.statement("picker") else {
         return Ok(());
     };

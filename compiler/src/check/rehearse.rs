@@ -1,6 +1,6 @@
 //! `rehearse plan { twin(…) choose most overlap … }`: what is tried on a twin of the cloth before the world moves.
 
-use super::context::{Context, Declared};
+use super::context::{Context, Declared, Result};
 use super::expressions::{Scope, call, material_name};
 use super::material;
 use super::quantity::{read, read_whole};
@@ -15,11 +15,11 @@ use fab_program::{
 };
 
 /// Builds the rehearsal of a stage; `None` in a base without stages.
-pub(crate) fn check<'a>(
-    part: Rehearse<'a>,
-    merged: &Merged<'a>,
+pub(crate) fn check(
+    part: Rehearse<'_>,
+    merged: &Merged<'_>,
     prompts: &Prompts,
-    context: &mut Context<'a, '_>,
+    context: &mut Context<'_>,
 ) -> Declared<Rehearsal> {
     let twins = once(part.twins(), "twin", Call::span, context.report);
     let choices = once(part.choices(), "choose", Choose::span, context.report);
@@ -72,11 +72,7 @@ pub(crate) fn check<'a>(
 /// Reports the lines that a rehearsal must have and does not, all in one error.
 ///
 /// - `is_missing`: its twin, what it is for, and how far the twin is trusted.
-fn lacking(
-    part: Rehearse<'_>,
-    is_missing: [bool; 3],
-    context: &mut Context<'_, '_>,
-) -> Result<(), Reported> {
+fn lacking(part: Rehearse<'_>, is_missing: [bool; 3], context: &mut Context<'_>) -> Result<()> {
     const NEEDED: [(&str, &str); 3] = [
         (
             "twin",
@@ -91,19 +87,18 @@ fn lacking(
             "write `trust overlap > 0.8`: where twin and camera agree less, it is not rehearsed",
         ),
     ];
-    let lacks = NEEDED
-        .iter()
-        .zip(is_missing)
-        .filter(|(_, missing)| *missing);
-    let lacks: Vec<(&str, &str)> = lacks.map(|(row, _)| *row).collect();
+    let lacks = NEEDED.iter().zip(is_missing);
+    let lacks: Vec<_> = lacks.filter(|(_, missing)| *missing).collect();
     if lacks.is_empty() {
         return Ok(());
     }
-    let words = among(lacks.iter().map(|(word, _)| *word));
+    let words = among(lacks.iter().map(|((word, _), _)| *word));
     let stage = part.stage();
     let message = format!("the rehearsal of `{}` has no {words}", stage.text());
     let diagnostic = Diagnostic::new(Code::RehearsalIncomplete, stage.span(), message);
-    let diagnostic = lacks.iter().fold(diagnostic, |it, (_, how)| it.help(*how));
+    let diagnostic = lacks
+        .iter()
+        .fold(diagnostic, |it, ((_, how), _)| it.help(*how));
     Err(context.error(diagnostic))
 }
 
@@ -112,7 +107,7 @@ fn stage<'p>(
     part: Rehearse<'_>,
     merged: &Merged<'_>,
     prompts: &'p Prompts,
-    context: &mut Context<'_, '_>,
+    context: &mut Context<'_>,
 ) -> Declared<&'p Stage> {
     if merged.stages.is_empty() {
         return Ok(None);
@@ -122,15 +117,14 @@ fn stage<'p>(
     let stage = prompts.stages[number].as_ref().map_err(|it| *it)?;
     if stage.read != Read::Action {
         let message = format!("the stage `{}` does not read the action", stage.name);
-        let diagnostic = Diagnostic::new(Code::WrongForm, name.span(), message);
         let help = "only an action can be tried on a twin: name the last stage";
-        return Err(context.error(diagnostic.help(help)));
+        return Err(context.refuse(Code::WrongForm, name.span(), message, help));
     }
     Ok(Some(stage))
 }
 
 /// Reads what the twins are made of.
-fn twin<'a>(line: Call<'a>, context: &mut Context<'a, '_>) -> Result<TwinRanges, Reported> {
+fn twin(line: Call<'_>, context: &mut Context<'_>) -> Result<TwinRanges> {
     let signatures = TWINS.iter().map(|row| &row.signature);
     let scope = Scope::Everywhere;
     let (row, args, bound) = call("twin", Expr::Call(line), signatures, scope, context)?;
@@ -171,37 +165,32 @@ fn is_own(twin: &TwinRanges, cloth: &Cloth) -> bool {
 }
 
 /// Warns of a twin that is made of what the judged cloth is made of.
-fn own_material(name: Name<'_>, context: &mut Context<'_, '_>) {
-    let message = format!(
-        "the twin is made of `{}`, as the task's cloth is",
-        name.text()
-    );
-    let diagnostic = Diagnostic::new(Code::TwinOfOwnMaterial, name.span(), message);
+fn own_material(name: Name<'_>, context: &mut Context<'_>) {
+    let material = name.text();
+    let message = format!("the twin is made of `{material}`, as the task's cloth is");
     let help = "a simulated cloth would be rehearsed on its own physics, and the gain would say nothing about a real one; name another material";
-    context.remark(diagnostic.help(help));
+    context.warn(Code::TwinOfOwnMaterial, name.span(), message, help);
 }
 
 /// Reports a twin that cannot differ from the judged cloth.
-fn judged_cloth(line: Call<'_>, friction: f64, context: &mut Context<'_, '_>) -> Reported {
+fn judged_cloth(line: Call<'_>, friction: f64, context: &mut Context<'_>) -> Reported {
     let message = format!(
         "the twin is the task's own cloth: the same material, of its size and with its friction of {friction}"
     );
-    let diagnostic = Diagnostic::new(Code::TwinIsJudgedCloth, line.span(), message);
     let help = "name another material, and for what is not known write ranges, such as `size: 0.95 to 1.05, friction: 0.4 to 0.9`";
-    context.error(diagnostic.help(help))
+    context.refuse(Code::TwinIsJudgedCloth, line.span(), message, help)
 }
 
 /// Reads the measure by which the best candidate is chosen.
-fn choose<'a>(
-    line: Choose<'a>,
+fn choose(
+    line: Choose<'_>,
     stage: Option<&&Stage>,
-    merged: &Merged<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<RehearsalMeasure, Reported> {
+    merged: &Merged<'_>,
+    context: &mut Context<'_>,
+) -> Result<RehearsalMeasure> {
     let name = line.measure();
-    let known = RehearsalMeasure::WORDS.iter().map(|word| word.name);
-    let measure = RehearsalMeasure::from_word(name.text())
-        .ok_or_else(|| context.unknown("rehearsal measure", name, known))?;
+    let word = context.word("rehearsal measure", name, RehearsalMeasure::WORDS)?;
+    let measure = RehearsalMeasure::from_word(word).expect("a word of the table");
     if measure == RehearsalMeasure::Overlap
         && merged.subgoals().is_none()
         // Without a cloth, the task is there for others to extend, which may have subgoals.
@@ -209,9 +198,8 @@ fn choose<'a>(
         && !merged.stages.is_empty()
     {
         let message = "`overlap` needs a subgoal to compare with, and the task has none";
-        let diagnostic = Diagnostic::new(Code::NotMeasuredOnTwin, name.span(), message);
         let help = "show `subgoals`, or write `choose most coverage`";
-        return Err(context.error(diagnostic.help(help)));
+        return Err(context.refuse(Code::NotMeasuredOnTwin, name.span(), message, help));
     }
     if let (RehearsalMeasure::Coverage, Some(subgoals)) = (measure, merged.subgoals()) {
         let message =
@@ -224,28 +212,26 @@ fn choose<'a>(
     }
     if let Some(stage) = stage.filter(|stage| stage.candidates() < 2) {
         let message = format!("the stage `{}` gives one answer to choose from", stage.name);
-        let diagnostic = Diagnostic::new(Code::RehearsalIncomplete, line.span(), message);
         let help = "write `candidates 4` and a temperature above 0 behind its `model`";
-        return Err(context.error(diagnostic.help(help)));
+        return Err(context.refuse(Code::RehearsalIncomplete, line.span(), message, help));
     }
     Ok(measure)
 }
 
 /// Reads how often an answer may be revised.
-fn revisions_of<'a>(
-    line: Revise<'a>,
+fn revisions_of(
+    line: Revise<'_>,
     stage: Option<&&Stage>,
-    context: &mut Context<'a, '_>,
-) -> Result<u32, Reported> {
+    context: &mut Context<'_>,
+) -> Result<u32> {
     let count = read_whole(line.count(), &REVISIONS.range, context)?;
     if let Some(stage) = stage.filter(|stage| stage.model == ModelRole::Text) {
         let message = format!(
             "`revise` shows a picture, but the stage `{}` asks a text model",
             stage.name
         );
-        let diagnostic = Diagnostic::new(Code::PicturesForTextModel, line.span(), message);
         let help = "write `model vision` in that stage, or leave out `revise`";
-        return Err(context.error(diagnostic.help(help)));
+        return Err(context.refuse(Code::PicturesForTextModel, line.span(), message, help));
     }
     Ok(count as u32)
 }
@@ -254,8 +240,8 @@ fn revisions_of<'a>(
 pub(crate) fn candidates(
     merged: &Merged<'_>,
     prompts: &Prompts,
-    context: &mut Context<'_, '_>,
-) -> Result<(), Reported> {
+    context: &mut Context<'_>,
+) -> Result<()> {
     let mut all = Ok(());
     for (declared, stage) in merged.stages.iter().zip(&prompts.stages) {
         let mut settings = declared.model().flat_map(ast::Model::settings);
@@ -270,9 +256,8 @@ pub(crate) fn candidates(
             None => "without a temperature",
         };
         let message = format!("{} candidates are asked for {at}", stage.candidates());
-        let diagnostic = Diagnostic::new(Code::CandidatesAlike, setting.span(), message);
         let help = "write a temperature above 0, such as `temperature 0.7`: equal questions would get equal answers";
-        all = Err(context.error(diagnostic.help(help)));
+        all = Err(context.refuse(Code::CandidatesAlike, setting.span(), message, help));
     }
     all
 }

@@ -4,18 +4,18 @@
 //! stage says. [`super::examples`] reads examples, [`super::placeholders`] the values in texts.
 
 use super::conditions;
-use super::context::{Context, Declared};
+use super::context::{Context, Declared, Result};
 use super::examples;
 use super::expressions::{Scope, argument};
 use super::missing_action::{needs_action, needs_last};
 use super::placeholders::{TextPlace, TextScope, template};
-use crate::diag::{Code, Diagnostic, Reported, among, nearest};
-use crate::lang::stage::{DRAWINGS, MODELS, PICTURE_ROWS, PICTURES, SETTINGS};
+use crate::diag::{Code, Diagnostic, Reported, among, every, nearest};
+use crate::lang::stage::{MODELS, PICTURE_ROWS, PICTURES, SETTINGS};
 use crate::merge::{Line, Merged, Said, once, unique};
 use fab_grammar::Span;
-use fab_grammar::ast::{self, ComponentOrText, Declares, Expr, Name, Sayings, Text};
+use fab_grammar::ast::{self, ComponentOrText, Declares, Name, Sayings, Text};
 use fab_program::Depends;
-use fab_program::vocabulary::{ArgValue, Kind};
+use fab_program::vocabulary::{ArgValue, Args, Kind};
 use fab_program::{
     self as program, Condition, Layers, ModelRole, Picture, Read, Reasoning, ReasoningLevel,
     Template,
@@ -36,25 +36,22 @@ const WITH_LAYERS: Picture = Picture::Scene {
 /// The stages, and every text that they say.
 pub(crate) struct Prompts {
     /// In the order of their declarations.
-    pub stages: Vec<Result<program::Stage, Reported>>,
-    pub templates: Vec<Result<Template, Reported>>,
+    pub stages: Vec<Result<program::Stage>>,
+    pub templates: Vec<Result<Template>>,
     /// The proof of an error that concerns several stages, if there is one.
-    pub joined: Result<(), Reported>,
+    pub joined: Result<()>,
 }
 
 /// Builds the stages of a task and their texts.
-pub(crate) fn check<'a>(merged: &Merged<'a>, context: &mut Context<'a, '_>) -> Prompts {
-    let n_stages = merged.stages.len();
-    let beyond = merged.stages.iter().nth(MAX_STAGES);
-    let within = context.bounded(beyond.map(|stage| stage.name().span()), || {
-        format!("there are {n_stages} stages, at most {MAX_STAGES} are accepted")
-    });
+pub(crate) fn check(merged: &Merged<'_>, context: &mut Context<'_>) -> Prompts {
+    let places = merged.stages.iter().map(|stage| stage.name().span());
+    let within = context.at_most(MAX_STAGES, places, "a task", "stages");
     let mut builder = Builder {
         merged,
         templates: BTreeMap::new(),
     };
     let stages = merged.stages.iter().enumerate();
-    let stages: Vec<Result<program::Stage, Reported>> = stages
+    let stages: Vec<Result<program::Stage>> = stages
         .map(|(number, stage)| builder.stage(number, stage, context))
         .collect();
     let readers = action_readers(merged, context);
@@ -77,7 +74,7 @@ pub(crate) fn check<'a>(merged: &Merged<'a>, context: &mut Context<'a, '_>) -> P
 }
 
 /// Reports an error unless the last stage, and only that one, reads the action.
-fn action_readers(merged: &Merged<'_>, context: &mut Context<'_, '_>) -> Result<(), Reported> {
+fn action_readers(merged: &Merged<'_>, context: &mut Context<'_>) -> Result<()> {
     let mut earlier = merged.stages.iter();
     let Some(last) = earlier.next_back() else {
         return Ok(());
@@ -86,48 +83,43 @@ fn action_readers(merged: &Merged<'_>, context: &mut Context<'_, '_>) -> Result<
         let read = stage.read().find(|read| read.name().text() == "action");
         read.map(|read| read.span())
     };
-    let name = last.name().text();
+    let name = last.name();
     let acting = earlier.find_map(|stage| Some((stage.name(), action(stage)?)));
     let new = |span, message| Diagnostic::new(Code::ActionReadElsewhere, span, message);
     let diagnostic = match (acting, action(last), last.read().next()) {
-        (None, None, Some(read)) => new(
-            read.span(),
-            format!("the last stage, `{name}`, does not read the action"),
-        )
-        .help("write `read action`"),
-        (Some((acting, _)), None, _) => new(
-            last.name().span(),
-            format!(
-                "the stage `{name}` comes after `{}`, which reads the action",
-                acting.text()
-            ),
-        )
-        .also(acting.span(), "reads the action")
-        .help(format!(
-            "a new stage comes last: state it above `{}`, in the same task; to add a text to `{}`, write `say NAME in {} after NAME`",
-            acting.text(),
-            acting.text(),
-            acting.text()
-        )),
-        (Some((acting, read)), Some(_), _) => new(
-            read,
-            format!(
-                "`{}` reads the action, but it is not the last stage",
-                acting.text()
-            ),
-        )
-        .also(last.name().span(), "this is the last stage")
-        .help("write `read NAME from \"…{NAME}\"`"),
+        (None, None, Some(read)) => {
+            let message = format!(
+                "the last stage, `{}`, does not read the action",
+                name.text()
+            );
+            new(read.span(), message).help("write `read action`")
+        }
+        (Some((acting, _)), None, _) => {
+            let (name, span, acting, place) =
+                (name.text(), name.span(), acting.text(), acting.span());
+            let message =
+                format!("the stage `{name}` comes after `{acting}`, which reads the action");
+            new(span, message).also(place, "reads the action").help(format!(
+                "a new stage comes last: state it above `{acting}`, in the same task; to add a text to `{acting}`, write `say NAME in {acting} after NAME`"
+            ))
+        }
+        (Some((acting, read)), Some(_), _) => {
+            let acting = acting.text();
+            let message = format!("`{acting}` reads the action, but it is not the last stage");
+            new(read, message)
+                .also(name.span(), "this is the last stage")
+                .help("write `read NAME from \"…{NAME}\"`")
+        }
         (None, ..) => return Ok(()),
     };
     Err(context.error(diagnostic))
 }
 
-/// Builds the condition on which a component is used.
-pub(crate) fn guard<'a>(
-    expr: Expr<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<Condition, Reported> {
+/// Builds the condition on which a component is used, if it has one.
+fn guard(component: ast::Component<'_>, context: &mut Context<'_>) -> Declared<Condition> {
+    let Some(expr) = component.when() else {
+        return Ok(None);
+    };
     let when = conditions::check(expr, context)?;
     let uses = when.uses();
     if uses.action {
@@ -136,16 +128,7 @@ pub(crate) fn guard<'a>(
     if uses.last && !when.implies_last() {
         return Err(needs_last(expr.span(), "… when last and …", context));
     }
-    Ok(when)
-}
-
-/// Builds the condition of a component, if it has one.
-fn component_guard<'a>(
-    component: ast::Component<'a>,
-    context: &mut Context<'a, '_>,
-) -> Declared<Condition> {
-    let when = component.when().map(|expr| guard(expr, context));
-    when.transpose()
+    Ok(Some(when))
 }
 
 struct Builder<'m, 'a> {
@@ -158,7 +141,7 @@ struct Builder<'m, 'a> {
 struct Built {
     /// Its place in the order in which they are built.
     number: usize,
-    template: Result<Template, Reported>,
+    template: Result<Template>,
     /// The layers that it names.
     layers: Vec<(String, Span)>,
 }
@@ -168,8 +151,8 @@ impl<'a> Builder<'_, 'a> {
         &mut self,
         number: usize,
         stage: ast::Stage<'a>,
-        context: &mut Context<'a, '_>,
-    ) -> Result<program::Stage, Reported> {
+        context: &mut Context<'_>,
+    ) -> Result<program::Stage> {
         let model = once(stage.model(), "model", ast::Model::span, context.report);
         let show = once(stage.show(), "show", ast::Show::span, context.report);
         let say = once(stage.say(), "say", Sayings::span, context.report);
@@ -179,7 +162,8 @@ impl<'a> Builder<'_, 'a> {
         let (Some(model), Some(say), Some(read)) = (model.first, say.first, read.first) else {
             return Err(self.incomplete(stage, context));
         };
-        let (role, settings) = self::model(model, context);
+        let role = role(model, context);
+        let settings = settings(model, context);
         let pictures = show
             .first
             .map_or(Vec::new(), |line| self::pictures(line, context));
@@ -231,7 +215,7 @@ impl<'a> Builder<'_, 'a> {
     }
 
     /// Reports the lines that a stage must have and does not, all in one error.
-    fn incomplete(&self, stage: ast::Stage<'a>, context: &mut Context<'a, '_>) -> Reported {
+    fn incomplete(&self, stage: ast::Stage<'a>, context: &mut Context<'_>) -> Reported {
         let lacks_model = stage.model().next().is_none();
         let lacks_read = stage.read().next().is_none();
         let lines = [
@@ -268,27 +252,25 @@ impl<'a> Builder<'_, 'a> {
     /// Reports pictures for a model that takes none, and annotations if no layers are declared.
     fn showable(
         &self,
-        stage: ast::Stage<'a>,
-        show: ast::Show<'a>,
-        model: Result<(ModelRole, ast::Model<'a>), Reported>,
-        pictures: &[Result<Picture, Reported>],
-        context: &mut Context<'a, '_>,
-    ) -> Result<(), Reported> {
+        stage: ast::Stage<'_>,
+        show: ast::Show<'_>,
+        model: Result<(ModelRole, ast::Model<'_>)>,
+        pictures: &[Result<Picture>],
+        context: &mut Context<'_>,
+    ) -> Result<()> {
         let mut all = Ok(());
         if let Ok((ModelRole::Text, model)) = model {
-            let message = format!(
-                "the stage `{}` shows pictures to a text model",
-                stage.name().text()
-            );
-            let diagnostic = Diagnostic::new(Code::PicturesForTextModel, show.span(), message);
-            let diagnostic = diagnostic.help("write `model vision`, or remove `show`");
-            all = Err(context.error(diagnostic.also(model.span(), "asks a text model")));
+            let name = stage.name().text();
+            let message = format!("the stage `{name}` shows pictures to a text model");
+            let diagnostic = Diagnostic::new(Code::PicturesForTextModel, show.span(), message)
+                .help("write `model vision`, or remove `show`")
+                .also(model.span(), "asks a text model");
+            all = Err(context.error(diagnostic));
         }
         if pictures.contains(&Ok(WITH_LAYERS)) && self.merged.annotate().is_none() {
             let message = "no annotations are declared";
-            let diagnostic = Diagnostic::new(Code::NothingToDraw, show.span(), message);
             let help = "add `annotate { … }`, or write `show scene`";
-            all = Err(context.error(diagnostic.help(help)));
+            all = Err(context.refuse(Code::NothingToDraw, show.span(), message, help));
         }
         all
     }
@@ -306,8 +288,8 @@ impl<'a> Builder<'_, 'a> {
         line: Line,
         part: Sayings<'a>,
         list: Vec<ComponentOrText<'a>>,
-        context: &mut Context<'a, '_>,
-    ) -> Result<Vec<String>, Reported> {
+        context: &mut Context<'_>,
+    ) -> Result<Vec<String>> {
         let mut names = Vec::new();
         let mut n_texts = 0;
         let mut all = Ok(());
@@ -353,8 +335,8 @@ impl<'a> Builder<'_, 'a> {
         &mut self,
         number: usize,
         name: Name<'a>,
-        context: &mut Context<'a, '_>,
-    ) -> Result<Option<String>, Reported> {
+        context: &mut Context<'_>,
+    ) -> Result<Option<String>> {
         let text = name.text();
         let Some(component) = self.merged.components.get(text) else {
             if self.merged.components.is_removed(text) {
@@ -365,7 +347,7 @@ impl<'a> Builder<'_, 'a> {
         };
         // A later stage knows all that this one knows.
         if !self.templates.contains_key(text) {
-            let when = component_guard(component, context);
+            let when = guard(component, context);
             let guarded = format!("component {text}");
             self.build(text, &guarded, component.text(), when, number, context);
         }
@@ -380,9 +362,9 @@ impl<'a> Builder<'_, 'a> {
         name: &str,
         guarded: &str,
         text: Text<'a>,
-        when: Result<Option<Condition>, Reported>,
+        when: Result<Option<Condition>>,
         stage: usize,
-        context: &mut Context<'a, '_>,
+        context: &mut Context<'_>,
     ) {
         let has_last = match &when {
             Ok(when) => when.as_ref().is_some_and(Condition::implies_last),
@@ -407,7 +389,7 @@ impl<'a> Builder<'_, 'a> {
     }
 
     /// Returns the components in the order of their declarations, then the texts of the stages.
-    fn in_order(self) -> Vec<Result<Template, Reported>> {
+    fn in_order(self) -> Vec<Result<Template>> {
         let place = |name: &str| self.merged.components.place(name).unwrap_or(usize::MAX);
         let mut templates: Vec<(String, Built)> = self.templates.into_iter().collect();
         templates.sort_by_key(|(name, built)| (place(name), built.number));
@@ -417,13 +399,13 @@ impl<'a> Builder<'_, 'a> {
     // ---- all stages together ---------------------------------------------------------------------
 
     /// Checks the components that no stage says.
-    fn unsaid(&mut self, context: &mut Context<'a, '_>) {
+    fn unsaid(&mut self, context: &mut Context<'_>) {
         for component in self.merged.components.iter() {
             let name = component.name().text();
             if self.templates.contains_key(name) {
                 continue;
             }
-            let when = component_guard(component, context);
+            let when = guard(component, context);
             let scope = TextScope {
                 place: TextPlace::Nowhere,
                 has_last: true,
@@ -444,9 +426,9 @@ impl<'a> Builder<'_, 'a> {
     /// Reports layers that a stage names and its pictures do not show.
     fn named_layers_are_shown(
         &self,
-        stages: &[Result<program::Stage, Reported>],
-        context: &mut Context<'a, '_>,
-    ) -> Result<(), Reported> {
+        stages: &[Result<program::Stage>],
+        context: &mut Context<'_>,
+    ) -> Result<()> {
         let mut all = Ok(());
         for stage in stages.iter().flatten() {
             let said = stage.system.iter().chain(&stage.say);
@@ -470,7 +452,7 @@ impl<'a> Builder<'_, 'a> {
     }
 
     /// Reports layers that are drawn and that no stage names.
-    fn shown_layers_are_named(&self, context: &mut Context<'a, '_>) -> Result<(), Reported> {
+    fn shown_layers_are_named(&self, context: &mut Context<'_>) -> Result<()> {
         let merged = self.merged;
         // A variant may remove the text that names a layer of its task; that is not a mistake.
         let own = merged.own_body().map(|body| body.span());
@@ -498,7 +480,7 @@ impl<'a> Builder<'_, 'a> {
 }
 
 /// Warns of the components of a task and its variants that no stage of these says.
-fn said_nowhere(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
+fn said_nowhere(merged: &Merged<'_>, context: &mut Context<'_>) {
     let variants = || merged.task.variants().map(|variant| variant.body());
     let bodies = || variants().chain([merged.task.body()]);
     let inherited = merged.said.values().flat_map(Said::names);
@@ -534,8 +516,8 @@ fn said_nowhere(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
 pub(super) fn number_of(
     name: Name<'_>,
     merged: &Merged<'_>,
-    context: &mut Context<'_, '_>,
-) -> Result<usize, Reported> {
+    context: &mut Context<'_>,
+) -> Result<usize> {
     let names = || merged.stages.iter().map(|stage| stage.name().text());
     names()
         .position(|known| known == name.text())
@@ -544,60 +526,47 @@ pub(super) fn number_of(
 
 // ---- model ---------------------------------------------------------------------------------------
 
-/// The values of a model's settings, by their names.
-type Settings = BTreeMap<&'static str, ArgValue>;
-
-/// Reads `model text, temperature 0, tokens 769`: the model that is asked, and its settings.
-fn model<'a>(
-    line: ast::Model<'a>,
-    context: &mut Context<'a, '_>,
-) -> (Result<ModelRole, Reported>, Result<Settings, Reported>) {
-    let names = line.settings().map(|setting| setting.name());
-    let twice = unique(names, "setting", context.report);
-    let mut list = line.settings();
-    let Some(kind) = list.next() else {
-        let diagnostic = Diagnostic::new(Code::WrongForm, line.span(), "expected a kind of model");
-        let reported = context.error(diagnostic);
-        return (Err(reported), Err(reported));
+/// Reads which kind of model is asked.
+fn role(line: ast::Model<'_>, context: &mut Context<'_>) -> Result<ModelRole> {
+    let Some(kind) = line.settings().next() else {
+        return Err(context.fault(Code::WrongForm, line.span(), "expected a kind of model"));
     };
     let word = kind.name().text();
-    let role = match MODELS.iter().find(|row| row.name == word) {
-        Some(row) if row.name == "vision" => Ok(ModelRole::Vision),
-        Some(_) => Ok(ModelRole::Text),
-        None => {
+    match word {
+        "vision" => Ok(ModelRole::Vision),
+        "text" => Ok(ModelRole::Text),
+        _ => {
             let message = format!("there is no kind of model `{word}`");
-            let diagnostic = Diagnostic::new(Code::UnknownName, kind.name().span(), message);
-            Err(context.error(match nearest(word, MODELS.iter().map(|row| row.name)) {
-                Some(meant) => diagnostic.meant(kind.name().span(), meant),
-                None => diagnostic.help("write `model vision` or `model text`; which model is asked is said on the command line, with `--model`"),
-            }))
-        }
-    };
-    let mut settings = twice.map(|()| Settings::new());
-    if let (Some(value), Ok(_)) = (kind.value(), role) {
-        let message = format!("`{}` takes no number", kind.name().text());
-        settings = Err(context.fault(Code::WrongForm, value.span(), message));
-    }
-    for setting in list {
-        match (self::setting(setting, context), &mut settings) {
-            (Ok((name, value)), Ok(settings)) => {
-                settings.insert(name, value);
-            }
-            (Err(reported), _) => settings = Err(reported),
-            (Ok(_), Err(_)) => {}
+            let diagnostic = Diagnostic::new(Code::UnknownName, kind.name().span(), message)
+                .suggest(word, MODELS.iter().map(|row| row.name), "")
+                .help("which model is asked is said on the command line, with `--model`");
+            Err(context.error(diagnostic))
         }
     }
-    (role, settings)
 }
 
-fn setting<'a>(
-    setting: ast::Setting<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<(&'static str, ArgValue), Reported> {
+/// Reads what follows the kind of model: `temperature 0, tokens 769`.
+fn settings(line: ast::Model<'_>, context: &mut Context<'_>) -> Result<Args> {
+    let names = line.settings().map(|setting| setting.name());
+    let mut all = unique(names, "setting", context.report);
+    let mut list = line.settings();
+    if let Some(kind) = list.next()
+        && let Some(value) = kind.value()
+    {
+        let message = format!("`{}` takes no number", kind.name().text());
+        all = Err(context.fault(Code::WrongForm, value.span(), message));
+    }
+    let settings = every(list.map(|setting| self::setting(setting, context)));
+    all?;
+    settings.map(Args)
+}
+
+fn setting(
+    setting: ast::Setting<'_>,
+    context: &mut Context<'_>,
+) -> Result<(&'static str, ArgValue)> {
     let name = setting.name();
-    let Some(row) = SETTINGS.iter().find(|row| row.name == name.text()) else {
-        return Err(context.unknown("setting", name, SETTINGS.iter().map(|row| row.name)));
-    };
+    let row = context.row("setting", name, SETTINGS, |row| row.name)?;
     let (needs, example) = match row.kind {
         Kind::Quantity(range) | Kind::Whole(range) => ("number", range.from.0.to_string()),
         Kind::WordOrCount { noun, words, .. } => (noun, words[0].name.to_owned()),
@@ -605,9 +574,8 @@ fn setting<'a>(
     };
     let Some(value) = setting.value() else {
         let message = format!("`{}` needs a {needs}", row.name);
-        let diagnostic = Diagnostic::new(Code::WrongForm, name.span(), message);
         let help = format!("write `{} {example}`", row.name);
-        return Err(context.error(diagnostic.help(help)));
+        return Err(context.refuse(Code::WrongForm, name.span(), message, help));
     };
     let value = argument(value, row.kind, Scope::Everywhere, context)?;
     Ok((row.name, value))
@@ -616,67 +584,38 @@ fn setting<'a>(
 // ---- show ----------------------------------------------------------------------------------------
 
 /// Reads `show subgoal(now) with arrow, subgoal(next)`: the pictures of a question.
-fn pictures<'a>(
-    line: ast::Show<'a>,
-    context: &mut Context<'a, '_>,
-) -> Vec<Result<Picture, Reported>> {
-    let beyond = line
-        .pictures()
-        .nth(MAX_PICTURES)
-        .map(|picture| picture.value().span());
-    let within = context.bounded(beyond, || {
-        format!("at most {MAX_PICTURES} pictures are shown at once")
-    });
-    match within {
-        Ok(()) => line
-            .pictures()
-            .map(|picture| self::picture(picture, context))
-            .collect(),
+fn pictures(line: ast::Show<'_>, context: &mut Context<'_>) -> Vec<Result<Picture>> {
+    let places = line.pictures().map(|picture| picture.value().span());
+    match context.at_most(MAX_PICTURES, places, "a question", "pictures") {
+        Ok(()) => line.pictures().map(|it| picture(it, context)).collect(),
         Err(reported) => vec![Err(reported)],
     }
 }
 
-fn picture<'a>(
-    picture: ast::Picture<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<Picture, Reported> {
+fn picture(picture: ast::Picture<'_>, context: &mut Context<'_>) -> Result<Picture> {
     let written = context.loaded.written(picture.value().span());
     let written: String = written.split_whitespace().collect();
-    let row = PICTURE_ROWS
-        .iter()
-        .find(|row| row.word.name == written)
-        .ok_or_else(|| {
-            let diagnostic = context.unexpected(Code::WrongForm, picture.value(), "a picture");
-            let known = among(PICTURES.iter().map(|word| word.name));
-            context.error(diagnostic.help(format!("write {known}")))
-        });
-    let drawings = row.map_or(DRAWINGS, |row| row.drawings);
-    let drawing = picture
-        .with()
-        .map(|name| context.word("drawing", name, drawings))
-        .transpose()?;
-    row.map(|row| {
-        if drawing.is_some() {
-            row.drawn
-        } else {
-            row.bare
-        }
-    })
+    let Some(row) = PICTURE_ROWS.iter().find(|row| row.word.name == written) else {
+        let known = among(PICTURES.iter().map(|word| word.name));
+        let help = format!("write {known}");
+        return Err(context.wrong(Code::WrongForm, picture.value(), "a picture", Some(&help)));
+    };
+    let Some(drawing) = picture.with() else {
+        return Ok(row.bare);
+    };
+    context.word("drawing", drawing, row.drawings)?;
+    Ok(row.drawn)
 }
 
 // ---- read ----------------------------------------------------------------------------------------
 
 /// Reads `read action` or `read NAME from "…{NAME}"`: the part of an answer that is read.
-fn read(line: ast::Read<'_>, context: &mut Context<'_, '_>) -> Result<Read, Reported> {
+fn read(line: ast::Read<'_>, context: &mut Context<'_>) -> Result<Read> {
     let name = line.name().text();
     let hole = format!("{{{name}}}");
     let help = match name {
         "action" => "write `read action` alone".to_owned(),
         _ => format!("write `read {name} from \"Instructions: {hole}\"`"),
-    };
-    let mut refuse = |span, message: String| {
-        let diagnostic = Diagnostic::new(Code::BadPattern, span, message);
-        Err(context.error(diagnostic.help(help.as_str())))
     };
     let Some(pattern) = line.pattern() else {
         if name == "action" {
@@ -684,31 +623,24 @@ fn read(line: ast::Read<'_>, context: &mut Context<'_, '_>) -> Result<Read, Repo
         }
         let message =
             format!("the pattern is missing: nothing says where `{name}` begins in the answer");
-        return refuse(line.span(), message);
+        return Err(context.refuse(Code::BadPattern, line.span(), message, help));
     };
     let written = pattern.plain();
     let parts = { written.iter() }.flat_map(|written| written.splitn(3, hole.as_str()));
     let parts: Vec<&str> = parts.map(str::trim).collect();
-    let (before, after) = match parts.as_slice() {
-        _ if name == "action" => {
-            let message = "`action` is read in its own format";
-            return refuse(pattern.span(), message.to_owned());
+    let message = match parts.as_slice() {
+        _ if name == "action" => "`action` is read in its own format".to_owned(),
+        [] => "a pattern cannot contain `{{ … }}`".to_owned(),
+        [_] => format!("the pattern has no `{hole}`"),
+        ["", ..] => format!("the pattern has no words before `{hole}`"),
+        [before, after] => {
+            return Ok(Read::Text {
+                name: name.to_owned(),
+                before: (*before).to_owned(),
+                after: (*after).to_owned(),
+            });
         }
-        [] => {
-            let message = "a pattern cannot contain `{{ … }}`";
-            return refuse(pattern.span(), message.to_owned());
-        }
-        [_] => return refuse(pattern.span(), format!("the pattern has no `{hole}`")),
-        ["", ..] => {
-            let message = format!("the pattern has no words before `{hole}`");
-            return refuse(pattern.span(), message);
-        }
-        [before, after] => (*before, *after),
-        _ => return refuse(pattern.span(), format!("the pattern has `{hole}` twice")),
+        _ => format!("the pattern has `{hole}` twice"),
     };
-    Ok(Read::Text {
-        name: name.to_owned(),
-        before: before.to_owned(),
-        after: after.to_owned(),
-    })
+    Err(context.refuse(Code::BadPattern, pattern.span(), message, help))
 }

@@ -3,13 +3,14 @@
 //! Every part of the program under construction is present, absent, or replaced by the proof of its error. A
 //! [`Program`] is built only if no part has an error, so no part of it can be missing.
 
-use super::context::{Context, Declared};
+use super::context::{Context, Declared, Result};
 use super::names::Names;
+use super::short_text::short;
 use super::{
     actions, annotate, camera, choices, cloth, demos, effect, experts, goal, horizon, keypoints,
     picker, rehearse, stage, subgoals, test, unspoken, unused, verify,
 };
-use crate::diag::{Code, Diagnostic, Report, Reported, among};
+use crate::diag::{Code, Diagnostic, Report, among};
 use crate::lang::sections::{RequiredFor, SECTIONS};
 use crate::load::Loaded;
 use crate::merge::Merged;
@@ -26,8 +27,8 @@ pub(super) type Built = Declared<(Program, Vec<Test>)>;
 pub(super) fn check<'a>(
     merged: &Merged<'a>,
     stamps: &[SourceStamp],
-    form: Result<(), Reported>,
-    context: &mut Context<'a, '_>,
+    form: Result<()>,
+    context: &mut Context<'a>,
 ) -> Built {
     let loaded = context.loaded;
     context.names = Names::of(merged, context.report);
@@ -139,7 +140,7 @@ pub(super) fn check<'a>(
     };
     choices::check(&program.actions, merged, context.report)?;
     effect::check(&program, merged, context);
-    let unsaid = |context: &mut Context<'_, '_>| {
+    let unsaid = |context: &mut Context<'_>| {
         unspoken::check(&program, merged, context);
         unused::fields(&program, merged, context);
     };
@@ -159,27 +160,13 @@ pub(super) fn check<'a>(
 const MAX_ABOUT_CHARS: usize = 200;
 
 /// Reads what a task is for: one line in quotes.
-fn about(statement: Statement<'_>, context: &mut Context<'_, '_>) -> Result<String, Reported> {
-    let span = statement.value().span();
+fn about(statement: Statement<'_>, context: &mut Context<'_>) -> Result<String> {
     let Expr::Text(text) = statement.value() else {
-        let diagnostic = context.unexpected(Code::WrongForm, statement.value(), "a text in quotes");
-        return Err(context.error(diagnostic.help("write `about \"what the task is for\"`")));
+        let help = Some("write `about \"what the task is for\"`");
+        let expr = statement.value();
+        return Err(context.wrong(Code::WrongForm, expr, "a text in quotes", help));
     };
-    let Some(about) = text.plain() else {
-        let message = "`about` cannot have a placeholder";
-        let diagnostic = Diagnostic::new(Code::WrongForm, span, message);
-        return Err(context.error(diagnostic.help("write plain text")));
-    };
-    let n_chars = about.chars().count();
-    if about.trim().is_empty() {
-        return Err(context.fault(Code::EmptyText, span, "the text is empty"));
-    }
-    if n_chars > MAX_ABOUT_CHARS {
-        let message =
-            format!("`about` has {n_chars} characters, at most {MAX_ABOUT_CHARS} are accepted");
-        return Err(context.fault(Code::TextTooLong, span, message));
-    }
-    Ok(about)
+    short(text, "`about`", MAX_ABOUT_CHARS, context)
 }
 
 /// Returns the name and hash of every source.
@@ -197,10 +184,10 @@ pub(super) fn stamps(loaded: &Loaded<'_>) -> Vec<SourceStamp> {
 /// these it may be a base.
 fn completeness(
     merged: &Merged<'_>,
-    form: Result<(), Reported>,
+    form: Result<()>,
     loaded: &Loaded<'_>,
     report: &mut Report,
-) -> Result<bool, Reported> {
+) -> Result<bool> {
     let lacking = |needed: RequiredFor| -> Vec<&'static str> {
         let rows = SECTIONS.iter().filter(|row| row.needed == needed);
         let lacks = rows.filter(|row| !is_there(row.word, merged));

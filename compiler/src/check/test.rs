@@ -1,12 +1,12 @@
 //! `test "…" { given NAME = … reply "…" expect … }`: an answer and its expected verdict, in a task or one of its variants.
 
-use super::context::{Context, Declared};
+use super::context::{Context, Declared, Result};
 use super::examples::plain;
 use super::expressions;
 use super::names::Meaning;
 use super::quantity::read_whole;
 use super::stage::{Prompts, number_of};
-use crate::diag::{Code, Diagnostic, Reported, every};
+use crate::diag::{Code, Reported, every};
 use crate::lang::test::{EXPECTATIONS, GIVEN, STEP};
 use crate::merge::{Merged, declared_twice, once, repeated};
 use fab_grammar::ast::{self, Body, Expr, Name, Reply};
@@ -17,9 +17,6 @@ use std::collections::BTreeMap;
 /// The most tests of a task.
 const MAX_TESTS: usize = 1000;
 
-/// The most points that a test gives for one keypoint.
-const MAX_POINTS: usize = 1000;
-
 /// What bounds the values that a test may give.
 pub(crate) struct Bounds<'p> {
     /// Those of the task; none if one has an error.
@@ -29,19 +26,18 @@ pub(crate) struct Bounds<'p> {
 }
 
 /// Builds the tests of a task, or those that a variant states itself.
-pub(crate) fn check<'a>(
-    merged: &Merged<'a>,
+pub(crate) fn check(
+    merged: &Merged<'_>,
     prompts: &Prompts,
     bounds: &Bounds<'_>,
-    context: &mut Context<'a, '_>,
-) -> Vec<Result<Test, Reported>> {
+    context: &mut Context<'_>,
+) -> Vec<Result<Test>> {
     // Tests are not inherited, and neither are those of an inherited variant.
     let task = merged.task.body().span();
     let body = merged.own_body().filter(|body| task.contains(body.span()));
     let tests = || body.into_iter().flat_map(Body::tests);
-    let beyond = tests().nth(MAX_TESTS).map(|test| test.head_span());
-    let within = context.bounded(beyond, || format!("a task has at most {MAX_TESTS} tests"));
-    if let Err(reported) = within {
+    let places = tests().map(|test| test.head_span());
+    if let Err(reported) = context.at_most(MAX_TESTS, places, "a task", "tests") {
         return vec![Err(reported)];
     }
     let mut seen = BTreeMap::new();
@@ -60,12 +56,12 @@ pub(crate) fn check<'a>(
 }
 
 /// Builds one test; `None` in a base without a stage that a reply could answer.
-fn one<'a>(
-    test: ast::Test<'a>,
-    merged: &Merged<'a>,
+fn one(
+    test: ast::Test<'_>,
+    merged: &Merged<'_>,
     prompts: &Prompts,
     bounds: &Bounds<'_>,
-    context: &mut Context<'a, '_>,
+    context: &mut Context<'_>,
 ) -> Declared<Test> {
     let reply = once(test.replies(), "reply", Reply::span, context.report);
     let expect = once(test.expect(), "expect", ast::Expect::span, context.report);
@@ -75,11 +71,10 @@ fn one<'a>(
     let expect = required(expect.first, "`expect`", test, context);
 
     let name = name.and_then(|text| match plain(text, context)? {
-        name if name.trim().is_empty() => Err(context.fault(
-            Code::TestIncomplete,
-            text.span(),
-            "the test's name is empty",
-        )),
+        name if name.trim().is_empty() => {
+            let message = "the test's name is empty";
+            Err(context.fault(Code::TestIncomplete, text.span(), message))
+        }
         name => Ok(name),
     });
     let given = self::given(test, bounds, context);
@@ -115,14 +110,12 @@ fn required<T>(
     part: Option<T>,
     what: &str,
     test: ast::Test<'_>,
-    context: &mut Context<'_, '_>,
-) -> Result<T, Reported> {
+    context: &mut Context<'_>,
+) -> Result<T> {
     part.ok_or_else(|| {
-        let span = test.head_span();
         let message = format!("the test lacks {what}");
-        let diagnostic = Diagnostic::new(Code::TestIncomplete, span, message);
-        let help = "write `test \"what it shows\" { given NAME = … reply \"…\" expect accept }`";
-        context.error(diagnostic.help(help))
+        let help = "write `test \"what it shows\" { given NAME = … reply \"…\" expect … }`";
+        context.refuse(Code::TestIncomplete, test.head_span(), message, help)
     })
 }
 
@@ -131,7 +124,7 @@ fn answered<'p>(
     reply: Reply<'_>,
     merged: &Merged<'_>,
     prompts: &'p Prompts,
-    context: &mut Context<'_, '_>,
+    context: &mut Context<'_>,
 ) -> Declared<(usize, &'p Stage)> {
     let number = match reply.stage() {
         None => prompts.stages.len().checked_sub(1),
@@ -146,11 +139,7 @@ fn answered<'p>(
 /// Pick and place of the previous action, where given.
 type Last = [Option<PixelPoint>; 2];
 
-fn given<'a>(
-    test: ast::Test<'a>,
-    bounds: &Bounds<'_>,
-    context: &mut Context<'a, '_>,
-) -> Result<Given, Reported> {
+fn given(test: ast::Test<'_>, bounds: &Bounds<'_>, context: &mut Context<'_>) -> Result<Given> {
     let mut given = Given {
         step: 1,
         ..Given::default()
@@ -173,84 +162,82 @@ fn given<'a>(
         [Some(pick), Some(place)] => Some([pick, place]),
         [Some(_), None] | [None, Some(_)] => {
             let message = "the previous action must have both a pick and a place";
-            let diagnostic = Diagnostic::new(Code::TestIncomplete, test.head_span(), message);
             let help = "give both `last.pick` and `last.place`";
-            return Err(context.error(diagnostic.help(help)));
+            return Err(context.refuse(Code::TestIncomplete, test.head_span(), message, help));
         }
     };
     if let (Some(step), Some(_), 1) = (seen.get("step"), given.last, given.step) {
         let message = "no action comes before the first step";
-        let diagnostic = Diagnostic::new(Code::OutOfRange, *step, message);
         let help = "give a later step, or leave `last.pick` and `last.place` out";
-        return Err(context.error(diagnostic.help(help)));
+        return Err(context.refuse(Code::OutOfRange, *step, message, help));
     }
     Ok(given)
 }
 
 /// Reads one `given` line.
-fn give<'a>(
-    part: ast::Given<'a>,
+fn give(
+    part: ast::Given<'_>,
     given: &mut Given,
     last: &mut Last,
     bounds: &Bounds<'_>,
-    context: &mut Context<'a, '_>,
-) -> Result<(), Reported> {
-    use KeypointShape::{Box, Mask, Outline, Point, Points};
+    context: &mut Context<'_>,
+) -> Result<()> {
+    use KeypointShape::{Box, Mask, Point, Points};
     let name = part.name();
     let text = name.text().to_owned();
-    match (name.text(), context.names.get(name.text())) {
-        ("last.pick", _) => last[0] = Some(pixel(single(part, context)?, part, context)?),
-        ("last.place", _) => last[1] = Some(pixel(single(part, context)?, part, context)?),
-        ("step", _) => {
+    match name.text() {
+        "last.pick" => last[0] = Some(pixel(single(part, context)?, part, context)?),
+        "last.place" => last[1] = Some(pixel(single(part, context)?, part, context)?),
+        "step" => {
             let value = single(part, context)?;
             given.step = read_whole(value, &STEP, context)? as u32;
-            let horizon = bounds.horizon.unwrap_or(given.step);
-            context.bounded((given.step > horizon).then(|| value.span()), || {
-                format!("the task has at most {horizon} steps")
-            })?;
-        }
-        (_, Some(Meaning::DuplicateNames(reported))) => return Err(reported),
-        (_, Some(Meaning::Text { .. })) => {
-            let text_given = part
-                .text()
-                .ok_or_else(|| expected(part, "a text in quotes", context))?;
-            given.texts.push((text, plain(text_given, context)?));
-        }
-        (_, Some(Meaning::Keypoint(Some(Points)))) => {
-            let keypoint = bounds.keypoints.iter().find(|it| it.name == text);
-            let most = keypoint.and_then(|it| it.extractor.most_points(bounds.keypoints));
-            if let Some(most) = most {
-                let beyond = part.values().nth(most as usize).map(|value| value.span());
-                context.bounded(beyond, || format!("`{text}` has at most {most} points"))?;
+            if let Some(horizon) = bounds.horizon.filter(|most| given.step > *most) {
+                let message = format!("the task has at most {horizon} steps");
+                return Err(context.fault(Code::OutOfRange, value.span(), message));
             }
-            given.points.push((text, points(part, context)?));
         }
-        (_, Some(Meaning::Keypoint(Some(Point)))) => {
-            given
-                .points
-                .push((text, vec![shown(single(part, context)?, part, context)?]));
-        }
-        (_, Some(Meaning::Keypoint(Some(Mask | Box)))) => {
-            given.regions.push((text, rectangle(part, context)?));
-        }
-        (_, Some(Meaning::Keypoint(Some(Outline)))) => {
-            let message = "no check or text depends on an outline";
-            return Err(context.fault(Code::WrongKindOfName, name.span(), message));
-        }
-        (_, Some(Meaning::Keypoint(None))) => {
-            return Err(expressions::wrong_shape(name, None, "a keypoint", context));
-        }
-        (_, Some(Meaning::Field) | None) => {
-            let mut candidates = context.names.that(|meaning| meaning != Meaning::Field);
-            candidates.extend(GIVEN.iter().map(|word| word.name));
-            return Err(context.unknown("value to give", name, candidates));
-        }
+        _ => match context.names.get(name.text())? {
+            Some(Meaning::Text { .. }) => {
+                let text_given = part
+                    .text()
+                    .ok_or_else(|| expected(part, "a text in quotes", context))?;
+                given.texts.push((text, plain(text_given, context)?));
+            }
+            Some(Meaning::Keypoint {
+                shape: Some(Points),
+                ..
+            }) => {
+                let keypoint = bounds.keypoints.iter().find(|it| it.name == text);
+                let most = keypoint.and_then(|it| it.extractor.most_points(bounds.keypoints));
+                let places = part.values().map(|value| value.span());
+                let most = most.map_or(usize::MAX, |most| most as usize);
+                context.at_most(most, places, &format!("`{text}`"), "points")?;
+                given.points.push((text, points(part, context)?));
+            }
+            Some(Meaning::Keypoint {
+                shape: Some(Point), ..
+            }) => {
+                let point = shown(single(part, context)?, part, context)?;
+                given.points.push((text, vec![point]));
+            }
+            Some(Meaning::Keypoint {
+                shape: Some(Mask | Box),
+                ..
+            }) => given.regions.push((text, rectangle(part, context)?)),
+            _ => {
+                let mut candidates = context.names.that(|meaning| {
+                    matches!(meaning, Meaning::Keypoint { .. } | Meaning::Text { .. })
+                });
+                candidates.extend(GIVEN.iter().map(|word| word.name));
+                return Err(context.unknown("value to give", name, candidates));
+            }
+        },
     }
     Ok(())
 }
 
 /// Reports a given value of the wrong kind.
-fn expected(part: ast::Given<'_>, what: &str, context: &mut Context<'_, '_>) -> Reported {
+fn expected(part: ast::Given<'_>, what: &str, context: &mut Context<'_>) -> Reported {
     let name = part.name();
     let text = part.text().map(|text| text.span());
     let value = || part.values().next().map(|value| value.span());
@@ -260,7 +247,7 @@ fn expected(part: ast::Given<'_>, what: &str, context: &mut Context<'_, '_>) -> 
     context.fault(Code::WrongForm, span, message)
 }
 
-fn single<'a>(part: ast::Given<'a>, context: &mut Context<'a, '_>) -> Result<Expr<'a>, Reported> {
+fn single<'a>(part: ast::Given<'a>, context: &mut Context<'_>) -> Result<Expr<'a>> {
     let mut values = part.values();
     match (part.text(), values.next(), values.next()) {
         (None, Some(value), None) => Ok(value),
@@ -268,11 +255,7 @@ fn single<'a>(part: ast::Given<'a>, context: &mut Context<'a, '_>) -> Result<Exp
     }
 }
 
-fn pixel<'a>(
-    value: Expr<'a>,
-    part: ast::Given<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<PixelPoint, Reported> {
+fn pixel(value: Expr<'_>, part: ast::Given<'_>, context: &mut Context<'_>) -> Result<PixelPoint> {
     match value {
         Expr::Pair(pair) => expressions::pixel(pair.parts(), context),
         _ => Err(expected(part, "a pixel such as `(40px, 52px)`", context)),
@@ -280,22 +263,15 @@ fn pixel<'a>(
 }
 
 /// Reads a pixel of the picture.
-fn shown<'a>(
-    value: Expr<'a>,
-    part: ast::Given<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<PixelPoint, Reported> {
+fn shown(value: Expr<'_>, part: ast::Given<'_>, context: &mut Context<'_>) -> Result<PixelPoint> {
     match value {
         Expr::Pair(_) => expressions::pixel_in_picture(value, context),
         _ => pixel(value, part, context),
     }
 }
 
-fn points<'a>(
-    part: ast::Given<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<Vec<PixelPoint>, Reported> {
-    if !(1..=MAX_POINTS).contains(&part.values().count()) {
+fn points(part: ast::Given<'_>, context: &mut Context<'_>) -> Result<Vec<PixelPoint>> {
+    if part.text().is_some() {
         let what = "pixels such as `(40px, 52px), (180px, 52px)`";
         return Err(expected(part, what, context));
     }
@@ -303,10 +279,7 @@ fn points<'a>(
 }
 
 /// Reads `(40px, 52px) to (180px, 170px)`.
-fn rectangle<'a>(
-    part: ast::Given<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<[PixelPoint; 2], Reported> {
+fn rectangle(part: ast::Given<'_>, context: &mut Context<'_>) -> Result<[PixelPoint; 2]> {
     let Expr::Range(corners) = single(part, context)? else {
         let what = "a rectangle such as `(40px, 52px) to (180px, 170px)`";
         return Err(expected(part, what, context));
@@ -319,64 +292,38 @@ fn rectangle<'a>(
 // ---- expect --------------------------------------------------------------------------------------
 
 /// Reads what a test expects. In a base without stages, not everything can be checked.
-fn expect<'a>(
-    line: ast::Expect<'a>,
+fn expect(
+    line: ast::Expect<'_>,
     stage: Option<&Stage>,
-    merged: &Merged<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<Expect, Reported> {
-    let reads = |stage: &&Stage, action: bool| (stage.read == Read::Action) == action;
-    let reads_action = stage.filter(|stage| reads(stage, true));
-    let reads_text = stage.filter(|stage| reads(stage, false));
-    match context.word("expectation", line.what(), EXPECTATIONS)? {
-        "malformed" => Ok(Expect::Malformed),
-        "text" if let Some(stage) = reads_action => Err(mismatch(
-            line,
-            &format!("the stage `{}` reads the action", stage.name),
-            context,
-        )),
-        "text" => match line.text() {
-            Some(text) => plain(text, context).map(|text| Expect::Text { text }),
-            None => Err(mismatch(
-                line,
-                "the line does not state the expected text",
-                context,
-            )),
-        },
-        _ if let Some(stage) = reads_text => Err(mismatch(
-            line,
-            &format!("the stage `{}` reads a text", stage.name),
-            context,
-        )),
-        "accept" => Ok(Expect::Accept),
-        _ => match line.check() {
-            Some(check) => reject(check, merged, context),
-            None => Err(mismatch(
-                line,
-                "the line does not state the expected check",
-                context,
-            )),
-        },
-    }
-}
-
-fn mismatch(line: ast::Expect<'_>, message: &str, context: &mut Context<'_, '_>) -> Reported {
-    let diagnostic = Diagnostic::new(Code::TestIncomplete, line.span(), message);
-    context.error(diagnostic.help(
-        "for an action write `accept`, `reject(CHECK)` or `malformed`; for a text, `text \"…\"` or `malformed`",
-    ))
-}
-
-fn reject(
-    check: Name<'_>,
     merged: &Merged<'_>,
-    context: &mut Context<'_, '_>,
-) -> Result<Expect, Reported> {
-    let mut known = merged.checks.names().chain([OFFERED]);
-    if known.any(|known| known == check.text()) {
-        return Ok(Expect::Reject {
-            check: check.text().to_owned(),
-        });
+    context: &mut Context<'_>,
+) -> Result<Expect> {
+    let what = context.word("expectation", line.what(), EXPECTATIONS)?;
+    let name = stage.map_or("", |stage| &stage.name);
+    let message = match (what, stage.map(|stage| &stage.read)) {
+        ("malformed", _) => return Ok(Expect::Malformed),
+        ("text", Some(Read::Action)) => format!("the stage `{name}` reads the action"),
+        ("text", _) => match line.text() {
+            Some(text) => return plain(text, context).map(|text| Expect::Text { text }),
+            None => "the line does not state the expected text".to_owned(),
+        },
+        (_, Some(Read::Text { .. })) => format!("the stage `{name}` reads a text"),
+        ("accept", _) => return Ok(Expect::Accept),
+        _ => match line.check() {
+            Some(check) => return reject(check, merged, context),
+            None => "the line does not state the expected check".to_owned(),
+        },
+    };
+    let help = "for an action write `accept`, `reject(CHECK)` or `malformed`; for a text, `text \"…\"` or `malformed`";
+    Err(context.refuse(Code::TestIncomplete, line.span(), message, help))
+}
+
+fn reject(check: Name<'_>, merged: &Merged<'_>, context: &mut Context<'_>) -> Result<Expect> {
+    let known = || merged.checks.names().chain([OFFERED]);
+    if !known().any(|known| known == check.text()) {
+        return Err(context.unknown("check", check, known()));
     }
-    Err(context.unknown("check", check, merged.checks.names().chain([OFFERED])))
+    Ok(Expect::Reject {
+        check: check.text().to_owned(),
+    })
 }

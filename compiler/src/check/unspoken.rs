@@ -4,16 +4,15 @@
 //! model cannot read points or a format from it.
 
 use super::context::Context;
-use crate::diag::{Code, Diagnostic};
+use crate::diag::Code;
 use crate::merge::Merged;
-use fab_grammar::Span;
 use fab_grammar::ast;
 use fab_program::space;
 use fab_program::{Choices, Depends, Layers, Picture, Placeholder, Program, Read, Stage, Template};
 use std::collections::BTreeSet;
 
 /// Warns of everything that the prompts of a task leave unspoken.
-pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Context<'_, '_>) {
+pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Context<'_>) {
     for stage in &program.stages {
         let Some(part) = merged.stages.get(&stage.name) else {
             continue;
@@ -30,10 +29,6 @@ pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Contex
         }
     }
     points(program, merged, context);
-}
-
-fn warn(code: Code, span: Span, message: String, help: String, context: &mut Context<'_, '_>) {
-    context.remark(Diagnostic::new(code, span, message).help(help));
 }
 
 // ---- texts ---------------------------------------------------------------------------------------
@@ -54,7 +49,7 @@ fn shown(program: &Program) -> impl Iterator<Item = &Placeholder> {
 // ---- what is read --------------------------------------------------------------------------------
 
 /// Warns if no prompt says in which format the action is to be answered.
-fn format(program: &Program, stage: &Stage, line: ast::Read<'_>, context: &mut Context<'_, '_>) {
+fn format(program: &Program, stage: &Stage, line: ast::Read<'_>, context: &mut Context<'_>) {
     let demos = program.demos.as_ref();
     if demos.is_some_and(|demos| demos.stage == stage.name) || has_format(program, stage) {
         return;
@@ -64,7 +59,7 @@ fn format(program: &Program, stage: &Stage, line: ast::Read<'_>, context: &mut C
         stage.name
     );
     let help = "write `{{ actions.format }}` in one of them".to_owned();
-    warn(Code::FormatNeverSaid, line.span(), message, help, context);
+    context.warn(Code::FormatNeverSaid, line.span(), message, help);
 }
 
 /// Returns whether a stage's texts or examples say in which format the action is to be answered.
@@ -91,7 +86,7 @@ fn states(text: &str, field: &str) -> bool {
 }
 
 /// Warns if a text that a stage reads is in no later text.
-fn instruction(program: &Program, name: &str, line: ast::Read<'_>, context: &mut Context<'_, '_>) {
+fn instruction(program: &Program, name: &str, line: ast::Read<'_>, context: &mut Context<'_>) {
     let templates = program.templates.iter();
     let mut values = templates.flat_map(|template| &template.variables);
     let is_used = values.any(
@@ -100,13 +95,7 @@ fn instruction(program: &Program, name: &str, line: ast::Read<'_>, context: &mut
     if !is_used {
         let message = format!("`{name}` is read here, and no text uses it");
         let help = format!("write `{{{{ {name} }}}}` in a text of a later stage");
-        warn(
-            Code::TextNeverUsed,
-            line.name().span(),
-            message,
-            help,
-            context,
-        );
+        context.warn(Code::TextNeverUsed, line.name().span(), message, help);
     }
 }
 
@@ -116,7 +105,7 @@ fn prefix(
     stage: &Stage,
     before: &str,
     line: ast::Read<'_>,
-    context: &mut Context<'_, '_>,
+    context: &mut Context<'_>,
 ) {
     let Some(pattern) = line.pattern() else {
         return;
@@ -134,13 +123,7 @@ fn prefix(
         stage.name
     );
     let help = format!("write, for example, `Answer in one line: {before} …`");
-    warn(
-        Code::PrefixNeverNamed,
-        pattern.span(),
-        message,
-        help,
-        context,
-    );
+    context.warn(Code::PrefixNeverNamed, pattern.span(), message, help);
 }
 
 /// Returns a text in lower case, with one blank between its words and without quotes and emphasis.
@@ -152,7 +135,7 @@ fn plain(text: &str) -> String {
 // ---- points --------------------------------------------------------------------------------------
 
 /// Warns of keypoints that a field offers and that no text and no picture shows.
-fn points(program: &Program, merged: &Merged<'_>, context: &mut Context<'_, '_>) {
+fn points(program: &Program, merged: &Merged<'_>, context: &mut Context<'_>) {
     let mut known = BTreeSet::new();
     for value in shown(program) {
         known.extend(value.uses().keypoints);
@@ -189,7 +172,7 @@ fn points(program: &Program, merged: &Merged<'_>, context: &mut Context<'_, '_>)
                     name.text()
                 );
                 let help = format!("write `{{{{ {} }}}}` in a text of a stage", name.text());
-                warn(Code::PointsNeverShown, name.span(), message, help, context);
+                context.warn(Code::PointsNeverShown, name.span(), message, help);
             }
         }
     }

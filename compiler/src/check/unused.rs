@@ -93,7 +93,7 @@ fn bases<'a>(task: Task<'a>, loaded: &Loaded<'a>) -> impl Iterator<Item = Task<'
 // ---- fields --------------------------------------------------------------------------------------
 
 /// Notes the fields that neither act on the gripper nor decide a check.
-pub(crate) fn fields(program: &Program, merged: &Merged<'_>, context: &mut Context<'_, '_>) {
+pub(crate) fn fields(program: &Program, merged: &Merged<'_>, context: &mut Context<'_>) {
     let mut read = Uses::default();
     for check in &program.verify.checks {
         let conditions = check.when.iter().chain([&check.holds]);

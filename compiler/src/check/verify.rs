@@ -1,7 +1,7 @@
 //! `verify { check NAME { … } else "…" … attempts 3 }`: which answers are rejected, and the messages to the model.
 
 use super::conditions;
-use super::context::Context;
+use super::context::{Context, Result};
 use super::missing_action::needs_last;
 use super::placeholders::{TextPlace, TextScope, template};
 use super::quantity::{read, read_whole};
@@ -20,19 +20,14 @@ const MAX_CHECKS: usize = 100;
 const RESULT: &str = "result";
 
 /// Builds the checks, and adds their messages to the prompts' templates.
-pub(crate) fn check<'a>(
-    merged: &Merged<'a>,
+pub(crate) fn check(
+    merged: &Merged<'_>,
     prompts: &mut Prompts,
-    context: &mut Context<'a, '_>,
-) -> Result<Verify, Reported> {
+    context: &mut Context<'_>,
+) -> Result<Verify> {
     let part = merged.verify();
-    let mut beyond = merged.checks.iter().skip(MAX_CHECKS);
-    context.bounded(beyond.next().map(|check| check.name().span()), || {
-        format!(
-            "there are {} checks, at most {MAX_CHECKS} are accepted",
-            merged.checks.iter().count()
-        )
-    })?;
+    let places = merged.checks.iter().map(|check| check.name().span());
+    context.at_most(MAX_CHECKS, places, "a task", "checks")?;
     let checks = merged
         .checks
         .iter()
@@ -71,19 +66,18 @@ pub(crate) fn check<'a>(
 
 // ---- checks of an answer -------------------------------------------------------------------------
 
-fn declared<'a>(
-    check: ast::Check<'a>,
+fn declared(
+    check: ast::Check<'_>,
     prompts: &mut Prompts,
-    context: &mut Context<'a, '_>,
-) -> Result<Check, Reported> {
+    context: &mut Context<'_>,
+) -> Result<Check> {
     let name = check.name();
     let is_free = match given(name.text()) {
         None => Ok(()),
         Some(row) => {
             let message = format!("every task has a check `{}` already", row.name);
-            let diagnostic = Diagnostic::new(Code::DuplicateName, name.span(), message);
             let help = format!("it refuses {}; choose another name", row.refuses);
-            Err(context.error(diagnostic.help(help)))
+            Err(context.refuse(Code::DuplicateName, name.span(), message, help))
         }
     };
     let when = check.when().map(|expr| (expr, condition(expr, context)));
@@ -92,7 +86,7 @@ fn declared<'a>(
         |when: &Result<Condition, _>| when.as_ref().map_or(true, |it| it.implies_last());
     let has_last = when.as_ref().is_some_and(|(_, when)| implies_last(when));
     let allowed =
-        |condition: Condition, expr: Expr<'a>, guarded: &str, context: &mut Context<'a, '_>| {
+        |condition: Condition, expr: Expr<'_>, guarded: &str, context: &mut Context<'_>| {
             if condition.uses().last && !has_last {
                 Err(needs_last(expr.span(), guarded, context))
             } else {
@@ -141,16 +135,14 @@ fn declared<'a>(
 
 /// Builds a condition of a check. Emitted verifiers evaluate it too, and they do not know which points are
 /// unreachable.
-fn condition<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Condition, Reported> {
+fn condition(expr: Expr<'_>, context: &mut Context<'_>) -> Result<Condition> {
     let condition = conditions::check(expr, context)?;
     if !condition.uses().reach {
         return Ok(condition);
     }
     let message = "`unreachable` cannot be a condition of a check";
-    let diagnostic = Diagnostic::new(Code::WrongExpression, expr.span(), message);
-    Err(context.error(diagnostic.help(
-        "such points are never offered; a component can mention them: `component NAME when unreachable`",
-    )))
+    let help = "such points are never offered; a component can mention them: `component NAME when unreachable`";
+    Err(context.refuse(Code::WrongExpression, expr.span(), message, help))
 }
 
 /// Warns of inherited checks that the task's own `verify` drops without a word. A variant may drop them: it is there to
@@ -192,8 +184,8 @@ pub(crate) fn dropped(merged: &Merged<'_>, report: &mut Report) {
 fn shows_refused(
     with_picture: Phrase<'_>,
     prompts: &Prompts,
-    context: &mut Context<'_, '_>,
-) -> Result<(), Reported> {
+    context: &mut Context<'_>,
+) -> Result<()> {
     let mut acting = prompts
         .stages
         .iter()
@@ -206,17 +198,17 @@ fn shows_refused(
         "`with picture` needs a vision model, but the stage `{}` asks a text model",
         stage.name
     );
-    let diagnostic = Diagnostic::new(Code::PicturesForTextModel, with_picture.span(), message);
-    Err(context
-        .error(diagnostic.help("write `model vision` in that stage, or leave out `with picture`")))
+    let help = "write `model vision` in that stage, or leave out `with picture`";
+    let span = with_picture.span();
+    Err(context.refuse(Code::PicturesForTextModel, span, message, help))
 }
 
 /// Returns the checks that `then without` removes.
-fn relaxed<'a>(
-    attempts: Attempts<'a>,
-    merged: &Merged<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<Vec<String>, Reported> {
+fn relaxed(
+    attempts: Attempts<'_>,
+    merged: &Merged<'_>,
+    context: &mut Context<'_>,
+) -> Result<Vec<String>> {
     let twice = unique(attempts.relaxed(), "check", context.report);
     // `then without` may name a check that was already removed.
     let there = attempts
@@ -231,7 +223,7 @@ fn relaxed<'a>(
 }
 
 /// Reports a name that no check has, or a check that cannot be removed.
-fn not_relaxed<'a>(name: Name<'a>, merged: &Merged<'a>, context: &mut Context<'a, '_>) -> Reported {
+fn not_relaxed(name: Name<'_>, merged: &Merged<'_>, context: &mut Context<'_>) -> Reported {
     let new = |message: String| {
         Diagnostic::new(Code::NothingToRemove, name.span(), message).about(name.text())
     };
@@ -246,11 +238,11 @@ fn not_relaxed<'a>(name: Name<'a>, merged: &Merged<'a>, context: &mut Context<'a
 
 // ---- the result of a step ------------------------------------------------------------------------
 
-fn result<'a>(
-    part: ast::ResultCheck<'a>,
+fn result(
+    part: ast::ResultCheck<'_>,
     prompts: &mut Prompts,
-    context: &mut Context<'a, '_>,
-) -> Result<ResultCheck, Reported> {
+    context: &mut Context<'_>,
+) -> Result<ResultCheck> {
     let overlap_above = read(part.above(), &OVERLAP.range, context);
     let retries = part.retries();
     let retries = retries.map_or(Ok(DEFAULT_RETRIES), |it| {
@@ -258,9 +250,8 @@ fn result<'a>(
     });
     let Some(text) = part.message() else {
         let message = "`result` has no message for the model";
-        let diagnostic = Diagnostic::new(Code::MissingMessage, part.span(), message);
-        let diagnostic = diagnostic.help("add `else \"…\"` at its end");
-        return Err(context.error(diagnostic));
+        let help = "add `else \"…\"` at its end";
+        return Err(context.refuse(Code::MissingMessage, part.span(), message, help));
     };
     let scope = TextScope {
         place: TextPlace::Result,
