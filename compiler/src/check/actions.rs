@@ -1,7 +1,7 @@
 //! `actions { pick: one of corners … }`: the fields of an answer, and the choices of each.
 
 use super::context::{Context, Fields, Result};
-use super::expressions::{Scope, fixed_deg, keypoint, wrong_kind};
+use super::expressions::{fixed_deg, keypoint, wrong_kind};
 use super::names::Meaning;
 use super::quantity::{measured, no_unit, quantity_of, read, unit as unit_of};
 use crate::diag::{Code, Diagnostic, Reported, every, nearest};
@@ -26,22 +26,18 @@ pub(crate) fn check<'a>(part: Actions<'a>, context: &mut Context<'a>) -> Fields<
     let within = context.at_most(MAX_FIELDS, places, "an action", "fields");
     let fields = part.fields().map(|field| {
         let name = field.name().text();
-        let once = context.names.get(name).map(drop);
         let field = within.and_then(|()| self::field(field, context));
-        (name, field.and_then(|field| once.map(|()| field)))
+        (name, field)
     });
     let list: Vec<(&str, Result<ActionField>)> = fields.collect();
-    let right = list
-        .iter()
-        .try_for_each(|(_, field)| field.as_ref().map(drop).map_err(|it| *it));
+    let right = |(_, field): &(_, Result<ActionField>)| field.as_ref().map(drop).map_err(|it| *it);
+    let mut complete = list.iter().try_for_each(right);
     // A field with an error may be the missing one.
-    let complete = right.and_then(|()| {
-        let mut complete = Ok(());
+    if complete.is_ok() {
         for fault in incomplete(part) {
             complete = Err(context.error(fault));
         }
-        complete
-    });
+    }
     Fields { list, complete }
 }
 
@@ -59,20 +55,15 @@ fn incomplete(part: Actions<'_>) -> Vec<Diagnostic> {
             return vec![diagnostic.meant(name.span(), meant)];
         }
     }
-    let place = match [has("place"), has("direction"), has("distance")] {
+    let computed = "the place is computed from the pick, a `direction` and a `distance`";
+    let place = match ["place", "direction", "distance"].map(has) {
         [true, false, false] | [false, true, true] => None,
         [false, false, false] => Some((
             "the action has no `place`",
             "write `place: one of …`, or a `direction` and a `distance`",
         )),
-        [false, true, false] => Some((
-            "the action has a `direction` but no `distance`",
-            "the place is computed from the pick, a `direction` and a `distance`",
-        )),
-        [false, false, true] => Some((
-            "the action has a `distance` but no `direction`",
-            "the place is computed from the pick, a `direction` and a `distance`",
-        )),
+        [false, true, false] => Some(("the action has a `direction` but no `distance`", computed)),
+        [false, false, true] => Some(("the action has a `distance` but no `direction`", computed)),
         [true, ..] => Some((
             "the action has a `place` as well as a `direction` or a `distance`",
             "use either a `place`, or a `direction` and a `distance`",
@@ -100,7 +91,7 @@ fn field(part: Field<'_>, context: &mut Context<'_>) -> Result<ActionField> {
 fn region(mask: Name<'_>, row: Option<&FieldRow>, context: &mut Context<'_>) -> Result<Choices> {
     offers(row, ChoiceKind::Points, mask.span(), context)?;
     let shapes = [KeypointShape::Mask];
-    let mask = keypoint(Expr::Name(mask), &shapes, Scope::Everywhere, context)?;
+    let mask = keypoint(Expr::Name(mask), &shapes, context)?;
     Ok(Choices::Region { mask })
 }
 
@@ -113,21 +104,15 @@ fn listed(part: Field<'_>, row: Option<&FieldRow>, context: &mut Context<'_>) ->
         let message = format!("`{}` offers nothing", name.text());
         return Err(context.fault(Code::MissingField, name.span(), message));
     };
-    let kinds: Vec<ChoiceKind> = list
-        .iter()
-        .map(|choice| kind(*choice, row, context))
-        .collect::<Result<_, _>>()?;
+    let kinds = list.iter().map(|choice| kind(*choice, row, context));
+    let kinds = kinds.collect::<Result<Vec<ChoiceKind>>>()?;
     let kind = kinds[0];
     if let Some(other) = kinds.iter().position(|other| *other != kind) {
-        let message = format!(
-            "`{}` offers {} and {}",
-            name.text(),
-            kind.noun(),
-            kinds[other].noun()
-        );
-        let diagnostic = Diagnostic::new(Code::MixedChoices, list[other].span(), message);
-        let label = format!("this is one of {}", kind.noun());
-        return Err(context.error(diagnostic.also(first.span(), label)));
+        let (name, noun, found) = (name.text(), kind.noun(), kinds[other].noun());
+        let message = format!("`{name}` offers {noun} and {found}");
+        let diagnostic = Diagnostic::new(Code::MixedChoices, list[other].span(), message)
+            .also(first.span(), format!("this is one of {noun}"));
+        return Err(context.error(diagnostic));
     }
     offers(row, kind, first.span(), context)?;
     match kind {
@@ -140,11 +125,9 @@ fn listed(part: Field<'_>, row: Option<&FieldRow>, context: &mut Context<'_>) ->
 
 fn kind(choice: Expr<'_>, row: Option<&FieldRow>, context: &mut Context<'_>) -> Result<ChoiceKind> {
     let Some(quantity) = quantity_of(choice, context)? else {
-        let is_word = matches!(choice, Expr::Text(_));
-        return Ok(if is_word {
-            ChoiceKind::Words
-        } else {
-            ChoiceKind::Points
+        return Ok(match choice {
+            Expr::Text(_) => ChoiceKind::Words,
+            _ => ChoiceKind::Points,
         });
     };
     let Some(unit) = quantity.unit() else {
@@ -191,10 +174,8 @@ fn distinct<K: Ord, T>(
         let Some(first) = seen.insert(key, choice.span()) else {
             return Ok(value);
         };
-        let message = format!(
-            "the choice `{}` is offered twice",
-            context.written(choice.span())
-        );
+        let written = context.written(choice.span());
+        let message = format!("the choice `{written}` is offered twice");
         let diagnostic = Diagnostic::new(Code::DuplicateName, choice.span(), message);
         Err(context.error(diagnostic.also(first, "offered here first")))
     });
@@ -209,7 +190,7 @@ fn points(list: &[Expr<'_>], row: Option<&FieldRow>, context: &mut Context<'_>) 
     let keypoints = distinct(list, context, |choice, context| {
         let written = context.loaded.written(choice.span());
         match (choice, context.names.get(written)?) {
-            (Expr::Name(name), Some(Meaning::Keypoint { shape, .. })) => match shape {
+            (Expr::Name(name), Some(Meaning::Keypoint(shape, _))) => match shape {
                 Some(shape) if !are_points(shape) => {
                     let expected = "points to choose from";
                     Err(wrong_kind(name, expected, shape.words(), context))
@@ -225,9 +206,9 @@ fn points(list: &[Expr<'_>], row: Option<&FieldRow>, context: &mut Context<'_>) 
 /// Reports a choice that names no keypoint; in a field that may offer words, it may be one without quotes.
 fn no_keypoint(choice: Expr<'_>, row: Option<&FieldRow>, context: &mut Context<'_>) -> Reported {
     let written = context.loaded.written(choice.span());
-    let offered = context.names.that(|meaning| {
-        matches!(meaning, Meaning::Keypoint { shape, .. } if shape.is_none_or(are_points))
-    });
+    let offered = context.names.that(
+        |meaning| matches!(meaning, Meaning::Keypoint(shape, _) if shape.is_none_or(are_points)),
+    );
     if row.is_none() && nearest(written, offered.iter().copied()).is_none() {
         let message = format!("there is no keypoint `{written}`");
         let help = format!("words are written in quotes: write `\"{written}\"`");
@@ -309,16 +290,12 @@ fn length(
 fn words(list: &[Expr<'_>], context: &mut Context<'_>) -> Result<Choices> {
     let choices = distinct(list, context, |choice, context| {
         let word = match choice {
-            Expr::Text(text) if !text.is_blank() => text.plain(),
-            _ => None,
+            Expr::Text(text) if text.is_blank() => Err("the text is empty"),
+            Expr::Text(text) => text.plain().ok_or("a choice cannot contain `{{ … }}`"),
+            _ => unreachable!("a list of words has only texts"),
         };
-        let word = word.ok_or_else(|| {
-            let message = match choice {
-                Expr::Text(text) if text.is_blank() => "the text is empty",
-                _ => "a choice cannot contain `{{ … }}`",
-            };
-            context.fault(Code::EmptyText, choice.span(), message)
-        })?;
+        let fault = |message| context.fault(Code::EmptyText, choice.span(), message);
+        let word = word.map_err(fault)?;
         Ok((word.to_lowercase(), word))
     })?;
     Ok(Choices::Words { choices })

@@ -1,8 +1,7 @@
 //! `annotate { corner_dots = dot(corners, color: blue) … }`: what is drawn on the camera's picture.
 
 use super::context::{Context, Result};
-use super::expressions::{Scope, call};
-use super::missing_action::needs_action;
+use super::expressions::call;
 use crate::lang::annotate::{COLOR, MARKS, POINTS, rgb};
 use crate::merge::Merged;
 use fab_grammar::ast::NamedValue;
@@ -31,18 +30,14 @@ pub(crate) fn check<'a>(
 fn layer(declared: NamedValue<'_>, context: &mut Context<'_>) -> Result<Layer> {
     let name = declared.name();
     let signatures = MARKS.iter().map(|row| &row.signature);
-    let scope = Scope::Everywhere;
-    let (row, args, bound) = call("mark", declared.value(), signatures, scope, context)?;
-    let mut is_known = Ok(());
+    let (row, args, bound) = call("mark", declared.value(), signatures, context)?;
     for ((_, value), (_, expr)) in args.0.iter().zip(&bound) {
         if let ArgValue::Point(point) = value
             && point.uses().action
         {
-            is_known = Err(needs_action(expr.span(), context));
+            context.needs_action(expr.span());
         }
     }
-    is_known?;
-    context.names.get(name.text())?;
     let mark = (MARKS[row].make)(&args);
     let words = words(MARKS[row].signature.name, &args);
     Ok(Layer {

@@ -4,9 +4,11 @@
 //! Reading the expressions is left to [`super::expressions`].
 
 use super::context::{Context, Result};
-use crate::diag::{Code, Diagnostic, among};
+use crate::diag::{Code, Diagnostic, among, every};
+use fab_grammar::Span;
 use fab_grammar::ast::{Argument, Call, Expr, Name};
 use fab_program::vocabulary::{Arg, Place, Signature};
+use std::collections::BTreeMap;
 
 /// The most arguments of a call that takes any number of them.
 const MAX_ARGUMENTS: usize = 1000;
@@ -57,72 +59,50 @@ pub(crate) fn bind<'a>(
     form: fn(&Signature) -> String,
     context: &mut Context<'_>,
 ) -> Result<Bound<'a>> {
-    let mut bound: Bound<'a> = Vec::with_capacity(signature.args.len());
-    let mut places = signature
-        .args
-        .iter()
-        .filter(|arg| arg.place != Place::Named);
-    let mut place = places.next();
-    let mut fits = Ok(());
-    for argument in call.arguments() {
+    let places = signature.args.iter();
+    let mut places = places.flat_map(|arg| {
+        let most = match arg.place {
+            Place::Named => 0,
+            Place::Positional => 1,
+            Place::Rest => MAX_ARGUMENTS,
+        };
+        std::iter::repeat_n(arg, most)
+    });
+    let mut seen: BTreeMap<&str, Span> = BTreeMap::new();
+    // A wrong label is probably a misspelt one, so missing arguments are not reported too.
+    let bound = every(call.arguments().map(|argument| {
         let arg = match argument.label() {
             Some(label) => parameter(signature, label.text())
                 .ok_or_else(|| unknown_label(call.name(), label, signature, form)),
-            None => match place {
-                Some(arg) => {
-                    if arg.place == Place::Positional {
-                        place = places.next();
-                    }
-                    Ok(arg)
-                }
-                None => Err(surplus(call.name(), argument, signature, form)),
-            },
-        };
-        let arg = match arg {
-            Ok(arg) => arg,
-            Err(diagnostic) => {
-                fits = Err(context.error(diagnostic));
-                continue;
+            None => {
+                { places.next() }.ok_or_else(|| surplus(call.name(), argument, signature, form))
             }
         };
-        let first = bound.iter().find(|(given, _)| given.name == arg.name);
-        match first {
-            Some((_, first)) if arg.place != Place::Rest => {
-                let span = argument
-                    .label()
-                    .map_or(argument.value().span(), |label| label.span());
-                let message = format!("`{}` is given twice", arg.name);
-                let diagnostic = Diagnostic::new(Code::WrongArguments, span, message);
-                fits = Err(context.error(diagnostic.also(first.span(), "given here first")));
-            }
-            _ => bound.push((arg, argument.value())),
+        let arg = arg.map_err(|diagnostic| context.error(diagnostic))?;
+        let value = argument.value();
+        if let Some(first) = seen.insert(arg.name, value.span())
+            && arg.place != Place::Rest
+        {
+            let label = argument.label().map(|label| label.span());
+            let message = format!("`{}` is given twice", arg.name);
+            let span = label.unwrap_or(value.span());
+            let diagnostic = Diagnostic::new(Code::WrongArguments, span, message);
+            return Err(context.error(diagnostic.also(first, "given here first")));
         }
-        if bound.len() > MAX_ARGUMENTS {
-            let span = argument.value().span();
-            let message = format!("a call takes at most {MAX_ARGUMENTS} arguments");
-            return Err(context.fault(Code::OutOfRange, span, message));
-        }
-    }
-    // A wrong label is probably a misspelt one, so missing arguments are not reported too.
-    fits?;
+        Ok((arg, value))
+    }))?;
     let is_given = |arg: &Arg| bound.iter().any(|(given, _)| given.name == arg.name);
-    let missing = signature
-        .args
-        .iter()
-        .filter(|arg| arg.default.is_none() && !is_given(arg));
-    let missing: Vec<&str> = missing.map(|arg| arg.name).collect();
-    if !missing.is_empty() {
-        let lacks = among(missing.iter().copied()).replace(" or ", " and ");
+    let missing = signature.args.iter().filter(|arg| arg.default.is_none());
+    let missing: Vec<&Arg> = missing.filter(|arg| !is_given(arg)).collect();
+    if let [first, ..] = missing.as_slice() {
+        let lacks = among(missing.iter().map(|arg| arg.name)).replace(" or ", " and ");
         let message = format!("`{}` lacks {lacks}", signature.name);
         let diagnostic = Diagnostic::new(Code::WrongArguments, call.name().span(), message)
             .help(format!("write `{}`", form(signature)));
-        let mut args = signature.args.iter();
-        let first = args.find(|arg| missing.contains(&arg.name));
-        let words = first.and_then(|arg| Some((arg.name, arg.kind.words()?)));
-        return Err(context.error(match words {
-            Some((name, words)) => {
+        return Err(context.error(match first.kind.words() {
+            Some(words) => {
                 let words = among(words.iter().map(|word| word.name));
-                diagnostic.help(format!("{} is {words}", name.to_uppercase()))
+                diagnostic.help(format!("{} is {words}", first.name.to_uppercase()))
             }
             None => diagnostic,
         }));
@@ -186,18 +166,13 @@ fn surplus(
     signature: &Signature,
     form: fn(&Signature) -> String,
 ) -> Diagnostic {
-    let span = argument.value().span();
-    let places = signature
-        .args
-        .iter()
-        .filter(|arg| arg.place == Place::Positional);
+    let (call, span) = (call.text(), argument.value().span());
+    let places = signature.args.iter();
+    let places = places.filter(|arg| arg.place == Place::Positional);
     let message = match places.count() {
-        0 => format!("`{}` takes its arguments by name", call.text()),
-        1 => format!("`{}` takes one argument without a name", call.text()),
-        n_places => format!(
-            "`{}` takes {n_places} arguments without a name",
-            call.text()
-        ),
+        0 => format!("`{call}` takes its arguments by name"),
+        1 => format!("`{call}` takes one argument without a name"),
+        n_places => format!("`{call}` takes {n_places} arguments without a name"),
     };
     let diagnostic = Diagnostic::new(Code::WrongArguments, span, message)
         .help(format!("write `{}`", form(signature)));

@@ -1,29 +1,22 @@
 //! `cloth grid(55, 44, material: towel)`: how large the cloth is, how it lies, and what it is made of.
 
 use super::context::{Context, Result};
-use super::expressions::{Scope, call, material_name, without_edge};
+use super::expressions::{made, without_edge};
 use super::material;
 use crate::diag::Code;
 use crate::lang::calls::{CLOTHS, SPACING, particle_limits};
 use fab_grammar::Span;
 use fab_grammar::ast::Statement;
 use fab_program::exact::written;
-use fab_program::vocabulary::Kind;
 use fab_program::{Cloth, RECORDED_SPACING_M};
 
 /// Reads the cloth's size and how it lies at the start.
 pub(crate) fn check(statement: Statement<'_>, context: &mut Context<'_>) -> Result<Cloth> {
-    let signatures = CLOTHS.iter().map(|row| &row.signature);
-    let written = statement.value();
-    let (row, args, bound) = call("cloth", written, signatures, Scope::Everywhere, context)?;
+    let (mut cloth, args, bound) = made("cloth", statement.value(), CLOTHS, context)?;
     let message = "a length of the cloth cannot be given in `edge`, the cloth's own side";
     without_edge(&args, &bound, message, context)?;
-    let mut cloth = (CLOTHS[row].make)(&args);
-    if let Some((_, expr)) = bound
-        .iter()
-        .find(|(arg, _)| matches!(arg.kind, Kind::Material))
-    {
-        cloth.material = material::named(material_name(*expr, context)?, context)?;
+    if let Some((_, material)) = material::of_call(&bound, context)? {
+        cloth.material = material;
     }
     let spacing = bound.iter().find(|(arg, _)| arg.name == SPACING.name);
     if let Some((_, expr)) = spacing {

@@ -1,7 +1,7 @@
 //! Conditions: comparisons, `POINT within N of MASK`, `last`, joined by `and`, `or`, `not`.
 
 use super::context::{Context, Declared, Result};
-use super::expressions::{AsPercent, FramedLength, Operand, Scope, keypoint, operand, point};
+use super::expressions::{AsPercent, FramedLength, Operand, keypoint, operand, point};
 use super::names::Meaning;
 use super::quantity::{beyond, no_unit, read};
 use crate::diag::{Code, Diagnostic, Reported, among, every, nearest};
@@ -55,12 +55,8 @@ fn within(within: Within<'_>, context: &mut Context<'_>) -> Result<Condition> {
 fn region(within: Within<'_>, context: &mut Context<'_>) -> Result<String> {
     let shapes = [KeypointShape::Mask, KeypointShape::Box];
     let written = context.loaded.written(within.region().span());
-    let Some(Meaning::Keypoint {
-        shape: Some(KeypointShape::Point),
-        ..
-    }) = context.names.get(written)?
-    else {
-        return keypoint(within.region(), &shapes, Scope::Everywhere, context);
+    let Some(Meaning::Keypoint(Some(KeypointShape::Point), _)) = context.names.get(written)? else {
+        return keypoint(within.region(), &shapes, context);
     };
     let [point, name] = [within.point(), within.region()].map(|it| context.written(it.span()));
     let margin = within.margin().map(|margin| context.written(margin.span()));
@@ -94,7 +90,7 @@ struct Side<'a> {
 fn compare(compare: Compare<'_>, context: &mut Context<'_>) -> Result<Condition> {
     let sign = sign(compare.sign(), context);
     let left = operand(compare.left(), context);
-    if let (Ok(Operand::WordField(_) | Operand::Quadrant { .. }), Expr::Name(word)) =
+    if let (Ok(Operand::WordField(_) | Operand::Quadrant(_)), Expr::Name(word)) =
         (&left, compare.right())
         && context.names.get(word.text())?.is_none()
     {
@@ -151,7 +147,7 @@ fn fixed(
     context: &mut Context<'_>,
 ) -> Declared<Condition> {
     Ok(Some(match (&value.value, &limit.value) {
-        (Operand::Between { a, b, .. }, Operand::Angle { deg, .. }) => {
+        (Operand::Between([a, b], _), Operand::Angle(deg, _)) => {
             let is = order(compare, sign, "angles", context);
             if !ANGLE_BETWEEN.contains(deg.to_radians()) {
                 return Err(beyond(limit.expr, &ANGLE_BETWEEN, context));
@@ -164,24 +160,24 @@ fn fixed(
                 limit_cos: cos_deg(*deg),
             }
         }
-        (Operand::Counted { number, as_percent }, Operand::Number(written)) => {
+        (Operand::Counted(number, as_percent), Operand::Number(written)) => {
             let limit = match as_percent {
                 AsPercent::Yes => written / 100.0,
                 AsPercent::No => *written,
             };
             counted(compare, number, sign, limit, context)?
         }
-        (Operand::WordField(_) | Operand::Quadrant { .. }, Operand::Word(word)) => {
+        (Operand::WordField(_) | Operand::Quadrant(_), Operand::Word(word)) => {
             let mut words = words(&value.value, context)?;
             let Some(at) = words.iter().position(|(known, _)| known == word) else {
                 return Err(never(value, limit, word, &words, context));
             };
             same(compare, together(words.swap_remove(at).1), sign, context)?
         }
-        (Operand::WordField(_), Operand::Quadrant { .. }) => {
+        (Operand::WordField(_), Operand::Quadrant(_)) => {
             quadrant(compare, value, limit, sign, context)?
         }
-        (Operand::Quadrant { .. }, Operand::WordField(_)) => {
+        (Operand::Quadrant(_), Operand::WordField(_)) => {
             quadrant(compare, limit, value, sign, context)?
         }
         _ => return Ok(None),
@@ -282,7 +278,7 @@ fn words(value: &Operand, context: &Context<'_>) -> Result<Words> {
             }
             _ => Vec::new(),
         },
-        Operand::Quadrant { point, about } => {
+        Operand::Quadrant([point, about]) => {
             let sides = [Comparison::Less, Comparison::AtLeast];
             let rows = QUADRANTS.into_iter().zip(sides);
             let all = rows.flat_map(|(words, row)| {
@@ -449,8 +445,7 @@ fn unlike(
         left if left.is_constant() => ("are both constants", FORMS.to_owned()),
         _ => (
             "cannot be compared, because neither is a constant",
-            "one side must be a constant: a number, an angle such as `45deg`, or a word in quotes"
-                .to_owned(),
+            "write a number, an angle such as `45deg`, or a word in quotes on one side".to_owned(),
         ),
     };
     let message = format!("`{a}` and `{b}` {why}");

@@ -2,7 +2,7 @@
 
 use super::names::Names;
 use super::variables::Variables;
-use crate::diag::{Code, Diagnostic, Report, Reported};
+use crate::diag::{Code, Diagnostic, Report, Reported, among};
 use crate::load::Loaded;
 use fab_grammar::Span;
 use fab_grammar::ast::{Expr, Name};
@@ -34,6 +34,8 @@ pub(crate) struct Context<'a> {
     /// The grid that replaces every declared one, if the caller gave one.
     pub grid: Option<[u32; 2]>,
     pub camera: Declared<Camera>,
+    /// How many keypoints may be named: an extractor uses those above its own.
+    pub n_keypoints: usize,
     pub actions: Fields<'a>,
     pub layers: BTreeMap<&'a str, Result<Layer>>,
     /// The layers that the texts of the current stage name.
@@ -80,6 +82,7 @@ impl<'a> Context<'a> {
             cloth: Ok(None),
             grid: None,
             camera: Ok(None),
+            n_keypoints: usize::MAX,
             actions: Fields {
                 list: Vec::new(),
                 complete: Ok(()),
@@ -184,6 +187,42 @@ impl<'a> Context<'a> {
             Some(word) => diagnostic.help(format!("write `{word}`, without quotes")),
             None => diagnostic,
         }
+    }
+
+    /// Reports a value that depends on the previous action if there may be none.
+    ///
+    /// - `guarded`: the beginning of the declaration that can have a condition.
+    pub fn needs_last(&mut self, span: Span, guarded: &str) -> Reported {
+        let message = format!("`{}` is not known in the first step", self.written(span));
+        let help = format!("write `{guarded} when last`");
+        self.refuse(Code::NeedsLast, span, message, help)
+    }
+
+    /// Reports a value that depends on the action before one is proposed.
+    pub fn needs_action(&mut self, span: Span) -> Reported {
+        let written = self.written(span);
+        let message = format!("`{written}` is known only when an action is proposed");
+        let help = "fields of the action can be used in checks and their messages";
+        self.refuse(Code::NotYetKnown, span, message, help)
+    }
+
+    /// Reports the lines that a block must have and does not, all in one error.
+    ///
+    /// - `lines`: the word of each, and whether it is there.
+    pub fn lacking(
+        &mut self,
+        code: Code,
+        (block, span): (&str, Span),
+        lines: &[(&str, bool)],
+        help: &str,
+    ) -> Result<()> {
+        let lacks = lines.iter().filter(|(_, is_there)| !is_there);
+        let lacks: Vec<&str> = lacks.map(|(word, _)| *word).collect();
+        if lacks.is_empty() {
+            return Ok(());
+        }
+        let message = format!("{block} has no {}", among(lacks));
+        Err(self.refuse(code, span, message, help))
     }
 
     /// Reports an expression that is not `expected`.

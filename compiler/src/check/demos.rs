@@ -1,21 +1,19 @@
 //! `demos plan from "double_straight.demos.json"`.
 
-use super::context::{Context, Declared, Result};
+use super::context::{Context, Declared};
 use super::files;
-use super::stage::number_of;
+use super::stage::Prompts;
 use crate::diag::Code;
 use crate::loader::Wanted;
 use crate::merge::Merged;
 use fab_grammar::ast;
-use fab_program::{Demos, Read, Stage};
+use fab_program::{Demos, Read};
 
 /// Reads which demonstrations a stage uses; `None` in a base without stages.
-///
-/// - `stages`: the task's stages, in the order in which they are declared.
 pub(crate) fn check(
     part: ast::Demos<'_>,
     merged: &Merged<'_>,
-    stages: &[Result<Stage>],
+    prompts: &Prompts,
     context: &mut Context<'_>,
 ) -> Declared<Demos> {
     let file = files::named(
@@ -27,8 +25,7 @@ pub(crate) fn check(
     if merged.stages.is_empty() {
         return file.map(|_| None);
     }
-    let number = number_of(part.stage(), merged, context)?;
-    let stage = stages[number].as_ref().map_err(|reported| *reported)?;
+    let (_, stage) = prompts.stage(part.stage(), merged, context)?;
     if stage.read != Read::Action || !stage.show.is_empty() {
         let lacks = if stage.show.is_empty() {
             "does not read the action"

@@ -66,29 +66,20 @@ fn one(
 ) -> Result<Example> {
     let say = once(example.say(), "say", Sayings::span, context.report);
     let reply = once(example.replies(), "reply", Reply::span, context.report);
-    let alone = say.alone.and(reply.alone);
-    let say = required(say.first, "say", example, context).and_then(|say| question(say, context));
+    let lines = [("say", say.is_some()), ("reply", reply.is_some())];
+    let block = ("the example", example.head_span());
+    let help = "it needs both a `say \"…\"` and a `reply \"…\"`";
+    context.lacking(Code::BadExample, block, &lines, help)?;
+    let (Some(say), Some(reply)) = (say, reply) else {
+        unreachable!("an example that lacks nothing has these lines");
+    };
+    let say = question(say, context);
     let images = images(example, reader.role, context);
-    let reply = required(reply.first, "reply", example, context);
-    let reply = reply.and_then(|reply| answer(reply, reader, context));
-    alone?;
+    let reply = answer(reply, reader, context);
     Ok(Example {
         say: say?,
         images: images?,
         reply: reply?,
-    })
-}
-
-fn required<T>(
-    part: Option<T>,
-    what: &str,
-    example: ast::Example<'_>,
-    context: &mut Context<'_>,
-) -> Result<T> {
-    part.ok_or_else(|| {
-        let message = format!("the example has no `{what}`");
-        let help = format!("write `{what} \"…\"`");
-        context.refuse(Code::BadExample, example.head_span(), message, help)
     })
 }
 
@@ -109,20 +100,18 @@ fn images(
     role: Result<ModelRole>,
     context: &mut Context<'_>,
 ) -> Result<Vec<FileRef>> {
-    let mut all = Ok(());
     if let (Some(image), Ok(ModelRole::Text)) = (example.images().next(), role) {
         let message = "the example shows a picture to a text model";
         let help = "write `model vision`, or remove the image";
-        let code = Code::PicturesForTextModel;
-        all = Err(context.refuse(code, image.span(), message, help));
+        context.refuse(Code::PicturesForTextModel, image.span(), message, help);
     }
     let places = example.images().map(Image::span);
     context.at_most(MAX_IMAGES, places, "an example", "images")?;
-    let images = example
-        .images()
-        .map(|image| files::named(image.path(), "an image", Wanted::Picture, context));
-    let images = every(images);
-    all.and(images)
+    every(
+        example
+            .images()
+            .map(|image| files::named(image.path(), "an image", Wanted::Picture, context)),
+    )
 }
 
 fn words(text: Text<'_>, context: &mut Context<'_>) -> Result<LiteralText> {

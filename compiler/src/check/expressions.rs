@@ -5,12 +5,12 @@
 
 use super::arguments::{Bound, bind, form};
 use super::context::{Context, Result};
+use super::files;
 use super::names::Meaning;
 use super::quantity::{
     beyond, measured, no_conversion, no_unit, not_whole, out_of_range, read, read_whole, units_of,
 };
 use super::short_text::colour_name;
-use super::{files, missing_action};
 use crate::diag::{Code, Diagnostic, Reported, among, nearest};
 use crate::lang::calls::CLOTH_POINTS;
 use crate::loader::Wanted;
@@ -19,22 +19,15 @@ use fab_program::Depends;
 use fab_program::exact::{normalised_deg, vector_of};
 use fab_program::measures::{MEASURES, Measure};
 use fab_program::units::{self, Dimension, Unit};
-use fab_program::vocabulary::{ArgValue, Args, Default, Kind, Place, Range, Signature, Word};
+use fab_program::vocabulary::{
+    ArgValue, Args, CallOf, Default, Kind, Place, Range, Signature, Word,
+};
 use fab_program::{
     ActionField, Choices, ClothPoint, Colour, End, Face, Heading, KeypointShape, Length, Number,
     PixelPoint, Point, Spot,
 };
 
 // ---- calls ---------------------------------------------------------------------------------------
-
-/// Which keypoints a call may name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Scope {
-    /// Those declared above the keypoint of this index.
-    Above(usize),
-    /// All of them.
-    Everywhere,
-}
 
 /// Reads a call by the row of its name that fits best.
 ///
@@ -43,7 +36,6 @@ pub(crate) fn call<'a>(
     kind: &str,
     expr: Expr<'a>,
     rows: impl Iterator<Item = &'static Signature> + Clone,
-    scope: Scope,
     context: &mut Context<'_>,
 ) -> Result<(usize, Args, Bound<'a>)> {
     let Expr::Call(call) = expr else {
@@ -68,8 +60,20 @@ pub(crate) fn call<'a>(
         return Err(context.unknown(kind, call.name(), rows.map(|row| row.name)));
     };
     let bound = bind(call, signature, Signature::form, context)?;
-    let values = self::values(&bound, signature, scope, context)?;
+    let values = self::values(&bound, signature, context)?;
     Ok((row, values, bound))
+}
+
+/// Reads a call of a table, and makes its part of the program.
+pub(crate) fn made<'a, T>(
+    kind: &str,
+    expr: Expr<'a>,
+    rows: &'static [CallOf<T>],
+    context: &mut Context<'_>,
+) -> Result<(T, Args, Bound<'a>)> {
+    let signatures = rows.iter().map(|row| &row.signature);
+    let (row, args, bound) = call(kind, expr, signatures, context)?;
+    Ok(((rows[row].make)(&args), args, bound))
 }
 
 /// Reports a length in `edge`, the only unit without a size where there is no cloth yet.
@@ -93,7 +97,6 @@ pub(super) fn without_edge(
 pub(super) fn values(
     bound: &Bound<'_>,
     signature: &Signature,
-    scope: Scope,
     context: &mut Context<'_>,
 ) -> Result<Args> {
     let mut values = Vec::with_capacity(signature.args.len());
@@ -103,7 +106,7 @@ pub(super) fn values(
         if all.is_err() && arg.place == Place::Rest && index > 0 {
             break;
         }
-        match argument(*expr, arg.kind, scope, context) {
+        match argument(*expr, arg.kind, context) {
             Ok(value) => values.push((arg.name, value)),
             Err(reported) => all = Err(reported),
         }
@@ -132,12 +135,7 @@ fn by_default(default: Default, context: &Context<'_>) -> Result<ArgValue> {
 }
 
 /// Reads one argument by its kind.
-pub(super) fn argument(
-    expr: Expr<'_>,
-    kind: Kind,
-    scope: Scope,
-    context: &mut Context<'_>,
-) -> Result<ArgValue> {
+pub(super) fn argument(expr: Expr<'_>, kind: Kind, context: &mut Context<'_>) -> Result<ArgValue> {
     Ok(match kind {
         Kind::Quantity(range) => ArgValue::Number(read(expr, &range, context)?),
         Kind::Whole(range) => ArgValue::Number(read_whole(expr, &range, context)?),
@@ -151,7 +149,7 @@ pub(super) fn argument(
         Kind::Between(range) => ArgValue::Between(between(expr, &range, context)?),
         Kind::Word(words) => ArgValue::Word(word(expr, words, context)?),
         Kind::NameOf { noun, words } => ArgValue::Word(name_of(expr, noun, words, context)?),
-        Kind::Keypoint(shapes) => ArgValue::Name(keypoint(expr, shapes, scope, context)?),
+        Kind::Keypoint(shapes) => ArgValue::Name(keypoint(expr, shapes, context)?),
         Kind::DepthLimit(range) => ArgValue::Number(depth_limit(expr, &range, context)?),
         Kind::Pixel => ArgValue::Pixel(pixel_in_picture(expr, context)?),
         Kind::Point => ArgValue::Point(point(expr, context)?),
@@ -345,38 +343,35 @@ fn depth_limit(expr: Expr<'_>, range: &Range, context: &mut Context<'_>) -> Resu
 pub(super) fn keypoint(
     expr: Expr<'_>,
     shapes: &[KeypointShape],
-    scope: Scope,
     context: &mut Context<'_>,
 ) -> Result<String> {
     let words: Vec<&str> = shapes.iter().map(|shape| shape.words()).collect();
     let words = words.join(" or ");
     let Expr::Name(name) = expr else {
-        return Err(match (scope, expr) {
-            (Scope::Above(_), Expr::Call(_)) => {
+        let is_extractor = context.n_keypoints < usize::MAX;
+        return Err(match expr {
+            Expr::Call(_) if is_extractor => {
                 let message = format!("expected the name of {words}");
                 let written = context.written(expr.span());
                 let help = format!("declare it above, `NAME = {written}`, and write `NAME` here");
                 context.refuse(Code::WrongForm, expr.span(), message, help)
             }
-            (Scope::Above(_), _) => context.wrong(Code::WrongForm, expr, &words, None),
-            (Scope::Everywhere, _) => context.wrong(Code::WrongExpression, expr, &words, None),
+            _ if is_extractor => context.wrong(Code::WrongForm, expr, &words, None),
+            _ => context.wrong(Code::WrongExpression, expr, &words, None),
         });
     };
-    let is_above = |place| match scope {
-        Scope::Above(below) => place < below,
-        Scope::Everywhere => true,
-    };
-    let Some(Meaning::Keypoint { shape, place }) = context.names.get(name.text())? else {
+    let n_keypoints = context.n_keypoints;
+    let Some(Meaning::Keypoint(shape, place)) = context.names.get(name.text())? else {
         let candidates = context.names.that(|meaning| match meaning {
-            Meaning::Keypoint { shape, place } => {
-                shape.is_some_and(|shape| shapes.contains(&shape)) && is_above(place)
+            Meaning::Keypoint(shape, place) => {
+                place < n_keypoints && shape.is_some_and(|shape| shapes.contains(&shape))
             }
             _ => false,
         });
         let kinds: Vec<&str> = shapes.iter().map(|shape| shape.name()).collect();
         return Err(context.unknown(&kinds.join(" or "), name, candidates));
     };
-    if !is_above(place) {
+    if place >= n_keypoints {
         let message = format!("`{}` is declared further down", name.text());
         let help = "an extractor can use only the keypoints above it";
         return Err(context.refuse(Code::NotYetKnown, name.span(), message, help));
@@ -405,8 +400,17 @@ pub(super) fn wrong_kind(
 /// The range of a pixel's numbers: the largest picture that is read.
 pub(crate) const PIXEL: Range = Range::new("a pixel", (0.0, "px"), (8191.0, "px"));
 
+/// Reads a pixel, which may lie outside of the picture.
+pub(super) fn pixel(expr: Expr<'_>, context: &mut Context<'_>) -> Result<PixelPoint> {
+    let Expr::Pair(pair) = expr else {
+        let help = Some("write `(40px, 52px)`");
+        return Err(context.wrong(Code::WrongForm, expr, "a pixel", help));
+    };
+    pixel_of(pair.parts(), context)
+}
+
 /// Reads the two numbers of a pixel.
-pub(super) fn pixel([u, v]: [Expr<'_>; 2], context: &mut Context<'_>) -> Result<PixelPoint> {
+pub(super) fn pixel_of([u, v]: [Expr<'_>; 2], context: &mut Context<'_>) -> Result<PixelPoint> {
     let u = read_whole(u, &PIXEL, context);
     let v = read_whole(v, &PIXEL, context);
     Ok(PixelPoint::new(u? as i32, v? as i32))
@@ -414,11 +418,7 @@ pub(super) fn pixel([u, v]: [Expr<'_>; 2], context: &mut Context<'_>) -> Result<
 
 /// Reads a pixel in the camera's picture.
 pub(super) fn pixel_in_picture(expr: Expr<'_>, context: &mut Context<'_>) -> Result<PixelPoint> {
-    let Expr::Pair(pair) = expr else {
-        let help = Some("write `(40px, 52px)`");
-        return Err(context.wrong(Code::WrongForm, expr, "a pixel", help));
-    };
-    let pixel = pixel(pair.parts(), context)?;
+    let pixel = pixel(expr, context)?;
     if let Ok(Some(camera)) = &context.camera
         && pixel.u.max(pixel.v) >= camera.image_px as i32
     {
@@ -447,8 +447,7 @@ pub(super) fn cloth_point(expr: Expr<'_>, context: &mut Context<'_>) -> Result<C
         let known = rows.map(|row| row.name).chain(["center"]);
         return Err(context.error(diagnostic.suggest(name.text(), known, "")));
     }
-    let scope = Scope::Everywhere;
-    let (row, args, bound) = call("point of the cloth", expr, rows, scope, context)?;
+    let (point, args, bound) = made("point of the cloth", expr, CLOTH_POINTS, context)?;
     let mut given = args.0.iter().zip(&bound);
     let center = ArgValue::ClothPoint(ClothPoint::Center);
     if let Some((_, (_, expr))) = given.find(|((_, value), _)| *value == center) {
@@ -456,7 +455,7 @@ pub(super) fn cloth_point(expr: Expr<'_>, context: &mut Context<'_>) -> Result<C
         let help = "write `point(0.5, 0.5)` for the middle of the cloth";
         return Err(context.refuse(Code::WrongForm, expr.span(), message, help));
     }
-    Ok((CLOTH_POINTS[row].make)(&args))
+    Ok(point)
 }
 
 // ---- values --------------------------------------------------------------------------------------
@@ -468,45 +467,24 @@ pub(super) fn cloth_point(expr: Expr<'_>, context: &mut Context<'_>) -> Result<C
 pub(crate) enum Operand {
     Length(FramedLength),
     /// A constant angle, degrees, and the unit that it is written in.
-    Angle {
-        deg: f64,
-        unit: &'static Unit,
-    },
-    Between {
-        a: Heading,
-        b: Heading,
-        unit: &'static Unit,
-    },
+    Angle(f64, &'static Unit),
+    /// The angle between two directions, and the unit that it is written in.
+    Between([Heading; 2], &'static Unit),
     Number(f64),
-    Counted {
-        number: Number,
-        as_percent: AsPercent,
-    },
+    Counted(Number, AsPercent),
     Point(Point),
     Heading(Heading),
     /// A field that is a word.
     WordField(String),
-    /// The word for where a point lies, seen from another.
-    Quadrant {
-        point: Point,
-        about: Point,
-    },
+    /// The word for where the first point lies, seen from the second.
+    Quadrant([Point; 2]),
     Word(String),
     /// The choice of a direction field that is nearest to a direction.
-    Nearest {
-        field: String,
-        to: Heading,
-    },
+    Nearest(String, Heading),
     /// A keypoint that is not one point.
-    Keypoint {
-        name: String,
-        shape: KeypointShape,
-    },
+    Keypoint(String, KeypointShape),
     /// A text that the stage with this index reads.
-    Text {
-        name: String,
-        stage: usize,
-    },
+    Text(String, usize),
     /// A layer that is drawn on the camera's picture.
     Layer(String),
 }
@@ -516,7 +494,7 @@ impl Operand {
     pub fn is_constant(&self) -> bool {
         matches!(
             self,
-            Operand::Angle { .. } | Operand::Number(_) | Operand::Word(_)
+            Operand::Angle(..) | Operand::Number(_) | Operand::Word(_)
         )
     }
 
@@ -524,7 +502,7 @@ impl Operand {
     pub fn unit(&self) -> Option<&'static Unit> {
         match self {
             Operand::Length(length) => Some(length.unit),
-            Operand::Angle { unit, .. } | Operand::Between { unit, .. } => Some(unit),
+            Operand::Angle(_, unit) | Operand::Between(_, unit) => Some(unit),
             _ => None,
         }
     }
@@ -533,15 +511,15 @@ impl Operand {
     pub fn noun(&self) -> &'static str {
         match self {
             Operand::Length(FramedLength { unit, .. })
-            | Operand::Angle { unit, .. }
-            | Operand::Between { unit, .. } => unit.dimension.noun(),
-            Operand::Number(_) | Operand::Counted { .. } => "a number",
+            | Operand::Angle(_, unit)
+            | Operand::Between(_, unit) => unit.dimension.noun(),
+            Operand::Number(_) | Operand::Counted(..) => "a number",
             Operand::Point(_) => "a point",
             Operand::Heading(_) => "a direction",
-            Operand::WordField(_) | Operand::Quadrant { .. } | Operand::Word(_) => "a word",
-            Operand::Nearest { .. } => "a choice, only for texts",
-            Operand::Keypoint { shape, .. } => shape.words(),
-            Operand::Text { .. } => "a text",
+            Operand::WordField(_) | Operand::Quadrant(_) | Operand::Word(_) => "a word",
+            Operand::Nearest(..) => "a choice, only for texts",
+            Operand::Keypoint(_, shape) => shape.words(),
+            Operand::Text(..) => "a text",
             Operand::Layer(_) => "a layer",
         }
     }
@@ -566,6 +544,15 @@ pub(crate) struct FramedLength {
 }
 
 impl FramedLength {
+    /// Makes a length that comes from where its unit measures.
+    fn new(length: Length, unit: &'static Unit) -> FramedLength {
+        FramedLength {
+            length,
+            native: unit.dimension,
+            unit,
+        }
+    }
+
     /// Returns the length in pixels or in metres. A measure of the picture stays in pixels.
     pub fn in_frame(&self, frame: Dimension, context: &Context<'_>) -> Result<Length> {
         let [from_picture, to_picture] = [self.native, frame].map(|it| it == Dimension::Pixels);
@@ -626,13 +613,8 @@ pub(crate) fn point(expr: Expr<'_>, context: &mut Context<'_>) -> Result<Point> 
 /// Reads a point of a drawing, which must be known before an action is proposed.
 fn spot(expr: Expr<'_>, context: &mut Context<'_>) -> Result<Spot> {
     match value(expr, &POINT, context)? {
-        Operand::Keypoint {
-            name,
-            shape: KeypointShape::Points,
-        } => Ok(Spot::Points { keypoint: name }),
-        Operand::Point(point) if point.uses().action => {
-            Err(missing_action::needs_action(expr.span(), context))
-        }
+        Operand::Keypoint(name, KeypointShape::Points) => Ok(Spot::Points { keypoint: name }),
+        Operand::Point(point) if point.uses().action => Err(context.needs_action(expr.span())),
         Operand::Point(point) => Ok(Spot::One { point }),
         other => Err(mismatch(expr, &POINT, &other, context)),
     }
@@ -642,7 +624,7 @@ fn spot(expr: Expr<'_>, context: &mut Context<'_>) -> Result<Spot> {
 pub(crate) fn heading(expr: Expr<'_>, context: &mut Context<'_>) -> Result<Heading> {
     match value(expr, &DIRECTION, context)? {
         Operand::Heading(heading) => Ok(heading),
-        Operand::Angle { deg, .. } => Ok(Heading::Constant {
+        Operand::Angle(deg, _) => Ok(Heading::Constant {
             vector: vector_of(normalised_deg(deg)),
         }),
         other => Err(mismatch(expr, &DIRECTION, &other, context)),
@@ -652,7 +634,7 @@ pub(crate) fn heading(expr: Expr<'_>, context: &mut Context<'_>) -> Result<Headi
 /// Returns a constant direction, in degrees within one turn.
 pub(crate) fn fixed_deg(expr: Expr<'_>, context: &mut Context<'_>) -> Result<f64> {
     match constant(expr, context)? {
-        Operand::Angle { deg, .. } => Ok(normalised_deg(deg)),
+        Operand::Angle(deg, _) => Ok(normalised_deg(deg)),
         other => {
             let message = format!("expected a direction, found {}", other.noun());
             let help = "write an angle such as `45deg`, counter-clockwise from the image's right";
@@ -681,11 +663,13 @@ fn mismatch(
     found: &Operand,
     context: &mut Context<'_>,
 ) -> Reported {
-    let noun = format!("a {}", expected.noun);
-    if let Expr::Name(name) = expr {
-        return wrong_kind(name, &noun, found.noun(), context);
-    }
-    context.wrong(Code::WrongExpression, expr, &noun, Some(expected.help))
+    let code = match expr {
+        Expr::Name(_) if expected.noun == POINT.noun => Code::WrongKindOfName,
+        _ => Code::WrongExpression,
+    };
+    let diagnostic = context.unexpected(code, expr, &format!("a {}", expected.noun));
+    let found = format!("this is {}", found.noun());
+    context.error(diagnostic.label(found).help(expected.help))
 }
 
 /// Reads what an expression stands for.
@@ -729,31 +713,25 @@ fn named(name: Name<'_>, expected: &Expected, context: &mut Context<'_>) -> Resu
             Some(field) => of_field(field),
             None => carried(name, context).map(Operand::Point)?,
         },
-        Some(Meaning::Keypoint {
-            shape: Some(KeypointShape::Point),
-            ..
-        }) => Operand::Point(Point::Keypoint { name: text }),
-        Some(Meaning::Keypoint {
-            shape: Some(shape), ..
-        }) => Operand::Keypoint { name: text, shape },
-        Some(Meaning::Text { stage }) => Operand::Text { name: text, stage },
+        Some(Meaning::Keypoint(Some(KeypointShape::Point), _)) => {
+            Operand::Point(Point::Keypoint { name: text })
+        }
+        Some(Meaning::Keypoint(Some(shape), _)) => Operand::Keypoint(text, shape),
+        Some(Meaning::Text(stage)) => Operand::Text(text, stage),
         Some(Meaning::Layer) => Operand::Layer(text),
-        None if text == "step" => Operand::Counted {
-            number: Number::Step,
-            as_percent: AsPercent::No,
-        },
+        None if text == "step" => Operand::Counted(Number::Step, AsPercent::No),
         None if text == "last" => {
             let message = "`last` is a condition, not a point";
             let help = "write `last.pick` or `last.place`";
             return Err(context.refuse(Code::WrongExpression, name.span(), message, help));
         }
-        Some(Meaning::Keypoint { shape: None, .. }) | None => {
+        Some(Meaning::Keypoint(None, _)) | None => {
             let is_any = expected.noun == VALUE.noun;
             let candidates = context.names.that(|meaning| match meaning {
                 Meaning::Field => true,
-                Meaning::Keypoint { shape, .. } => shape == Some(KeypointShape::Point),
+                Meaning::Keypoint(shape, _) => shape == Some(KeypointShape::Point),
                 Meaning::Constant(_) => is_any,
-                Meaning::Text { .. } | Meaning::Layer => false,
+                Meaning::Text(_) | Meaning::Layer => false,
             });
             return Err(context.unknown(expected.noun, name, candidates));
         }
@@ -764,14 +742,13 @@ fn named(name: Name<'_>, expected: &Expected, context: &mut Context<'_>) -> Resu
 fn of_field(field: &ActionField) -> Operand {
     let name = field.name.clone();
     match &field.choices {
-        Choices::Lengths { unit, .. } => Operand::Length(FramedLength {
-            length: Length::Field {
-                field: name,
-                scale: 1.0,
-            },
-            native: unit.dimension,
-            unit: unit.row(),
-        }),
+        Choices::Lengths { unit, .. } => {
+            let (field, scale) = (name, 1.0);
+            Operand::Length(FramedLength::new(
+                Length::Field { field, scale },
+                unit.row(),
+            ))
+        }
         Choices::Directions { .. } => Operand::Heading(Heading::Field { field: name }),
         Choices::Words { .. } => Operand::WordField(name),
         Choices::Points { .. } | Choices::Region { .. } => {
@@ -825,8 +802,7 @@ fn carried(name: Name<'_>, context: &mut Context<'_>) -> Result<Point> {
 /// Reads a measure: `distance(pick, place)`.
 fn measure(call: Call<'_>, context: &mut Context<'_>) -> Result<Operand> {
     let signatures = MEASURES.iter().map(|row| &row.signature);
-    let scope = Scope::Everywhere;
-    let (row, args, _) = self::call("measure", Expr::Call(call), signatures, scope, context)?;
+    let (row, args, _) = self::call("measure", Expr::Call(call), signatures, context)?;
     let px_per_m = context.px_per_m();
     let flat_px = context
         .area_m2()
@@ -834,23 +810,12 @@ fn measure(call: Call<'_>, context: &mut Context<'_>) -> Result<Operand> {
     // A task with an error in its cloth or camera never becomes a program, so the size does not matter.
     Ok(
         match MEASURES[row].measure(&args, flat_px.unwrap_or(f64::NAN)) {
-            Measure::Length(length) => Operand::Length(FramedLength {
-                length,
-                native: Dimension::Pixels,
-                unit: &units::PX,
-            }),
-            Measure::Angle { a, b } => Operand::Between {
-                a,
-                b,
-                unit: &units::DEG,
-            },
-            Measure::Number(number) => Operand::Counted {
-                number,
-                as_percent: AsPercent::No,
-            },
+            Measure::Length(length) => Operand::Length(FramedLength::new(length, &units::PX)),
+            Measure::Angle { a, b } => Operand::Between([a, b], &units::DEG),
+            Measure::Number(number) => Operand::Counted(number, AsPercent::No),
             Measure::Point(point) => Operand::Point(point),
-            Measure::Quadrant { point, about } => Operand::Quadrant { point, about },
-            Measure::Nearest { field, to } => Operand::Nearest { field, to },
+            Measure::Quadrant { point, about } => Operand::Quadrant([point, about]),
+            Measure::Nearest { field, to } => Operand::Nearest(field, to),
         },
     )
 }
@@ -874,21 +839,12 @@ fn constant(expr: Expr<'_>, context: &mut Context<'_>) -> Result<Operand> {
             Err(out_of_range(expr, &help, context))
         }
         Dimension::Pixels | Dimension::Length | Dimension::Speed => {
-            Ok(Operand::Length(FramedLength {
-                length: Length::Constant { value: found.value },
-                native: unit.dimension,
-                unit,
-            }))
+            let length = Length::Constant { value: found.value };
+            Ok(Operand::Length(FramedLength::new(length, unit)))
         }
-        Dimension::Angle | Dimension::Number => Ok(Operand::Angle {
-            // Converting through radians would make whole degrees inexact.
-            deg: if *unit == units::DEG {
-                found.number
-            } else {
-                found.value.to_degrees()
-            },
-            unit,
-        }),
+        // Converting through radians would make whole degrees inexact.
+        Dimension::Angle if *unit == units::DEG => Ok(Operand::Angle(found.number, unit)),
+        Dimension::Angle | Dimension::Number => Ok(Operand::Angle(found.value.to_degrees(), unit)),
         Dimension::ArealDensity => {
             let message = "nothing in a task weighs anything";
             let help = "only a `material` states a mass per area";
@@ -898,17 +854,14 @@ fn constant(expr: Expr<'_>, context: &mut Context<'_>) -> Result<Operand> {
 }
 
 fn convert(value: Operand, target: Name<'_>, context: &mut Context<'_>) -> Result<Operand> {
-    if let Operand::Counted { number, .. } = &value
+    if let Operand::Counted(number, _) = &value
         && !number.is_whole()
     {
         if target.text() != "percent" {
             let fitting = vec!["percent"];
             return Err(no_conversion(target, value.noun(), fitting, context));
         }
-        return Ok(Operand::Counted {
-            number: number.clone(),
-            as_percent: AsPercent::Yes,
-        });
+        return Ok(Operand::Counted(number.clone(), AsPercent::Yes));
     }
     let dimensions: &[Dimension] = match value.unit().map(|unit| unit.dimension) {
         Some(Dimension::Length | Dimension::Pixels) => &[Dimension::Length, Dimension::Pixels],
@@ -921,8 +874,8 @@ fn convert(value: Operand, target: Name<'_>, context: &mut Context<'_>) -> Resul
         (Operand::Length(length), Some(unit)) => {
             Ok(Operand::Length(FramedLength { unit, ..length }))
         }
-        (Operand::Angle { deg, .. }, Some(unit)) => Ok(Operand::Angle { deg, unit }),
-        (Operand::Between { a, b, .. }, Some(unit)) => Ok(Operand::Between { a, b, unit }),
+        (Operand::Angle(deg, _), Some(unit)) => Ok(Operand::Angle(deg, unit)),
+        (Operand::Between([a, b], _), Some(unit)) => Ok(Operand::Between([a, b], unit)),
         (value, _) => {
             let fitting = units_of(dimensions);
             Err(no_conversion(target, value.noun(), fitting, context))

@@ -1,7 +1,7 @@
 //! `const reach = 0.2edge` and `keypoints { cloth = mask(depth < 646mm) … }`.
 
 use super::context::{Context, Result};
-use super::expressions::{Scope, call};
+use super::expressions::call;
 use super::names::Meaning;
 use super::quantity::unit;
 use crate::diag::{Code, every};
@@ -44,7 +44,7 @@ pub(crate) fn check<'a>(merged: &Merged<'a>, context: &mut Context<'a>) -> Resul
         let name = declared.name().text();
         let found = keypoint(declared, merged, context);
         // Without a shape, nothing can be said about where it is used.
-        if let (Err(reported), Ok(Some(Meaning::Keypoint { shape: None, .. }))) =
+        if let (Err(reported), Ok(Some(Meaning::Keypoint(None, _)))) =
             (&found, context.names.get(name))
         {
             context.names.fail(name, *reported);
@@ -60,9 +60,10 @@ fn keypoint(
 ) -> Result<Keypoint> {
     let name = declared.name().text();
     let signatures = EXTRACTORS.iter().map(|row| &row.call.signature);
-    let scope = Scope::Above(merged.keypoints.place(name).unwrap_or_default());
-    let (row, args, _) = call("extractor", declared.value(), signatures, scope, context)?;
-    context.names.get(name)?;
+    context.n_keypoints = merged.keypoints.place(name).unwrap_or_default();
+    let called = call("extractor", declared.value(), signatures, context);
+    context.n_keypoints = usize::MAX;
+    let (row, args, _) = called?;
     Ok(Keypoint {
         name: name.to_owned(),
         moment: moment(&args),

@@ -1,15 +1,15 @@
 //! `material NAME { weight 420g/m2 from "…" … }`: what a cloth is made of.
 
-use super::arguments::{bind, form};
+use super::arguments::{Bound, bind, form};
 use super::context::{Context, Result};
-use super::expressions::{Scope, values, without_edge};
+use super::expressions::{material_name, values, without_edge};
 use super::short_text::line;
-use crate::diag::{Code, Diagnostic, Report, among};
+use crate::diag::{Code, Diagnostic};
 use crate::lang::material::{self, PROPERTIES};
-use crate::load::Loaded;
 use crate::merge::repeated;
 use fab_grammar::ast::{self, Name, Text};
 use fab_program::data::material::{Directions, RECORDED, Source};
+use fab_program::vocabulary::Kind;
 use fab_program::{Colour, Face, Material};
 use std::collections::BTreeMap;
 
@@ -55,21 +55,19 @@ pub(crate) fn check(declared: ast::Material<'_>, context: &mut Context<'_>) -> R
             all = Err(reported);
         }
     }
-    let rows = PROPERTIES.iter().map(|row| (row, row.call.signature.name));
-    let missing = rows.filter(|(row, name)| row.face.is_none() && !given.contains_key(name));
-    let missing: Vec<&str> = missing.map(|(_, name)| name).collect();
     // A misspelt property is not missing too.
-    if all.is_ok() && !missing.is_empty() {
-        let lacks = among(missing.iter().copied()).replace(" or ", " and ");
-        let message = format!("the material `{}` lacks {lacks}", name.text());
-        let first = PROPERTIES
-            .iter()
-            .find(|row| row.call.signature.name == missing[0]);
-        let form = first.map_or_else(String::new, |row| material::form(&row.call.signature));
-        let help = format!("write `{form}`");
-        all = Err(context.refuse(Code::MaterialIncomplete, name.span(), message, help));
-    }
-    all.map(|()| material)
+    all?;
+    let needed = PROPERTIES.iter().filter(|row| row.face.is_none());
+    let needed = needed.map(|row| &row.call.signature);
+    let mut missing = needed.clone().filter(|it| !given.contains_key(it.name));
+    let form = missing.next().map(material::form).unwrap_or_default();
+    let lines: Vec<_> = needed
+        .map(|it| (it.name, given.contains_key(it.name)))
+        .collect();
+    let block = format!("the material `{}`", name.text());
+    let (code, block) = (Code::MaterialIncomplete, (block.as_str(), name.span()));
+    context.lacking(code, block, &lines, &format!("write `{form}`"))?;
+    Ok(material)
 }
 
 /// Reads one property into a material.
@@ -89,7 +87,7 @@ fn set(
     let row = &PROPERTIES[index];
     let written = material::form(signature);
     let bound = bind(call, signature, material::form, context)?;
-    let args = values(&bound, signature, Scope::Everywhere, context)?;
+    let args = values(&bound, signature, context)?;
     let message = "a material has no `edge`: cloths of many sizes are made of it";
     without_edge(&args, &bound, message, context)?;
     (row.call.make)(material, &args);
@@ -149,8 +147,21 @@ fn rgb(text: Text<'_>, context: &mut Context<'_>) -> Result<[u8; 3]> {
     Ok([red, green, blue])
 }
 
-/// Reads the material of which a cloth states the name; `None` is the recorded cloth.
-pub(super) fn named(name: Name<'_>, context: &mut Context<'_>) -> Result<Option<Material>> {
+/// Reads the material that a call names, with that name; `None` if it names none.
+pub(super) fn of_call<'a>(
+    bound: &Bound<'a>,
+    context: &mut Context<'_>,
+) -> Result<Option<(Name<'a>, Option<Material>)>> {
+    let mut materials = bound.iter();
+    let Some((_, expr)) = materials.find(|(arg, _)| matches!(arg.kind, Kind::Material)) else {
+        return Ok(None);
+    };
+    let name = material_name(*expr, context)?;
+    Ok(Some((name, named(name, context)?)))
+}
+
+/// Reads the material of this name; `None` is the recorded cloth.
+fn named(name: Name<'_>, context: &mut Context<'_>) -> Result<Option<Material>> {
     if name.text() == RECORDED {
         return Ok(None);
     }
@@ -174,24 +185,4 @@ pub(super) fn named(name: Name<'_>, context: &mut Context<'_>) -> Result<Option<
     }
     let help = "the shipped ones need `use \"lib/materials.fab\"` at the top of this file";
     Err(context.error(diagnostic.help(help)))
-}
-
-/// Warns of the materials of the first file that no cloth is made of. A file without tasks declares them for others.
-pub(crate) fn unused(loaded: &Loaded<'_>, report: &mut Report) {
-    let entry = loaded.entry();
-    if entry.tasks.is_empty() {
-        return;
-    }
-    for material in &entry.materials {
-        let name = material.name();
-        if !loaded.is_used(name.text()) {
-            let message = format!("nothing uses the material `{}`", name.text());
-            let diagnostic = Diagnostic::new(Code::UnusedName, name.span(), message);
-            let help = format!(
-                "remove it, or write it into a cloth: `square(340mm, material: {})`",
-                name.text()
-            );
-            report.remark(diagnostic.help(help));
-        }
-    }
 }

@@ -25,7 +25,6 @@ mod goal;
 mod horizon;
 mod keypoints;
 mod material;
-mod missing_action;
 mod names;
 mod picker;
 mod placeholders;
@@ -109,13 +108,7 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
             report.remark(diagnostic);
         }
     }
-    if !loaded.is_malformed(loaded.entry().id) {
-        material::unused(loaded, report);
-    }
-    // Otherwise an error may be why.
-    if report.has_errors().is_ok() {
-        experts::unused(loaded, report);
-    }
+    unused::outside_of_tasks(loaded, report);
     checked
 }
 

@@ -18,15 +18,11 @@ pub(crate) const RESERVED: [&str; 5] = ["last", "step", "scene", "depth", "unrea
 pub(crate) enum Meaning<'a> {
     /// A constant with its value.
     Constant(Expr<'a>),
-    /// A keypoint.
-    Keypoint {
-        /// `None` if its declaration is wrong; once that is reported, the name has no meaning.
-        shape: Option<KeypointShape>,
-        /// Its place among all keypoints.
-        place: usize,
-    },
+    /// A keypoint with its shape and its place among all keypoints. It has no shape if its declaration is wrong; once that
+    /// is reported, the name has no meaning.
+    Keypoint(Option<KeypointShape>, usize),
     /// A text that the stage with this index reads.
-    Text { stage: usize },
+    Text(usize),
     /// A field of the action.
     Field,
     /// A layer that is drawn on the camera's picture.
@@ -37,8 +33,8 @@ impl Meaning<'_> {
     fn noun(&self) -> &'static str {
         match self {
             Meaning::Constant(_) => "constant",
-            Meaning::Keypoint { .. } => "keypoint",
-            Meaning::Text { .. } => "text",
+            Meaning::Keypoint(..) => "keypoint",
+            Meaning::Text(_) => "text",
             Meaning::Field => "field",
             Meaning::Layer => "layer",
         }
@@ -66,7 +62,7 @@ impl<'a> Names<'a> {
                 let diagnostic = declared_twice(kind, name.text(), first.span(), name.span());
                 Err(report.error(diagnostic))
             } else if RESERVED.contains(&name.text())
-                && matches!(meaning, Meaning::Constant(_) | Meaning::Keypoint { .. })
+                && matches!(meaning, Meaning::Constant(_) | Meaning::Keypoint(..))
             {
                 let message = format!("`{}` is a reserved name", name.text());
                 let help = format!("choose another name for the {kind}");
@@ -116,7 +112,7 @@ fn declared<'a>(merged: &Merged<'a>) -> Vec<(Name<'a>, Meaning<'a>)> {
         let shape = shape(keypoint.value());
         let place = merged.keypoints.place(keypoint.name().text());
         let place = place.unwrap_or_default();
-        (keypoint.name(), Meaning::Keypoint { shape, place })
+        (keypoint.name(), Meaning::Keypoint(shape, place))
     });
     let fields = merged.actions().into_iter().flat_map(|part| part.fields());
     let fields = fields.map(|field| (field.name(), Meaning::Field));
@@ -125,7 +121,7 @@ fn declared<'a>(merged: &Merged<'a>) -> Vec<(Name<'a>, Meaning<'a>)> {
         let mut seen = BTreeSet::from(["action"]);
         let names = part.read().map(|read| read.name());
         let names = names.filter(move |name| seen.insert(name.text()));
-        names.map(move |name| (name, Meaning::Text { stage }))
+        names.map(move |name| (name, Meaning::Text(stage)))
     });
     let layers = merged.annotate().into_iter().flat_map(|part| part.list());
     let layers = layers.map(|layer| (layer.name(), Meaning::Layer));

@@ -1,7 +1,7 @@
 //! `picker drop`, `picker put_down(lift: 100mm)`: how the gripper carries and releases the cloth.
 
 use super::context::{Context, Result};
-use super::expressions::{Scope, call, name_of};
+use super::expressions::{made, name_of};
 use crate::diag::{Code, Diagnostic};
 use crate::lang::calls::PICKERS;
 use crate::merge::Merged;
@@ -21,9 +21,8 @@ pub(crate) fn check(
             Manner::default(),
         ));
     };
-    let rows = PICKERS.iter().map(|row| &row.signature);
-    let (row, args, _) = call("picker", written, rows, Scope::Everywhere, context)?;
-    Ok((PICKERS[row].make)(&args))
+    let (picker, ..) = made("picker", written, PICKERS, context)?;
+    Ok(picker)
 }
 
 /// Reports a field that the picker states for every action, and that the model is asked for too.

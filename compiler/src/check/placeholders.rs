@@ -6,7 +6,6 @@
 
 use super::context::{Context, Result};
 use super::expressions::{AsPercent, FramedLength, Operand, operand, wrong_kind};
-use super::missing_action::{needs_action, needs_last};
 use super::names::Meaning;
 use super::quantity::size;
 use crate::diag::Code;
@@ -65,7 +64,7 @@ impl TextScope<'_> {
         if self.has_last || self.place == TextPlace::Nowhere {
             return Ok(());
         }
-        Err(needs_last(span, self.guarded, context))
+        Err(context.needs_last(span, self.guarded))
     }
 }
 
@@ -189,7 +188,7 @@ fn resolve(expr: Expr<'_>, scope: TextScope<'_>, context: &mut Context<'_>) -> R
     if let Resolved::Later(value) = &resolved {
         let uses = value.uses();
         if uses.action && matches!(scope.place, TextPlace::Stage(_) | TextPlace::Result) {
-            return Err(needs_action(expr.span(), context));
+            return Err(context.needs_action(expr.span()));
         }
         if uses.last {
             scope.require_last(expr.span(), context)?;
@@ -219,11 +218,11 @@ fn named(name: Name<'_>, scope: TextScope<'_>, context: &mut Context<'_>) -> Res
 /// Returns the names that can be used in a text at this place.
 fn candidates<'a>(place: TextPlace, context: &Context<'a>) -> Vec<&'a str> {
     let mut names = context.names.that(|meaning| match (meaning, place) {
-        (Meaning::Keypoint { shape, .. }, _) => {
+        (Meaning::Keypoint(shape, _), _) => {
             matches!(shape, Some(KeypointShape::Points | KeypointShape::Point))
         }
         (Meaning::Constant(_) | Meaning::Layer, _) => true,
-        (Meaning::Text { stage }, TextPlace::Stage(here)) => stage < here,
+        (Meaning::Text(stage), TextPlace::Stage(here)) => stage < here,
         (Meaning::Field, TextPlace::Stage(_)) | (_, TextPlace::Result) => false,
         (_, TextPlace::Message | TextPlace::Nowhere) => true,
     });
@@ -289,14 +288,14 @@ fn written(expr: Expr<'_>, scope: TextScope<'_>, context: &mut Context<'_>) -> R
     let unwritable = "something that can be written as text";
     Ok(match operand(expr, context)? {
         Operand::Length(length) => self::length(&length, context)?,
-        Operand::Angle { deg, unit } => Resolved::Words(number(deg, &of_degrees(unit))),
-        Operand::Between { a, b, unit } => later(Placeholder::Angle {
+        Operand::Angle(deg, unit) => Resolved::Words(number(deg, &of_degrees(unit))),
+        Operand::Between([a, b], unit) => later(Placeholder::Angle {
             a,
             b,
             written: of_degrees(unit),
         }),
         Operand::Number(value) => Resolved::Words(exact::written(value, DECIMALS)),
-        Operand::Counted { number, as_percent } => {
+        Operand::Counted(number, as_percent) => {
             let written = match as_percent {
                 AsPercent::Yes => plain(100.0, 0, "%"),
                 AsPercent::No => plain(1.0, 3, ""),
@@ -305,18 +304,17 @@ fn written(expr: Expr<'_>, scope: TextScope<'_>, context: &mut Context<'_>) -> R
         }
         Operand::Point(point) => later(Placeholder::Point { point }),
         Operand::WordField(field) => later(Placeholder::Field { field }),
-        Operand::Quadrant { point, about } => later(Placeholder::Quadrant { point, about }),
+        Operand::Quadrant([point, about]) => later(Placeholder::Quadrant { point, about }),
         Operand::Word(word) => Resolved::Words(word),
-        Operand::Nearest { field, to } => later(Placeholder::Nearest { field, to }),
-        Operand::Keypoint {
-            name,
-            shape: KeypointShape::Points,
-        } => later(Placeholder::Points { keypoint: name }),
-        Operand::Keypoint { shape, .. } => match expr {
+        Operand::Nearest(field, to) => later(Placeholder::Nearest { field, to }),
+        Operand::Keypoint(name, KeypointShape::Points) => {
+            later(Placeholder::Points { keypoint: name })
+        }
+        Operand::Keypoint(_, shape) => match expr {
             Expr::Name(name) => return Err(wrong_kind(name, unwritable, shape.words(), context)),
             _ => return Err(context.wrong(Code::WrongExpression, expr, unwritable, None)),
         },
-        Operand::Text { name, stage } => {
+        Operand::Text(name, stage) => {
             let is_read = match scope.place {
                 TextPlace::Stage(here) => stage < here,
                 TextPlace::Message | TextPlace::Nowhere => true,

@@ -1,15 +1,14 @@
 //! `rehearse plan { twin(…) choose most overlap … }`: what is tried on a twin of the cloth before the world moves.
 
 use super::context::{Context, Declared, Result};
-use super::expressions::{Scope, call, material_name};
+use super::expressions::made;
 use super::material;
 use super::quantity::{read, read_whole};
-use super::stage::{Prompts, number_of};
-use crate::diag::{Code, Diagnostic, Reported, among};
+use super::stage::Prompts;
+use crate::diag::{Code, Diagnostic, Reported};
 use crate::lang::rehearse::{REVISIONS, TRUST, TWINS};
 use crate::merge::{Merged, once};
 use fab_grammar::ast::{self, Call, Choose, Expr, Name, Rehearse, Revise, Trust};
-use fab_program::vocabulary::Kind;
 use fab_program::{
     Cloth, Distrusted, Material, ModelRole, Read, Rehearsal, RehearsalMeasure, Stage, TwinRanges,
 };
@@ -25,33 +24,31 @@ pub(crate) fn check(
     let choices = once(part.choices(), "choose", Choose::span, context.report);
     let revisions = once(part.revisions(), "revise", Revise::span, context.report);
     let trusts = once(part.trusts(), "trust", Trust::span, context.report);
-    let lines = [twins.alone, choices.alone, revisions.alone, trusts.alone];
-    let has_purpose = choices.first.is_some() || revisions.first.is_some();
-    let lacks = lacking(
-        part,
-        [twins.first.is_none(), !has_purpose, trusts.first.is_none()],
-        context,
+    let lines = [
+        ("twin", twins.is_some()),
+        ("choose", choices.is_some() || revisions.is_some()),
+        ("trust", trusts.is_some()),
+    ];
+    let block = format!("the rehearsal of `{}`", part.stage().text());
+    let help = "state, for example, `twin(material: cotton, size: 0.95 to 1.05, friction: 0.4 to 0.9) choose most overlap trust overlap > 0.8`";
+    let (code, block) = (
+        Code::RehearsalIncomplete,
+        (block.as_str(), part.stage().span()),
     );
+    let complete = context.lacking(code, block, &lines, help);
     let stage = stage(part, merged, prompts, context);
     let asked = stage.as_ref().ok().and_then(|it| it.as_ref());
-    let twin = twins.first.map(|it| twin(it, context));
-    let choose = choices
-        .first
-        .map(|it| choose(it, asked, merged, context))
-        .transpose();
-    let revisions = revisions
-        .first
-        .map(|it| revisions_of(it, asked, context))
-        .transpose();
-    let trust_above = trusts
-        .first
-        .map(|it| read(it.above(), &TRUST.range, context))
-        .transpose();
-    let refuses = trusts.first.and_then(Trust::else_refuse).is_some();
-    lines.into_iter().collect::<Result<(), _>>()?;
-    lacks?;
-    let (choose, revisions) = (choose?, revisions?);
-    let (Some(twin), Some(trust_above), Some(stage)) = (twin.transpose()?, trust_above?, stage?)
+    let twin = twins.map(|it| twin(it, context)).transpose();
+    let choose = choices.map(|it| choose(it, asked, merged, context));
+    let revisions = revisions.map(|it| revisions_of(it, asked, context));
+    let trust_above = trusts.map(|it| read(it.above(), &TRUST.range, context));
+    let distrusted = match trusts.and_then(Trust::else_refuse) {
+        Some(_) => Distrusted::Refuses,
+        None => Distrusted::StandsAside,
+    };
+    complete?;
+    let (choose, revisions) = (choose.transpose()?, revisions.transpose()?);
+    let (Some(twin), Some(trust_above), Some(stage)) = (twin?, trust_above.transpose()?, stage?)
     else {
         return Ok(None);
     };
@@ -61,45 +58,8 @@ pub(crate) fn check(
         choose,
         revisions: revisions.unwrap_or(0),
         trust_above,
-        distrusted: if refuses {
-            Distrusted::Refuses
-        } else {
-            Distrusted::StandsAside
-        },
+        distrusted,
     }))
-}
-
-/// Reports the lines that a rehearsal must have and does not, all in one error.
-///
-/// - `is_missing`: its twin, what it is for, and how far the twin is trusted.
-fn lacking(part: Rehearse<'_>, is_missing: [bool; 3], context: &mut Context<'_>) -> Result<()> {
-    const NEEDED: [(&str, &str); 3] = [
-        (
-            "twin",
-            "write `twin(material: cotton, size: 0.95 to 1.05, friction: 0.4 to 0.9)`",
-        ),
-        (
-            "choose",
-            "write `choose most overlap`, or `revise 1 with picture`",
-        ),
-        (
-            "trust",
-            "write `trust overlap > 0.8`: where twin and camera agree less, it is not rehearsed",
-        ),
-    ];
-    let lacks = NEEDED.iter().zip(is_missing);
-    let lacks: Vec<_> = lacks.filter(|(_, missing)| *missing).collect();
-    if lacks.is_empty() {
-        return Ok(());
-    }
-    let words = among(lacks.iter().map(|((word, _), _)| *word));
-    let stage = part.stage();
-    let message = format!("the rehearsal of `{}` has no {words}", stage.text());
-    let diagnostic = Diagnostic::new(Code::RehearsalIncomplete, stage.span(), message);
-    let diagnostic = lacks
-        .iter()
-        .fold(diagnostic, |it, ((_, how), _)| it.help(*how));
-    Err(context.error(diagnostic))
 }
 
 /// Returns the stage that is rehearsed; `None` in a base without stages.
@@ -113,8 +73,7 @@ fn stage<'p>(
         return Ok(None);
     }
     let name = part.stage();
-    let number = number_of(name, merged, context)?;
-    let stage = prompts.stages[number].as_ref().map_err(|it| *it)?;
+    let (_, stage) = prompts.stage(name, merged, context)?;
     if stage.read != Read::Action {
         let message = format!("the stage `{}` does not read the action", stage.name);
         let help = "only an action can be tried on a twin: name the last stage";
@@ -125,16 +84,9 @@ fn stage<'p>(
 
 /// Reads what the twins are made of.
 fn twin(line: Call<'_>, context: &mut Context<'_>) -> Result<TwinRanges> {
-    let signatures = TWINS.iter().map(|row| &row.signature);
-    let scope = Scope::Everywhere;
-    let (row, args, bound) = call("twin", Expr::Call(line), signatures, scope, context)?;
-    let mut twin = (TWINS[row].make)(&args);
-    if let Some((_, expr)) = bound
-        .iter()
-        .find(|(arg, _)| matches!(arg.kind, Kind::Material))
-    {
-        let name = material_name(*expr, context)?;
-        twin.material = material::named(name, context)?;
+    let (mut twin, _, bound) = made("twin", Expr::Call(line), TWINS, context)?;
+    if let Some((name, material)) = material::of_call(&bound, context)? {
+        twin.material = material;
         if let Ok(Some(cloth)) = &context.cloth
             && is_own(&twin, cloth)
         {
@@ -237,12 +189,7 @@ fn revisions_of(
 }
 
 /// Reports candidates that would all be alike.
-pub(crate) fn candidates(
-    merged: &Merged<'_>,
-    prompts: &Prompts,
-    context: &mut Context<'_>,
-) -> Result<()> {
-    let mut all = Ok(());
+pub(crate) fn candidates(merged: &Merged<'_>, prompts: &Prompts, context: &mut Context<'_>) {
     for (declared, stage) in merged.stages.iter().zip(&prompts.stages) {
         let mut settings = declared.model().flat_map(ast::Model::settings);
         let (Ok(stage), Some(setting)) =
@@ -257,7 +204,6 @@ pub(crate) fn candidates(
         };
         let message = format!("{} candidates are asked for {at}", stage.candidates());
         let help = "write a temperature above 0, such as `temperature 0.7`: equal questions would get equal answers";
-        all = Err(context.refuse(Code::CandidatesAlike, setting.span(), message, help));
+        context.refuse(Code::CandidatesAlike, setting.span(), message, help);
     }
-    all
 }

@@ -6,10 +6,9 @@
 use super::conditions;
 use super::context::{Context, Declared, Result};
 use super::examples;
-use super::expressions::{Scope, argument};
-use super::missing_action::{needs_action, needs_last};
+use super::expressions::argument;
 use super::placeholders::{TextPlace, TextScope, template};
-use crate::diag::{Code, Diagnostic, Reported, among, every, nearest};
+use crate::diag::{Code, Diagnostic, among, every, nearest};
 use crate::lang::stage::{MODELS, PICTURE_ROWS, PICTURES, SETTINGS};
 use crate::merge::{Line, Merged, Said, once, unique};
 use fab_grammar::Span;
@@ -38,8 +37,6 @@ pub(crate) struct Prompts {
     /// In the order of their declarations.
     pub stages: Vec<Result<program::Stage>>,
     pub templates: Vec<Result<Template>>,
-    /// The proof of an error that concerns several stages, if there is one.
-    pub joined: Result<()>,
 }
 
 /// Builds the stages of a task and their texts.
@@ -52,15 +49,13 @@ pub(crate) fn check(merged: &Merged<'_>, context: &mut Context<'_>) -> Prompts {
     };
     let stages = merged.stages.iter().enumerate();
     let stages: Vec<Result<program::Stage>> = stages
-        .map(|(number, stage)| builder.stage(number, stage, context))
+        .map(|(number, stage)| within.and_then(|()| builder.stage(number, stage, context)))
         .collect();
-    let readers = action_readers(merged, context);
-    let shown = builder.named_layers_are_shown(&stages, context);
+    action_readers(merged, context);
+    builder.named_layers_are_shown(&stages, context);
     // A stage that is wrong may say less than its author meant.
-    let says_all = !stages.is_empty() && stages.iter().all(Result::is_ok);
-    let mut named = Ok(());
-    if says_all {
-        named = builder.shown_layers_are_named(context);
+    if !stages.is_empty() && stages.iter().all(Result::is_ok) {
+        builder.shown_layers_are_named(context);
         if merged.variant.is_none() {
             said_nowhere(merged, context);
         }
@@ -69,15 +64,14 @@ pub(crate) fn check(merged: &Merged<'_>, context: &mut Context<'_>) -> Prompts {
     Prompts {
         stages,
         templates: builder.in_order(),
-        joined: within.and(readers).and(shown).and(named),
     }
 }
 
 /// Reports an error unless the last stage, and only that one, reads the action.
-fn action_readers(merged: &Merged<'_>, context: &mut Context<'_>) -> Result<()> {
+fn action_readers(merged: &Merged<'_>, context: &mut Context<'_>) {
     let mut earlier = merged.stages.iter();
     let Some(last) = earlier.next_back() else {
-        return Ok(());
+        return;
     };
     let action = |stage: ast::Stage<'_>| {
         let read = stage.read().find(|read| read.name().text() == "action");
@@ -110,9 +104,9 @@ fn action_readers(merged: &Merged<'_>, context: &mut Context<'_>) -> Result<()> 
                 .also(name.span(), "this is the last stage")
                 .help("write `read NAME from \"…{NAME}\"`")
         }
-        (None, ..) => return Ok(()),
+        (None, ..) => return,
     };
-    Err(context.error(diagnostic))
+    context.error(diagnostic);
 }
 
 /// Builds the condition on which a component is used, if it has one.
@@ -123,10 +117,10 @@ fn guard(component: ast::Component<'_>, context: &mut Context<'_>) -> Declared<C
     let when = conditions::check(expr, context)?;
     let uses = when.uses();
     if uses.action {
-        return Err(needs_action(expr.span(), context));
+        return Err(context.needs_action(expr.span()));
     }
     if uses.last && !when.implies_last() {
-        return Err(needs_last(expr.span(), "… when last and …", context));
+        return Err(context.needs_last(expr.span(), "… when last and …"));
     }
     Ok(Some(when))
 }
@@ -158,24 +152,17 @@ impl<'a> Builder<'_, 'a> {
         let say = once(stage.say(), "say", Sayings::span, context.report);
         let system = once(stage.system(), "system", Sayings::span, context.report);
         let read = once(stage.read(), "read", ast::Read::span, context.report);
-        let lines = [model.alone, show.alone, say.alone, system.alone, read.alone];
-        let (Some(model), Some(say), Some(read)) = (model.first, say.first, read.first) else {
-            return Err(self.incomplete(stage, context));
+        self.incomplete(stage, context)?;
+        let (Some(model), Some(say), Some(read)) = (model, say, read) else {
+            unreachable!("a stage that is complete has these lines");
         };
         let role = role(model, context);
         let settings = settings(model, context);
-        let pictures = show
-            .first
-            .map_or(Vec::new(), |line| self::pictures(line, context));
-        let showable = show.first.map_or(Ok(()), |line| {
-            self.showable(
-                stage,
-                line,
-                role.map(|role| (role, model)),
-                &pictures,
-                context,
-            )
-        });
+        let pictures = show.map_or(Vec::new(), |line| self::pictures(line, context));
+        if let Some(show) = show {
+            let model = role.map(|role| (role, model));
+            self.showable(stage, show, model, &pictures, context);
+        }
 
         let name = stage.name().text();
         let mut sayings = |line, part: Sayings<'a>| {
@@ -183,12 +170,10 @@ impl<'a> Builder<'_, 'a> {
             let list = said.flat_map(|said| said.line(line)).collect();
             self.sayings(number, stage, line, part, list, context)
         };
-        let system = system.first.map(|part| sayings(Line::System, part));
+        let system = system.map(|part| sayings(Line::System, part));
         let say = sayings(Line::Say, say);
         let read = self::read(read, context);
         let examples = examples::check(stage, role, read.as_ref().map_err(|it| *it), context);
-        showable?;
-        lines.into_iter().collect::<Result<(), _>>()?;
         let settings = settings?;
         let number = |name: &str| match settings.get(name)? {
             ArgValue::Number(number) => Some(*number),
@@ -215,38 +200,26 @@ impl<'a> Builder<'_, 'a> {
     }
 
     /// Reports the lines that a stage must have and does not, all in one error.
-    fn incomplete(&self, stage: ast::Stage<'a>, context: &mut Context<'_>) -> Reported {
-        let lacks_model = stage.model().next().is_none();
-        let lacks_read = stage.read().next().is_none();
+    fn incomplete(&self, stage: ast::Stage<'_>, context: &mut Context<'_>) -> Result<()> {
         let lines = [
-            ("model", lacks_model, "write `model vision` or `model text`"),
-            (
-                "say",
-                stage.say().next().is_none(),
-                "write `say` and components or a text",
-            ),
-            (
-                "read",
-                lacks_read,
-                "write `read action`, or `read NAME from \"…{NAME}\"`",
-            ),
+            ("model", stage.model().next().is_some()),
+            ("say", stage.say().next().is_some()),
+            ("read", stage.read().next().is_some()),
         ];
-        let lacks = || lines.iter().filter(|(_, is_missing, _)| *is_missing);
-        let name = stage.name();
-        let words = among(lacks().map(|(word, ..)| *word));
-        let message = format!("the stage `{}` has no {words}", name.text());
-        let diagnostic = Diagnostic::new(Code::StageIncomplete, name.span(), message);
+        let name = stage.name().text();
+        let replaced = format!(
+            "this replaces the whole inherited stage; to add to what it says, write `say NAME in {name} after NAME`, outside of any stage"
+        );
         // Who states neither the model nor what is read means to add to the inherited stage.
-        let adds = lacks_model && lacks_read;
-        let diagnostic = if adds && self.merged.replaced_stages.contains(name.text()) {
-            diagnostic.help(format!(
-                "this replaces the whole inherited stage; to add to what it says, write `say NAME in {} after NAME`, outside of any stage",
-                name.text()
-            ))
-        } else {
-            lacks().fold(diagnostic, |it, (.., how)| it.help(*how))
+        let help = match lines {
+            [(_, false), _, (_, false)] if self.merged.replaced_stages.contains(name) => &replaced,
+            _ => {
+                "write `model vision`, `say` with components or a text, and `read action` or `read NAME from \"…{NAME}\"`"
+            }
         };
-        context.error(diagnostic)
+        let block = format!("the stage `{name}`");
+        let block = (block.as_str(), stage.name().span());
+        context.lacking(Code::StageIncomplete, block, &lines, help)
     }
 
     /// Reports pictures for a model that takes none, and annotations if no layers are declared.
@@ -257,22 +230,20 @@ impl<'a> Builder<'_, 'a> {
         model: Result<(ModelRole, ast::Model<'_>)>,
         pictures: &[Result<Picture>],
         context: &mut Context<'_>,
-    ) -> Result<()> {
-        let mut all = Ok(());
+    ) {
         if let Ok((ModelRole::Text, model)) = model {
             let name = stage.name().text();
             let message = format!("the stage `{name}` shows pictures to a text model");
             let diagnostic = Diagnostic::new(Code::PicturesForTextModel, show.span(), message)
                 .help("write `model vision`, or remove `show`")
                 .also(model.span(), "asks a text model");
-            all = Err(context.error(diagnostic));
+            context.error(diagnostic);
         }
         if pictures.contains(&Ok(WITH_LAYERS)) && self.merged.annotate().is_none() {
             let message = "no annotations are declared";
             let help = "add `annotate { … }`, or write `show scene`";
-            all = Err(context.refuse(Code::NothingToDraw, show.span(), message, help));
+            context.refuse(Code::NothingToDraw, show.span(), message, help);
         }
-        all
     }
 
     // ---- texts -----------------------------------------------------------------------------------
@@ -290,6 +261,10 @@ impl<'a> Builder<'_, 'a> {
         list: Vec<ComponentOrText<'a>>,
         context: &mut Context<'_>,
     ) -> Result<Vec<String>> {
+        let word = match line {
+            Line::System => "system",
+            Line::Say => "say",
+        };
         let mut names = Vec::new();
         let mut n_texts = 0;
         let mut all = Ok(());
@@ -301,16 +276,10 @@ impl<'a> Builder<'_, 'a> {
                 },
                 ComponentOrText::Text(text) => {
                     n_texts += 1;
-                    let suffix = if n_texts == 1 {
-                        String::new()
-                    } else {
-                        format!(".{n_texts}")
-                    };
-                    let word = match line {
-                        Line::System => "system",
-                        Line::Say => "say",
-                    };
-                    let name = format!("{}.{word}{suffix}", stage.name().text());
+                    let mut name = format!("{}.{}", stage.name().text(), word);
+                    if n_texts > 1 {
+                        name = format!("{name}.{n_texts}");
+                    }
                     self.build(&name, "component NAME", text, Ok(None), number, context);
                     names.push(name);
                 }
@@ -318,13 +287,11 @@ impl<'a> Builder<'_, 'a> {
         }
         all?;
         if names.is_empty() && line == Line::Say {
-            let message = format!(
-                "the stage `{}` has no text left to say",
-                stage.name().text()
-            );
+            let name = stage.name().text();
+            let message = format!("the stage `{name}` has no text left to say");
             let span = self.merged.task.name().span();
-            let diagnostic = Diagnostic::new(Code::StageIncomplete, span, message);
-            let diagnostic = diagnostic.also(part.span(), "all of these components are left out");
+            let diagnostic = Diagnostic::new(Code::StageIncomplete, span, message)
+                .also(part.span(), "all of these components are left out");
             return Err(context.error(diagnostic));
         }
         Ok(names)
@@ -366,20 +333,16 @@ impl<'a> Builder<'_, 'a> {
         stage: usize,
         context: &mut Context<'_>,
     ) {
-        let has_last = match &when {
-            Ok(when) => when.as_ref().is_some_and(Condition::implies_last),
-            // Check the text as if the condition were right.
-            Err(_) => true,
-        };
+        // If the condition is wrong, check the text as if it were right.
+        let has_last = when.as_ref().map_or(true, |when| {
+            when.as_ref().is_some_and(Condition::implies_last)
+        });
         let scope = TextScope {
             place: TextPlace::Stage(stage),
             has_last,
             guarded,
         };
-        let template = match when {
-            Ok(when) => template(name, text, when, scope, context),
-            Err(reported) => template(name, text, None, scope, context).and(Err(reported)),
-        };
+        let template = template(name, text, when.unwrap_or_default(), scope, context);
         let built = Built {
             number: self.templates.len(),
             template,
@@ -399,37 +362,22 @@ impl<'a> Builder<'_, 'a> {
     // ---- all stages together ---------------------------------------------------------------------
 
     /// Checks the components that no stage says.
-    fn unsaid(&mut self, context: &mut Context<'_>) {
-        for component in self.merged.components.iter() {
-            let name = component.name().text();
-            if self.templates.contains_key(name) {
-                continue;
-            }
-            let when = guard(component, context);
+    fn unsaid(&self, context: &mut Context<'_>) {
+        let all = self.merged.components.iter();
+        for component in all.filter(|it| !self.templates.contains_key(it.name().text())) {
             let scope = TextScope {
                 place: TextPlace::Nowhere,
                 has_last: true,
                 guarded: "",
             };
-            let template = template(name, component.text(), None, scope, context);
-            if let Err(reported) = when.and(template) {
-                let built = Built {
-                    number: 0,
-                    template: Err(reported),
-                    layers: Vec::new(),
-                };
-                self.templates.insert(name.to_owned(), built);
-            }
+            // What is wrong with them is reported; no prompt has them.
+            let _: Declared<Condition> = guard(component, context);
+            let _: Result<Template> = template("", component.text(), None, scope, context);
         }
     }
 
     /// Reports layers that a stage names and its pictures do not show.
-    fn named_layers_are_shown(
-        &self,
-        stages: &[Result<program::Stage>],
-        context: &mut Context<'_>,
-    ) -> Result<()> {
-        let mut all = Ok(());
+    fn named_layers_are_shown(&self, stages: &[Result<program::Stage>], context: &mut Context<'_>) {
         for stage in stages.iter().flatten() {
             let said = stage.system.iter().chain(&stage.say);
             let said = said.filter_map(|name| self.templates.get(name));
@@ -446,13 +394,12 @@ impl<'a> Builder<'_, 'a> {
             let others = others.iter().filter(|(other, _)| other != layer);
             let diagnostic =
                 others.fold(diagnostic, |it, (_, span)| it.also(*span, "nor this one"));
-            all = Err(context.error(diagnostic));
+            context.error(diagnostic);
         }
-        all
     }
 
     /// Reports layers that are drawn and that no stage names.
-    fn shown_layers_are_named(&self, context: &mut Context<'_>) -> Result<()> {
+    fn shown_layers_are_named(&self, context: &mut Context<'_>) {
         let merged = self.merged;
         // A variant may remove the text that names a layer of its task; that is not a mistake.
         let own = merged.own_body().map(|body| body.span());
@@ -465,7 +412,7 @@ impl<'a> Builder<'_, 'a> {
             is_right && !named.contains(name.text()) && is_own(name.span())
         });
         let Some(first) = unnamed.next() else {
-            return Ok(());
+            return;
         };
         let name = first.text();
         let message = format!("the layer `{name}` is drawn, but no prompt says what it is");
@@ -475,7 +422,7 @@ impl<'a> Builder<'_, 'a> {
                 "write `{{{{ {name} }}}}` in a text of a stage with `show scene with annotations`"
             ));
         let diagnostic = unnamed.fold(diagnostic, |it, name| it.also(name.span(), "nor this one"));
-        Err(context.error(diagnostic))
+        context.error(diagnostic);
     }
 }
 
@@ -512,16 +459,21 @@ fn said_nowhere(merged: &Merged<'_>, context: &mut Context<'_>) {
     }
 }
 
-/// Returns which stage a name means; reports an unknown one.
-pub(super) fn number_of(
-    name: Name<'_>,
-    merged: &Merged<'_>,
-    context: &mut Context<'_>,
-) -> Result<usize> {
-    let names = || merged.stages.iter().map(|stage| stage.name().text());
-    names()
-        .position(|known| known == name.text())
-        .ok_or_else(|| context.unknown("stage", name, names()))
+impl Prompts {
+    /// Finds the stage of this name, with its index.
+    pub fn stage(
+        &self,
+        name: Name<'_>,
+        merged: &Merged<'_>,
+        context: &mut Context<'_>,
+    ) -> Result<(usize, &program::Stage)> {
+        let names = || merged.stages.iter().map(|stage| stage.name().text());
+        let Some(number) = names().position(|known| known == name.text()) else {
+            return Err(context.unknown("stage", name, names()));
+        };
+        let stage = self.stages[number].as_ref();
+        stage.map(|stage| (number, stage)).map_err(|it| *it)
+    }
 }
 
 // ---- model ---------------------------------------------------------------------------------------
@@ -552,8 +504,9 @@ fn settings(line: ast::Model<'_>, context: &mut Context<'_>) -> Result<Args> {
     let mut list = line.settings();
     if let Some(kind) = list.next()
         && let Some(value) = kind.value()
+        && let Some(row) = MODELS.iter().find(|row| row.name == kind.name().text())
     {
-        let message = format!("`{}` takes no number", kind.name().text());
+        let message = format!("`{}` takes no number", row.name);
         all = Err(context.fault(Code::WrongForm, value.span(), message));
     }
     let settings = every(list.map(|setting| self::setting(setting, context)));
@@ -577,7 +530,7 @@ fn setting(
         let help = format!("write `{} {example}`", row.name);
         return Err(context.refuse(Code::WrongForm, name.span(), message, help));
     };
-    let value = argument(value, row.kind, Scope::Everywhere, context)?;
+    let value = argument(value, row.kind, context)?;
     Ok((row.name, value))
 }
 

@@ -1,7 +1,7 @@
 //! `subgoals { demonstrate { … } }` or `subgoals { image "…" … }`: the pictures that show what to do.
 
 use super::context::{Context, Result};
-use super::expressions::pixel;
+use super::expressions::pixel_of;
 use super::{files, folds};
 use crate::diag::{Code, Diagnostic, every};
 use crate::loader::Wanted;
@@ -19,7 +19,7 @@ pub(crate) fn check(
 ) -> Result<Subgoals> {
     let head = |block: FoldBlock<'_>| block.head_span();
     let demonstrated = once(part.demonstrations(), "demonstrate", head, context.report);
-    let subgoals = match (demonstrated.first, part.images().next()) {
+    match (demonstrated, part.images().next()) {
         (Some(block), Some(image)) => {
             let message = "the subgoals are both demonstrated and listed as images";
             let diagnostic = Diagnostic::new(Code::MixedSubgoals, image.span(), message);
@@ -38,8 +38,7 @@ pub(crate) fn check(
             let message = "there are no subgoals here";
             Err(context.refuse(Code::NoFolds, part.head_span(), message, help))
         }
-    };
-    demonstrated.alone.and(subgoals)
+    }
 }
 
 fn images(part: fab_grammar::ast::Subgoals<'_>, context: &mut Context<'_>) -> Result<Subgoals> {
@@ -57,7 +56,9 @@ fn images(part: fab_grammar::ast::Subgoals<'_>, context: &mut Context<'_>) -> Re
 
 fn image(part: Image<'_>, context: &mut Context<'_>) -> Result<SubgoalImage> {
     let file = files::named(part.path(), "an image", Wanted::CameraPicture, context);
-    let ends = part.arrow().map(|ends| ends.map(|end| pixel(end, context)));
+    let ends = part
+        .arrow()
+        .map(|ends| ends.map(|end| pixel_of(end, context)));
     let arrow = match ends {
         Some([tail, tip]) => Some([tail?, tip?]),
         None => None,

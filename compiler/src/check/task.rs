@@ -10,7 +10,7 @@ use super::{
     actions, annotate, camera, choices, cloth, demos, effect, experts, goal, horizon, keypoints,
     picker, rehearse, stage, subgoals, test, unspoken, unused, verify,
 };
-use crate::diag::{Code, Diagnostic, Report, among};
+use crate::diag::{Code, among};
 use crate::lang::sections::{RequiredFor, SECTIONS};
 use crate::load::Loaded;
 use crate::merge::Merged;
@@ -30,7 +30,6 @@ pub(super) fn check<'a>(
     form: Result<()>,
     context: &mut Context<'a>,
 ) -> Built {
-    let loaded = context.loaded;
     context.names = Names::of(merged, context.report);
     keypoints::constants(merged, context);
     let about = merged.statement("about").map(|it| about(it, context));
@@ -74,12 +73,12 @@ pub(super) fn check<'a>(
     let mut prompts = stage::check(merged, context);
     let demos = merged
         .demos()
-        .map(|part| demos::check(part, merged, &prompts.stages, context));
+        .map(|part| demos::check(part, merged, &prompts, context));
     let verify = verify::check(merged, &mut prompts, context);
     let rehearsal = merged
         .rehearse()
         .map(|part| rehearse::check(part, merged, &prompts, context));
-    let candidates = rehearse::candidates(merged, &prompts, context);
+    rehearse::candidates(merged, &prompts, context);
     let bounds = test::Bounds {
         keypoints: keypoints.as_deref().unwrap_or_default(),
         horizon: horizon.unwrap_or_default(),
@@ -87,17 +86,15 @@ pub(super) fn check<'a>(
     let tests = test::check(merged, &prompts, &bounds, context);
     let actions = std::mem::take(&mut context.actions.list);
     let complete = context.actions.complete;
-    let joined = prompts.joined.and(merged.joined);
     let (cloth, camera) = (context.cloth.clone(), context.camera.clone());
-    let whole = completeness(merged, form, loaded, context.report)?;
+    let is_whole = is_whole(merged, form, context);
     // Any reported error counts, in whichever part.
     context.report.has_errors()?;
-    joined?;
-    candidates?;
+    merged.joined?;
     form?;
     // Only now, because a check that did not parse would seem to be dropped.
     verify::dropped(merged, context.report);
-    let (Some(cloth), Some(camera), Some(horizon), true) = (cloth?, camera?, horizon?, whole)
+    let (Some(cloth), Some(camera), Some(horizon), true) = (cloth?, camera?, horizon?, is_whole)
     else {
         return Ok(None);
     };
@@ -112,10 +109,7 @@ pub(super) fn check<'a>(
         format: PROGRAM_FORMAT,
         compiler: env!("CARGO_PKG_VERSION").to_owned(),
         task: merged.task.name().text().to_owned(),
-        variant: merged
-            .variant
-            .as_ref()
-            .map(|variant| variant.name.to_string()),
+        variant: merged.variant.as_ref().map(|it| it.name.to_string()),
         about: about.transpose()?,
         sources: stamps.to_vec(),
         cloth,
@@ -182,12 +176,7 @@ pub(super) fn stamps(loaded: &Loaded<'_>) -> Vec<SourceStamp> {
 ///
 /// A task with a cloth, subgoals or a horizon, and stages is meant to run, so a missing section is an error. Without
 /// these it may be a base.
-fn completeness(
-    merged: &Merged<'_>,
-    form: Result<()>,
-    loaded: &Loaded<'_>,
-    report: &mut Report,
-) -> Result<bool> {
+fn is_whole(merged: &Merged<'_>, form: Result<()>, context: &mut Context<'_>) -> bool {
     let lacking = |needed: RequiredFor| -> Vec<&'static str> {
         let rows = SECTIONS.iter().filter(|row| row.needed == needed);
         let lacks = rows.filter(|row| !is_there(row.word, merged));
@@ -198,32 +187,28 @@ fn completeness(
         lacking(RequiredFor::Run),
     );
     if own.is_empty() && shared.is_empty() {
-        return Ok(true);
+        return true;
     }
     let name = merged.task.name();
     if own.is_empty() {
-        let mut all = Ok(false);
         for section in shared {
             let message = format!("`{}` has no `{section}`", name.text());
-            let diagnostic = Diagnostic::new(Code::MissingSection, name.span(), message);
-            all =
-                Err(report
-                    .error(diagnostic.help("write the section, or extend a task that has it")));
+            let help = "write the section, or extend a task that has it";
+            context.refuse(Code::MissingSection, name.span(), message, help);
         }
-        return all;
+        return false;
     }
-    let is_base = loaded.is_extended(merged.task);
-    if !is_base && form.is_ok() && name.span().file == loaded.entry().id {
-        let lacking: Vec<&str> = own.into_iter().chain(shared).collect();
+    let is_base = context.loaded.is_extended(merged.task);
+    if !is_base && form.is_ok() && name.span().file == context.loaded.entry().id {
+        let lacking = among(own.into_iter().chain(shared));
         let message = format!(
-            "`{}` cannot run by itself: it has no {}",
-            name.text(),
-            among(lacking)
+            "`{}` cannot run by itself: it has no {lacking}",
+            name.text()
         );
-        let diagnostic = Diagnostic::new(Code::BaseOnly, name.span(), message);
-        report.remark(diagnostic.help("this is fine for a task that others extend"));
+        let help = "this is fine for a task that others extend";
+        context.warn(Code::BaseOnly, name.span(), message, help);
     }
-    Ok(false)
+    false
 }
 
 /// Returns whether a task has a section that it needs.

@@ -2,11 +2,11 @@
 
 use super::context::{Context, Declared, Result};
 use super::examples::plain;
-use super::expressions;
+use super::expressions::{pixel, pixel_in_picture};
 use super::names::Meaning;
 use super::quantity::read_whole;
-use super::stage::{Prompts, number_of};
-use crate::diag::{Code, Reported, every};
+use super::stage::Prompts;
+use crate::diag::{Code, every};
 use crate::lang::test::{EXPECTATIONS, GIVEN, STEP};
 use crate::merge::{Merged, declared_twice, once, repeated};
 use fab_grammar::ast::{self, Body, Expr, Name, Reply};
@@ -65,58 +65,44 @@ fn one(
 ) -> Declared<Test> {
     let reply = once(test.replies(), "reply", Reply::span, context.report);
     let expect = once(test.expect(), "expect", ast::Expect::span, context.report);
-    let name = required(test.name(), "a name in quotes", test, context);
-    let alone = reply.alone.and(expect.alone);
-    let reply = required(reply.first, "`reply`", test, context);
-    let expect = required(expect.first, "`expect`", test, context);
-
-    let name = name.and_then(|text| match plain(text, context)? {
-        name if name.trim().is_empty() => {
+    let lines = [
+        ("name", test.name().is_some()),
+        ("reply", reply.is_some()),
+        ("expect", expect.is_some()),
+    ];
+    let help = "write `test \"what it shows\" { given NAME = … reply \"…\" expect … }`";
+    let block = ("the test", test.head_span());
+    context.lacking(Code::TestIncomplete, block, &lines, help)?;
+    let (Some(name), Some(reply), Some(expect)) = (test.name(), reply, expect) else {
+        unreachable!("a test that lacks nothing has these lines");
+    };
+    let name = plain(name, context).and_then(|text| {
+        if text.trim().is_empty() {
             let message = "the test's name is empty";
-            Err(context.fault(Code::TestIncomplete, text.span(), message))
+            return Err(context.fault(Code::TestIncomplete, name.span(), message));
         }
-        name => Ok(name),
+        Ok(text)
     });
     let given = self::given(test, bounds, context);
-    let answer = reply.and_then(|reply| plain(reply.text(), context));
-    let stage = reply.and_then(|reply| answered(reply, merged, prompts, context));
+    let answer = plain(reply.text(), context);
+    let stage = answered(reply, merged, prompts, context);
     let expect =
-        expect.and_then(|line| self::expect(line, stage?.map(|(_, stage)| stage), merged, context));
-    alone?;
-    let (name, given, answer) = (name?, given?, answer?);
-    let expect = expect?;
+        stage.and_then(|stage| self::expect(expect, stage.map(|(_, it)| it), merged, context));
     let Some((stage, _)) = stage? else {
         return Ok(None);
     };
     let (declared_in, line) = context.loaded.place(test.span().file, test.span().start);
-    let task = merged.task.name().text().to_owned();
     Ok(Some(Test {
-        name,
-        task,
-        variant: merged
-            .variant
-            .as_ref()
-            .map(|variant| variant.name.to_string()),
-        given,
+        name: name?,
+        task: merged.task.name().text().to_owned(),
+        variant: merged.variant.as_ref().map(|it| it.name.to_string()),
+        given: given?,
         stage,
-        reply: answer,
-        expect,
+        reply: answer?,
+        expect: expect?,
         declared_in,
         line,
     }))
-}
-
-fn required<T>(
-    part: Option<T>,
-    what: &str,
-    test: ast::Test<'_>,
-    context: &mut Context<'_>,
-) -> Result<T> {
-    part.ok_or_else(|| {
-        let message = format!("the test lacks {what}");
-        let help = "write `test \"what it shows\" { given NAME = … reply \"…\" expect … }`";
-        context.refuse(Code::TestIncomplete, test.head_span(), message, help)
-    })
 }
 
 /// Finds the stage that the reply answers, by default the last one; `None` in a base without stages.
@@ -126,12 +112,14 @@ fn answered<'p>(
     prompts: &'p Prompts,
     context: &mut Context<'_>,
 ) -> Declared<(usize, &'p Stage)> {
-    let number = match reply.stage() {
-        None => prompts.stages.len().checked_sub(1),
-        Some(name) => Some(number_of(name, merged, context)?),
-    };
-    let stage = |number: usize| prompts.stages[number].as_ref().map(|stage| (number, stage));
-    number.map(stage).transpose().map_err(|reported| *reported)
+    match (reply.stage(), prompts.stages.last()) {
+        (Some(name), _) => prompts.stage(name, merged, context).map(Some),
+        (None, Some(last)) => {
+            let last = last.as_ref().map_err(|reported| *reported)?;
+            Ok(Some((prompts.stages.len() - 1, last)))
+        }
+        (None, None) => Ok(None),
+    }
 }
 
 // ---- given ---------------------------------------------------------------------------------------
@@ -186,8 +174,8 @@ fn give(
     let name = part.name();
     let text = name.text().to_owned();
     match name.text() {
-        "last.pick" => last[0] = Some(pixel(single(part, context)?, part, context)?),
-        "last.place" => last[1] = Some(pixel(single(part, context)?, part, context)?),
+        "last.pick" => last[0] = Some(pixel(single(part, context)?, context)?),
+        "last.place" => last[1] = Some(pixel(single(part, context)?, context)?),
         "step" => {
             let value = single(part, context)?;
             given.step = read_whole(value, &STEP, context)? as u32;
@@ -197,37 +185,30 @@ fn give(
             }
         }
         _ => match context.names.get(name.text())? {
-            Some(Meaning::Text { .. }) => {
-                let text_given = part
-                    .text()
-                    .ok_or_else(|| expected(part, "a text in quotes", context))?;
-                given.texts.push((text, plain(text_given, context)?));
-            }
-            Some(Meaning::Keypoint {
-                shape: Some(Points),
-                ..
-            }) => {
+            Some(Meaning::Text(_)) => match part.text() {
+                Some(given_text) => given.texts.push((text, plain(given_text, context)?)),
+                None => {
+                    let message = format!("`{text}` is a text");
+                    let help = "write it in quotes";
+                    return Err(context.refuse(Code::WrongForm, part.span(), message, help));
+                }
+            },
+            Some(Meaning::Keypoint(Some(shape @ (Point | Points)), _)) => {
                 let keypoint = bounds.keypoints.iter().find(|it| it.name == text);
                 let most = keypoint.and_then(|it| it.extractor.most_points(bounds.keypoints));
-                let places = part.values().map(|value| value.span());
+                let most = if shape == Point { Some(1) } else { most };
                 let most = most.map_or(usize::MAX, |most| most as usize);
-                context.at_most(most, places, &format!("`{text}`"), "points")?;
-                given.points.push((text, points(part, context)?));
+                let values = values(part, most, context)?.into_iter();
+                let points = every(values.map(|value| pixel_in_picture(value, context)))?;
+                given.points.push((text, points));
             }
-            Some(Meaning::Keypoint {
-                shape: Some(Point), ..
-            }) => {
-                let point = shown(single(part, context)?, part, context)?;
-                given.points.push((text, vec![point]));
+            Some(Meaning::Keypoint(Some(Mask | Box), _)) => {
+                given.regions.push((text, rectangle(part, context)?))
             }
-            Some(Meaning::Keypoint {
-                shape: Some(Mask | Box),
-                ..
-            }) => given.regions.push((text, rectangle(part, context)?)),
             _ => {
-                let mut candidates = context.names.that(|meaning| {
-                    matches!(meaning, Meaning::Keypoint { .. } | Meaning::Text { .. })
-                });
+                let mut candidates = context
+                    .names
+                    .that(|meaning| matches!(meaning, Meaning::Keypoint(..) | Meaning::Text(_)));
                 candidates.extend(GIVEN.iter().map(|word| word.name));
                 return Err(context.unknown("value to give", name, candidates));
             }
@@ -236,56 +217,37 @@ fn give(
     Ok(())
 }
 
-/// Reports a given value of the wrong kind.
-fn expected(part: ast::Given<'_>, what: &str, context: &mut Context<'_>) -> Reported {
-    let name = part.name();
-    let text = part.text().map(|text| text.span());
-    let value = || part.values().next().map(|value| value.span());
-    let span = text.or_else(value).unwrap_or(name.span());
-    let found = context.written(span);
-    let message = format!("expected {what} for `{}`, found `{found}`", name.text());
-    context.fault(Code::WrongForm, span, message)
+/// Returns the values of a line, at most so many.
+fn values<'a>(
+    part: ast::Given<'a>,
+    most: usize,
+    context: &mut Context<'_>,
+) -> Result<Vec<Expr<'a>>> {
+    let name = part.name().text();
+    if let Some(text) = part.text() {
+        let message = format!("`{name}` is no text");
+        let help = "write pixels such as `(40px, 52px)`, without quotes";
+        return Err(context.refuse(Code::WrongForm, text.span(), message, help));
+    }
+    let places = part.values().map(|value| value.span());
+    let parts = if most == 1 { "point" } else { "points" };
+    context.at_most(most, places, &format!("`{name}`"), parts)?;
+    Ok(part.values().collect())
 }
 
 fn single<'a>(part: ast::Given<'a>, context: &mut Context<'_>) -> Result<Expr<'a>> {
-    let mut values = part.values();
-    match (part.text(), values.next(), values.next()) {
-        (None, Some(value), None) => Ok(value),
-        _ => Err(expected(part, "one value", context)),
-    }
-}
-
-fn pixel(value: Expr<'_>, part: ast::Given<'_>, context: &mut Context<'_>) -> Result<PixelPoint> {
-    match value {
-        Expr::Pair(pair) => expressions::pixel(pair.parts(), context),
-        _ => Err(expected(part, "a pixel such as `(40px, 52px)`", context)),
-    }
-}
-
-/// Reads a pixel of the picture.
-fn shown(value: Expr<'_>, part: ast::Given<'_>, context: &mut Context<'_>) -> Result<PixelPoint> {
-    match value {
-        Expr::Pair(_) => expressions::pixel_in_picture(value, context),
-        _ => pixel(value, part, context),
-    }
-}
-
-fn points(part: ast::Given<'_>, context: &mut Context<'_>) -> Result<Vec<PixelPoint>> {
-    if part.text().is_some() {
-        let what = "pixels such as `(40px, 52px), (180px, 52px)`";
-        return Err(expected(part, what, context));
-    }
-    every(part.values().map(|value| shown(value, part, context)))
+    values(part, 1, context).map(|values| values[0])
 }
 
 /// Reads `(40px, 52px) to (180px, 170px)`.
 fn rectangle(part: ast::Given<'_>, context: &mut Context<'_>) -> Result<[PixelPoint; 2]> {
-    let Expr::Range(corners) = single(part, context)? else {
-        let what = "a rectangle such as `(40px, 52px) to (180px, 170px)`";
-        return Err(expected(part, what, context));
+    let value = single(part, context)?;
+    let Expr::Range(corners) = value else {
+        let help = Some("state two corners, such as `(40px, 52px) to (180px, 170px)`");
+        return Err(context.wrong(Code::WrongForm, value, "a rectangle", help));
     };
-    let low = shown(corners.low(), part, context);
-    let high = shown(corners.high(), part, context);
+    let low = pixel_in_picture(corners.low(), context);
+    let high = pixel_in_picture(corners.high(), context);
     Ok([low?, high?])
 }
 

@@ -54,11 +54,9 @@ fn format(program: &Program, stage: &Stage, line: ast::Read<'_>, context: &mut C
     if demos.is_some_and(|demos| demos.stage == stage.name) || has_format(program, stage) {
         return;
     }
-    let message = format!(
-        "no text of the stage `{}` says in which format to answer",
-        stage.name
-    );
-    let help = "write `{{ actions.format }}` in one of them".to_owned();
+    let name = &stage.name;
+    let message = format!("no text of the stage `{name}` says in which format to answer");
+    let help = "write `{{ actions.format }}` in one of them";
     context.warn(Code::FormatNeverSaid, line.span(), message, help);
 }
 
@@ -118,10 +116,8 @@ fn prefix(
     {
         return;
     }
-    let message = format!(
-        "no text of the stage `{}` asks for an answer with `{before}`",
-        stage.name
-    );
+    let name = &stage.name;
+    let message = format!("no text of the stage `{name}` asks for an answer with `{before}`");
     let help = format!("write, for example, `Answer in one line: {before} …`");
     context.warn(Code::PrefixNeverNamed, pattern.span(), message, help);
 }
@@ -149,30 +145,24 @@ fn points(program: &Program, merged: &Merged<'_>, context: &mut Context<'_>) {
     let drawn = Picture::Scene {
         layers: Layers::Drawn,
     };
-    if program
-        .stages
-        .iter()
-        .any(|stage| stage.show.contains(&drawn))
-    {
+    let mut stages = program.stages.iter();
+    if stages.any(|stage| stage.show.contains(&drawn)) {
         for layer in &program.layers {
             known.extend(layer.mark.uses().keypoints);
         }
     }
     for field in merged.actions().into_iter().flat_map(|part| part.fields()) {
         for choice in field.one_of() {
-            let ast::Expr::Name(name) = choice else {
+            let ast::Expr::Name(choice) = choice else {
                 continue;
             };
+            let (field, name) = (field.name().text(), choice.text());
             // Once is enough for a keypoint that several fields offer.
-            let is_first = known.insert(name.text().to_owned());
-            if program.keypoint(name.text()).is_some() && is_first {
-                let message = format!(
-                    "`{}` offers `{}`, and no prompt shows it",
-                    field.name().text(),
-                    name.text()
-                );
-                let help = format!("write `{{{{ {} }}}}` in a text of a stage", name.text());
-                context.warn(Code::PointsNeverShown, name.span(), message, help);
+            let is_first = known.insert(name.to_owned());
+            if program.keypoint(name).is_some() && is_first {
+                let message = format!("`{field}` offers `{name}`, and no prompt shows it");
+                let help = format!("write `{{{{ {name} }}}}` in a text of a stage");
+                context.warn(Code::PointsNeverShown, choice.span(), message, help);
             }
         }
     }

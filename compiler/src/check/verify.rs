@@ -2,7 +2,6 @@
 
 use super::conditions;
 use super::context::{Context, Result};
-use super::missing_action::needs_last;
 use super::placeholders::{TextPlace, TextScope, template};
 use super::quantity::{read, read_whole};
 use super::stage::Prompts;
@@ -28,34 +27,28 @@ pub(crate) fn check(
     let part = merged.verify();
     let places = merged.checks.iter().map(|check| check.name().span());
     context.at_most(MAX_CHECKS, places, "a task", "checks")?;
-    let checks = merged
-        .checks
-        .iter()
-        .map(|check| self::declared(check, prompts, context));
-    let checks = every(checks);
+    let checks = merged.checks.iter();
+    let checks = every(checks.map(|check| declared(check, prompts, context)));
     let attempts = part.into_iter().flat_map(|part| part.attempts());
-    let stated = once(attempts, "attempts", |it| it.span(), context.report);
-    let attempts = stated.first;
+    let attempts = once(attempts, "attempts", |it| it.span(), context.report);
     let count = attempts.map_or(Ok(DEFAULT_ATTEMPTS), |it| {
         read_whole(it.count(), &ATTEMPTS.range, context)
     });
     let relaxed = attempts.map_or(Ok(Vec::new()), |it| relaxed(it, merged, context));
     let picture = attempts.and_then(|it| it.with_picture());
-    let picture = picture
-        .map(|it| shows_refused(it, prompts, context))
-        .transpose();
+    if let Some(picture) = picture {
+        shows_refused(picture, prompts, context);
+    }
     let results = part.into_iter().flat_map(|part| part.results());
     let results = once(results, "result", |it| it.span(), context.report);
     let result = results
-        .first
         .map(|it| self::result(it, prompts, context))
         .transpose();
-    stated.alone.and(results.alone)?;
     Ok(Verify {
         checks: checks?,
         attempts: count? as u32,
         relaxed: relaxed?,
-        with_picture: picture?.is_some(),
+        with_picture: picture.is_some(),
         exhausted: match attempts.and_then(|it| it.else_skip()) {
             Some(_) => Exhausted::Skips,
             None => Exhausted::Ends,
@@ -72,49 +65,44 @@ fn declared(
     context: &mut Context<'_>,
 ) -> Result<Check> {
     let name = check.name();
-    let is_free = match given(name.text()) {
-        None => Ok(()),
-        Some(row) => {
-            let message = format!("every task has a check `{}` already", row.name);
-            let help = format!("it refuses {}; choose another name", row.refuses);
-            Err(context.refuse(Code::DuplicateName, name.span(), message, help))
-        }
-    };
-    let when = check.when().map(|expr| (expr, condition(expr, context)));
+    if let Some(row) = given(name.text()) {
+        let message = format!("every task has a check `{}` already", row.name);
+        let help = format!("it refuses {}; choose another name", row.refuses);
+        context.refuse(Code::DuplicateName, name.span(), message, help);
+    }
+    let guarded = format!("check {}", name.text());
+    let lacks = |what: &str| format!("the check `{}` does not say {what}", name.text());
+    let when = check
+        .when()
+        .map(|expr| condition(expr, context))
+        .transpose();
     // If the guard has an error, check the rest as if there was a previous action.
     let implies_last =
-        |when: &Result<Condition, _>| when.as_ref().map_or(true, |it| it.implies_last());
-    let has_last = when.as_ref().is_some_and(|(_, when)| implies_last(when));
-    let allowed =
-        |condition: Condition, expr: Expr<'_>, guarded: &str, context: &mut Context<'_>| {
-            if condition.uses().last && !has_last {
-                Err(needs_last(expr.span(), guarded, context))
-            } else {
-                Ok(condition)
-            }
-        };
-    let when = when
-        .map(|(expr, when)| allowed(when?, expr, "… when last and …", context))
-        .transpose();
-    let guarded = format!("check {}", name.text());
-    let lacks = |code, what: &str| {
-        let message = format!("the check `{}` does not say {what}", name.text());
-        Diagnostic::new(code, check.head_span(), message)
-    };
+        |when: &Option<Condition>| when.as_ref().is_some_and(Condition::implies_last);
+    let has_last = when.as_ref().map_or(true, implies_last);
+    if let (Ok(Some(when)), Some(expr)) = (&when, check.when()) {
+        needs_guard(when, has_last, expr, "… when last and …", context);
+    }
     let holds = match check.condition() {
         Some(expr) => {
-            condition(expr, context).and_then(|holds| allowed(holds, expr, &guarded, context))
+            let holds = condition(expr, context);
+            if let Ok(holds) = &holds {
+                needs_guard(holds, has_last, expr, &guarded, context);
+            }
+            holds
         }
         None => {
-            let diagnostic = lacks(Code::WrongExpression, "what must hold");
-            Err(context.error(diagnostic))
+            let message = lacks("what must hold");
+            Err(context.fault(Code::WrongExpression, check.head_span(), message))
         }
     };
     let message = format!("check.{}", name.text());
     let Some(text) = check.message() else {
-        let diagnostic = lacks(Code::MissingMessage, "why it refuses");
-        let diagnostic = diagnostic.help("add `else \"…\"` after the condition");
-        return Err(context.error(diagnostic));
+        let (lacks, help) = (
+            lacks("why it refuses"),
+            "add `else \"…\"` after the condition",
+        );
+        return Err(context.refuse(Code::MissingMessage, check.head_span(), lacks, help));
     };
     let scope = TextScope {
         place: TextPlace::Message,
@@ -124,13 +112,25 @@ fn declared(
     prompts
         .templates
         .push(template(&message, text, None, scope, context));
-    is_free?;
     Ok(Check {
         name: name.text().to_owned(),
         when: when?,
         holds: holds?,
         message,
     })
+}
+
+/// Reports a condition that depends on the previous action, unless there always is one.
+fn needs_guard(
+    condition: &Condition,
+    has_last: bool,
+    expr: Expr<'_>,
+    guarded: &str,
+    context: &mut Context<'_>,
+) {
+    if condition.uses().last && !has_last {
+        context.needs_last(expr.span(), guarded);
+    }
 }
 
 /// Builds a condition of a check. Emitted verifiers evaluate it too, and they do not know which points are
@@ -154,23 +154,18 @@ pub(crate) fn dropped(merged: &Merged<'_>, report: &mut Report) {
     else {
         return;
     };
-    let names: Vec<&str> = { dropped.checks.iter() }
-        .map(|(name, _)| name.as_str())
-        .collect();
+    let names = dropped.checks.iter().map(|(name, _)| name.as_str());
+    let names: Vec<&str> = names.collect();
     let plural = if names.len() == 1 { "" } else { "s" };
     let result = if dropped.has_result {
         " and the inherited `result`"
     } else {
         ""
     };
-    let message = format!(
-        "this `verify` drops the inherited check{plural} `{}`{result}",
-        names.join("`, `")
-    );
-    let drop = format!(
-        "to drop them on purpose, write `without check {}` beside this `verify`",
-        names.join(", ")
-    );
+    let (quoted, list) = (names.join("`, `"), names.join(", "));
+    let message = format!("this `verify` drops the inherited check{plural} `{quoted}`{result}");
+    let drop =
+        format!("to drop them on purpose, write `without check {list}` beside this `verify`");
     let diagnostic = Diagnostic::new(Code::ChecksDropped, verify.head_span(), message)
         .also(*first, "declared here")
         .help("to keep them, state them in this `verify` too, or write `check` or `override check` in the task itself, without `verify`")
@@ -181,26 +176,19 @@ pub(crate) fn dropped(merged: &Merged<'_>, report: &mut Report) {
 // ---- attempts ------------------------------------------------------------------------------------
 
 /// Reports `with picture` if the stage that reads the action asks a model that takes no pictures.
-fn shows_refused(
-    with_picture: Phrase<'_>,
-    prompts: &Prompts,
-    context: &mut Context<'_>,
-) -> Result<()> {
-    let mut acting = prompts
-        .stages
-        .iter()
-        .flatten()
-        .filter(|stage| matches!(stage.read, Read::Action));
-    let Some(stage) = acting.next().filter(|stage| stage.model == ModelRole::Text) else {
-        return Ok(());
-    };
-    let message = format!(
-        "`with picture` needs a vision model, but the stage `{}` asks a text model",
-        stage.name
-    );
-    let help = "write `model vision` in that stage, or leave out `with picture`";
-    let span = with_picture.span();
-    Err(context.refuse(Code::PicturesForTextModel, span, message, help))
+fn shows_refused(with_picture: Phrase<'_>, prompts: &Prompts, context: &mut Context<'_>) {
+    let mut stages = prompts.stages.iter().flatten();
+    if let Some(stage) = stages.find(|stage| stage.read == Read::Action)
+        && stage.model == ModelRole::Text
+    {
+        let message = format!(
+            "`with picture` needs a vision model, but the stage `{}` asks a text model",
+            stage.name
+        );
+        let help = "write `model vision` in that stage, or leave out `with picture`";
+        let span = with_picture.span();
+        context.refuse(Code::PicturesForTextModel, span, message, help);
+    }
 }
 
 /// Returns the checks that `then without` removes.
