@@ -215,14 +215,10 @@ impl<'a> Context<'a> {
         (block, span): (&str, Span),
         lines: &[(&str, bool)],
         help: &str,
-    ) -> Result<()> {
+    ) -> Reported {
         let lacks = lines.iter().filter(|(_, is_there)| !is_there);
-        let lacks: Vec<&str> = lacks.map(|(word, _)| *word).collect();
-        if lacks.is_empty() {
-            return Ok(());
-        }
-        let message = format!("{block} has no {}", among(lacks));
-        Err(self.refuse(code, span, message, help))
+        let message = format!("{block} has no {}", among(lacks.map(|(word, _)| *word)));
+        self.refuse(code, span, message, help)
     }
 
     /// Reports an expression that is not `expected`.

@@ -66,12 +66,11 @@ fn one(
 ) -> Result<Example> {
     let say = once(example.say(), "say", Sayings::span, context.report);
     let reply = once(example.replies(), "reply", Reply::span, context.report);
-    let lines = [("say", say.is_some()), ("reply", reply.is_some())];
-    let block = ("the example", example.head_span());
-    let help = "it needs both a `say \"…\"` and a `reply \"…\"`";
-    context.lacking(Code::BadExample, block, &lines, help)?;
     let (Some(say), Some(reply)) = (say, reply) else {
-        unreachable!("an example that lacks nothing has these lines");
+        let lines = [("say", say.is_some()), ("reply", reply.is_some())];
+        let block = ("the example", example.head_span());
+        let help = "it needs both a `say \"…\"` and a `reply \"…\"`";
+        return Err(context.lacking(Code::BadExample, block, &lines, help));
     };
     let say = question(say, context);
     let images = images(example, reader.role, context);

@@ -8,10 +8,10 @@ use super::context::{Context, Result};
 use super::files;
 use super::names::Meaning;
 use super::quantity::{
-    beyond, measured, no_conversion, no_unit, not_whole, out_of_range, read, read_whole, units_of,
+    beyond, measured, no_conversion, no_unit, out_of_range, read, read_whole, units_of, whole,
 };
 use super::short_text::colour_name;
-use crate::diag::{Code, Diagnostic, Reported, among, nearest};
+use crate::diag::{Code, Diagnostic, Reported, among};
 use crate::lang::calls::CLOTH_POINTS;
 use crate::loader::Wanted;
 use fab_grammar::ast::{Call, Expr, Name, Path};
@@ -39,11 +39,6 @@ pub(crate) fn call<'a>(
     context: &mut Context<'_>,
 ) -> Result<(usize, Args, Bound<'a>)> {
     let Expr::Call(call) = expr else {
-        let article = if kind.starts_with(['a', 'e', 'o']) {
-            "an"
-        } else {
-            "a"
-        };
         // Of many calls, the forms would fill the screen.
         let forms: Vec<String> = if rows.clone().count() <= 8 {
             rows.map(Signature::form).collect()
@@ -51,6 +46,11 @@ pub(crate) fn call<'a>(
             let mut names: Vec<String> = rows.map(|row| format!("{}(…)", row.name)).collect();
             names.dedup();
             names
+        };
+        let article = if kind.starts_with(['a', 'e', 'o']) {
+            "an"
+        } else {
+            "a"
         };
         let message = format!("expected {article} {kind}");
         let help = format!("write {}", among(forms.iter().map(String::as_str)));
@@ -218,12 +218,7 @@ pub(super) fn word(
     {
         return Ok(word.name);
     }
-    let diagnostic = context.unexpected(Code::WrongForm, expr, &among(names(words)));
-    let found = context.written(expr.span());
-    Err(context.error(match nearest(&found, names(words)) {
-        Some(meant) => diagnostic.meant(expr.span(), meant),
-        None => diagnostic,
-    }))
+    Err(context.wrong(Code::WrongForm, expr, &among(names(words)), None))
 }
 
 /// Reads a word of a closed set that messages have a noun for, such as a colour.
@@ -234,19 +229,15 @@ pub(super) fn name_of(
     context: &mut Context<'_>,
 ) -> Result<&'static str> {
     let Expr::Name(name) = expr else {
-        return Err(context.wrong(Code::WrongForm, expr, &among(names(words)), None));
+        return word(expr, words, context);
     };
-    // `corner(top_left)`: the top of the picture is called the back of the cloth here.
-    let turned = name
-        .text()
-        .replace("top", "back")
-        .replace("bottom", "front");
+    // `corner(top_left)`: the top of the picture is the back of the cloth.
+    let turned = { name.text() }.replace("top", "back");
+    let turned = turned.replace("bottom", "front");
     if turned != name.text() && names(words).any(|word| word == turned) {
         let message = format!("there is no {noun} `{}`", name.text());
-        let help = format!("write `{turned}`: back is the top of the picture, front its bottom");
-        let diagnostic = Diagnostic::new(Code::UnknownName, name.span(), message).help(help);
-        // It is another name, so it is left to the author.
-        return Err(context.error(diagnostic.likely(name.span(), turned)));
+        let diagnostic = Diagnostic::new(Code::UnknownName, name.span(), message);
+        return Err(context.error(diagnostic.meant(name.span(), &turned)));
     }
     context.word(noun, name, words)
 }
@@ -266,20 +257,14 @@ fn word_or_count(
     };
     let number = quantity.value();
     match quantity.unit() {
-        Some(written) if written.text() == unit => {}
-        Some(written) => return Err(context.unknown("unit", written, [unit])),
+        Some(written) if written.text() == unit => whole(number, expr, range, context),
+        Some(written) => Err(context.unknown("unit", written, [unit])),
         None => {
             let diagnostic = no_unit(expr, &expected, context);
-            return Err(context.error(diagnostic.help(format!("write `{number} {unit}`"))));
+            Err(context.error(diagnostic.help(format!("write `{number} {unit}`"))))
         }
     }
-    if number.fract() != 0.0 {
-        return Err(not_whole(expr, range, context));
-    }
-    if !range.contains(number) {
-        return Err(beyond(expr, range, context));
-    }
-    Ok(ArgValue::Number(number))
+    .map(ArgValue::Number)
 }
 
 fn names(words: &'static [Word]) -> impl Iterator<Item = &'static str> {
@@ -293,28 +278,23 @@ fn word_or_file(
     context: &mut Context<'_>,
 ) -> Result<ArgValue> {
     let Expr::Text(text) = expr else {
-        let word = word(expr, words, context);
-        return word.map(ArgValue::Word);
+        return word(expr, words, context).map(ArgValue::Word);
     };
     let file = files::named(text, "a start file", Wanted::Positions, context)?;
     if !file.path.ends_with(ending) {
         let written = context.written(expr.span());
         let message = format!("{written} is not a `{ending}` file");
-        let help = format!(
-            "the path must end in `{ending}`; {} are written without quotes",
-            among(names(words)).replace(" or ", " and ")
-        );
+        let words = among(names(words)).replace(" or ", " and ");
+        let help = format!("the path must end in `{ending}`; {words} are written without quotes");
         return Err(context.refuse(Code::WrongForm, expr.span(), message, help));
     }
     Ok(ArgValue::File(file))
 }
 
 fn depth_limit(expr: Expr<'_>, range: &Range, context: &mut Context<'_>) -> Result<f64> {
+    let is_depth = |expr| matches!(expr, Expr::Name(name) if name.text() == "depth");
     let limit = match expr {
-        Expr::Compare(compare)
-            if compare.sign().text() == "<"
-                && matches!(compare.left(), Expr::Name(name) if name.text() == "depth") =>
-        {
+        Expr::Compare(compare) if compare.sign().text() == "<" && is_depth(compare.left()) => {
             compare.right()
         }
         _ => {

@@ -60,13 +60,15 @@ pub(crate) fn check(declared: ast::Material<'_>, context: &mut Context<'_>) -> R
     let needed = PROPERTIES.iter().filter(|row| row.face.is_none());
     let needed = needed.map(|row| &row.call.signature);
     let mut missing = needed.clone().filter(|it| !given.contains_key(it.name));
-    let form = missing.next().map(material::form).unwrap_or_default();
-    let lines: Vec<_> = needed
-        .map(|it| (it.name, given.contains_key(it.name)))
-        .collect();
-    let block = format!("the material `{}`", name.text());
-    let (code, block) = (Code::MaterialIncomplete, (block.as_str(), name.span()));
-    context.lacking(code, block, &lines, &format!("write `{form}`"))?;
+    if let Some(first) = missing.next() {
+        let lines: Vec<_> = needed
+            .map(|it| (it.name, given.contains_key(it.name)))
+            .collect();
+        let block = format!("the material `{}`", name.text());
+        let block = (block.as_str(), name.span());
+        let help = format!("write `{}`", material::form(first));
+        return Err(context.lacking(Code::MaterialIncomplete, block, &lines, &help));
+    }
     Ok(material)
 }
 

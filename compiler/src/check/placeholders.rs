@@ -58,7 +58,15 @@ pub(crate) struct TextScope<'s> {
     pub guarded: &'s str,
 }
 
-impl TextScope<'_> {
+impl<'s> TextScope<'s> {
+    pub fn new(place: TextPlace, has_last: bool, guarded: &'s str) -> TextScope<'s> {
+        TextScope {
+            place,
+            has_last,
+            guarded,
+        }
+    }
+
     /// Reports a value that depends on the previous action, unless there always is one.
     fn require_last(self, span: Span, context: &mut Context<'_>) -> Result<()> {
         if self.has_last || self.place == TextPlace::Nowhere {
@@ -110,15 +118,13 @@ pub(crate) fn template(
     }
     all?;
     let (declared_in, line) = context.loaded.place(text.span().file, text.start());
-    let variables = variables
-        .into_iter()
-        .map(|(name, value)| Variable { name, value })
-        .collect();
+    let variables = variables.into_iter();
+    let variables = variables.map(|(name, value)| Variable { name, value });
     Ok(Template {
         name: name.to_owned(),
         when,
         text: jinja.finish(),
-        variables,
+        variables: variables.collect(),
         declared_in,
         line,
     })

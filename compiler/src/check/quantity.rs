@@ -99,26 +99,35 @@ pub(super) fn size(unit: &Unit, context: &Context<'_>) -> Result<f64> {
 /// Reads a number in a range, in base units. NaN, for `edge` in a base without a cloth, passes every range.
 pub(crate) fn read(expr: Expr<'_>, range: &Range, context: &mut Context<'_>) -> Result<f64> {
     let value = in_dimension(expr, range.dimension(), context)?;
-    if range.contains(value) || value.is_nan() {
-        return Ok(value);
-    }
-    Err(beyond(expr, range, context))
+    in_range(value, expr, range, context)
 }
 
 /// Reads a whole number in a range.
 pub(crate) fn read_whole(expr: Expr<'_>, range: &Range, context: &mut Context<'_>) -> Result<f64> {
     let value = in_dimension(expr, range.dimension(), context)?;
-    if value.fract() != 0.0 {
-        return Err(not_whole(expr, range, context));
-    }
-    read(expr, range, context)
+    whole(value, expr, range, context)
 }
 
-/// Reports a number that is not whole.
-pub(super) fn not_whole(expr: Expr<'_>, range: &Range, context: &mut Context<'_>) -> Reported {
-    let message = format!("`{}` is not a whole number", context.written(expr.span()));
-    let help = format!("expected {}", range.words());
-    context.refuse(Code::NotWhole, expr.span(), message, help)
+/// Reports a number that is not whole, or not in a range.
+pub(super) fn whole(
+    value: f64,
+    expr: Expr<'_>,
+    range: &Range,
+    context: &mut Context<'_>,
+) -> Result<f64> {
+    if value.fract() != 0.0 {
+        let message = format!("`{}` is not a whole number", context.written(expr.span()));
+        let help = format!("expected {}", range.words());
+        return Err(context.refuse(Code::NotWhole, expr.span(), message, help));
+    }
+    in_range(value, expr, range, context)
+}
+
+fn in_range(value: f64, expr: Expr<'_>, range: &Range, context: &mut Context<'_>) -> Result<f64> {
+    if range.contains(value) || value.is_nan() {
+        return Ok(value);
+    }
+    Err(beyond(expr, range, context))
 }
 
 /// Reports a number outside of a range.

@@ -29,13 +29,12 @@ pub(crate) fn check(
         ("choose", choices.is_some() || revisions.is_some()),
         ("trust", trusts.is_some()),
     ];
-    let block = format!("the rehearsal of `{}`", part.stage().text());
-    let help = "state, for example, `twin(material: cotton, size: 0.95 to 1.05, friction: 0.4 to 0.9) choose most overlap trust overlap > 0.8`";
-    let (code, block) = (
-        Code::RehearsalIncomplete,
-        (block.as_str(), part.stage().span()),
-    );
-    let complete = context.lacking(code, block, &lines, help);
+    if lines.iter().any(|(_, is_there)| !is_there) {
+        let help = "state, for example, `twin(material: cotton, size: 0.95 to 1.05, friction: 0.4 to 0.9) choose most overlap trust overlap > 0.8`";
+        let block = format!("the rehearsal of `{}`", part.stage().text());
+        let block = (block.as_str(), part.stage().span());
+        context.lacking(Code::RehearsalIncomplete, block, &lines, help);
+    }
     let stage = stage(part, merged, prompts, context);
     let asked = stage.as_ref().ok().and_then(|it| it.as_ref());
     let twin = twins.map(|it| twin(it, context)).transpose();
@@ -46,7 +45,6 @@ pub(crate) fn check(
         Some(_) => Distrusted::Refuses,
         None => Distrusted::StandsAside,
     };
-    complete?;
     let (choose, revisions) = (choose.transpose()?, revisions.transpose()?);
     let (Some(twin), Some(trust_above), Some(stage)) = (twin?, trust_above.transpose()?, stage?)
     else {

@@ -8,7 +8,7 @@ use super::context::{Context, Declared, Result};
 use super::examples;
 use super::expressions::argument;
 use super::placeholders::{TextPlace, TextScope, template};
-use crate::diag::{Code, Diagnostic, among, every, nearest};
+use crate::diag::{Code, Diagnostic, Reported, among, every, nearest};
 use crate::lang::stage::{MODELS, PICTURE_ROWS, PICTURES, SETTINGS};
 use crate::merge::{Line, Merged, Said, once, unique};
 use fab_grammar::Span;
@@ -45,22 +45,23 @@ pub(crate) fn check(merged: &Merged<'_>, context: &mut Context<'_>) -> Prompts {
     let within = context.at_most(MAX_STAGES, places, "a task", "stages");
     let mut builder = Builder {
         merged,
+        context,
         templates: BTreeMap::new(),
     };
     let stages = merged.stages.iter().enumerate();
     let stages: Vec<Result<program::Stage>> = stages
-        .map(|(number, stage)| within.and_then(|()| builder.stage(number, stage, context)))
+        .map(|(number, stage)| within.and_then(|()| builder.stage(number, stage)))
         .collect();
-    action_readers(merged, context);
-    builder.named_layers_are_shown(&stages, context);
+    action_readers(merged, builder.context);
+    builder.named_layers_are_shown(&stages);
     // A stage that is wrong may say less than its author meant.
     if !stages.is_empty() && stages.iter().all(Result::is_ok) {
-        builder.shown_layers_are_named(context);
+        builder.shown_layers_are_named();
         if merged.variant.is_none() {
-            said_nowhere(merged, context);
+            said_nowhere(merged, builder.context);
         }
     }
-    builder.unsaid(context);
+    builder.unsaid();
     Prompts {
         stages,
         templates: builder.in_order(),
@@ -125,8 +126,9 @@ fn guard(component: ast::Component<'_>, context: &mut Context<'_>) -> Declared<C
     Ok(Some(when))
 }
 
-struct Builder<'m, 'a> {
+struct Builder<'m, 'a, 'c> {
     merged: &'m Merged<'a>,
+    context: &'m mut Context<'c>,
     /// By name.
     templates: BTreeMap<String, Built>,
 }
@@ -140,40 +142,44 @@ struct Built {
     layers: Vec<(String, Span)>,
 }
 
-impl<'a> Builder<'_, 'a> {
-    fn stage(
-        &mut self,
-        number: usize,
-        stage: ast::Stage<'a>,
-        context: &mut Context<'_>,
-    ) -> Result<program::Stage> {
-        let model = once(stage.model(), "model", ast::Model::span, context.report);
-        let show = once(stage.show(), "show", ast::Show::span, context.report);
-        let say = once(stage.say(), "say", Sayings::span, context.report);
-        let system = once(stage.system(), "system", Sayings::span, context.report);
-        let read = once(stage.read(), "read", ast::Read::span, context.report);
-        self.incomplete(stage, context)?;
+impl<'a> Builder<'_, 'a, '_> {
+    fn stage(&mut self, number: usize, stage: ast::Stage<'a>) -> Result<program::Stage> {
+        let model = once(
+            stage.model(),
+            "model",
+            ast::Model::span,
+            self.context.report,
+        );
+        let show = once(stage.show(), "show", ast::Show::span, self.context.report);
+        let say = once(stage.say(), "say", Sayings::span, self.context.report);
+        let system = once(stage.system(), "system", Sayings::span, self.context.report);
+        let read = once(stage.read(), "read", ast::Read::span, self.context.report);
         let (Some(model), Some(say), Some(read)) = (model, say, read) else {
-            unreachable!("a stage that is complete has these lines");
+            let lines = [
+                ("model", model.is_some()),
+                ("say", say.is_some()),
+                ("read", read.is_some()),
+            ];
+            return Err(self.incomplete(stage.name(), &lines));
         };
-        let role = role(model, context);
-        let settings = settings(model, context);
-        let pictures = show.map_or(Vec::new(), |line| self::pictures(line, context));
+        let role = role(model, self.context);
+        let settings = settings(model, self.context);
+        let pictures = show.map_or(Vec::new(), |line| self::pictures(line, self.context));
         if let Some(show) = show {
             let model = role.map(|role| (role, model));
-            self.showable(stage, show, model, &pictures, context);
+            self.showable(stage, show, model, &pictures);
         }
 
         let name = stage.name().text();
         let mut sayings = |line, part: Sayings<'a>| {
             let said = self.merged.said.get(name).into_iter();
             let list = said.flat_map(|said| said.line(line)).collect();
-            self.sayings(number, stage, line, part, list, context)
+            self.sayings(number, stage, line, part, list)
         };
         let system = system.map(|part| sayings(Line::System, part));
         let say = sayings(Line::Say, say);
-        let read = self::read(read, context);
-        let examples = examples::check(stage, role, read.as_ref().map_err(|it| *it), context);
+        let read = self::read(read, self.context);
+        let examples = examples::check(stage, role, read.as_ref().map_err(|it| *it), self.context);
         let settings = settings?;
         let number = |name: &str| match settings.get(name)? {
             ArgValue::Number(number) => Some(*number),
@@ -200,13 +206,8 @@ impl<'a> Builder<'_, 'a> {
     }
 
     /// Reports the lines that a stage must have and does not, all in one error.
-    fn incomplete(&self, stage: ast::Stage<'_>, context: &mut Context<'_>) -> Result<()> {
-        let lines = [
-            ("model", stage.model().next().is_some()),
-            ("say", stage.say().next().is_some()),
-            ("read", stage.read().next().is_some()),
-        ];
-        let name = stage.name().text();
+    fn incomplete(&mut self, stage: Name<'_>, lines: &[(&str, bool); 3]) -> Reported {
+        let name = stage.text();
         let replaced = format!(
             "this replaces the whole inherited stage; to add to what it says, write `say NAME in {name} after NAME`, outside of any stage"
         );
@@ -218,18 +219,18 @@ impl<'a> Builder<'_, 'a> {
             }
         };
         let block = format!("the stage `{name}`");
-        let block = (block.as_str(), stage.name().span());
-        context.lacking(Code::StageIncomplete, block, &lines, help)
+        let block = (block.as_str(), stage.span());
+        self.context
+            .lacking(Code::StageIncomplete, block, lines, help)
     }
 
     /// Reports pictures for a model that takes none, and annotations if no layers are declared.
     fn showable(
-        &self,
+        &mut self,
         stage: ast::Stage<'_>,
         show: ast::Show<'_>,
         model: Result<(ModelRole, ast::Model<'_>)>,
         pictures: &[Result<Picture>],
-        context: &mut Context<'_>,
     ) {
         if let Ok((ModelRole::Text, model)) = model {
             let name = stage.name().text();
@@ -237,12 +238,13 @@ impl<'a> Builder<'_, 'a> {
             let diagnostic = Diagnostic::new(Code::PicturesForTextModel, show.span(), message)
                 .help("write `model vision`, or remove `show`")
                 .also(model.span(), "asks a text model");
-            context.error(diagnostic);
+            self.context.error(diagnostic);
         }
         if pictures.contains(&Ok(WITH_LAYERS)) && self.merged.annotate().is_none() {
             let message = "no annotations are declared";
             let help = "add `annotate { … }`, or write `show scene`";
-            context.refuse(Code::NothingToDraw, show.span(), message, help);
+            self.context
+                .refuse(Code::NothingToDraw, show.span(), message, help);
         }
     }
 
@@ -259,7 +261,6 @@ impl<'a> Builder<'_, 'a> {
         line: Line,
         part: Sayings<'a>,
         list: Vec<ComponentOrText<'a>>,
-        context: &mut Context<'_>,
     ) -> Result<Vec<String>> {
         let word = match line {
             Line::System => "system",
@@ -270,7 +271,7 @@ impl<'a> Builder<'_, 'a> {
         let mut all = Ok(());
         for saying in list {
             match saying {
-                ComponentOrText::Component(name) => match self.component(number, name, context) {
+                ComponentOrText::Component(name) => match self.component(number, name) {
                     Ok(name) => names.extend(name),
                     Err(reported) => all = Err(reported),
                 },
@@ -280,7 +281,7 @@ impl<'a> Builder<'_, 'a> {
                     if n_texts > 1 {
                         name = format!("{name}.{n_texts}");
                     }
-                    self.build(&name, "component NAME", text, Ok(None), number, context);
+                    self.build(&name, "component NAME", text, Ok(None), number);
                     names.push(name);
                 }
             }
@@ -292,31 +293,26 @@ impl<'a> Builder<'_, 'a> {
             let span = self.merged.task.name().span();
             let diagnostic = Diagnostic::new(Code::StageIncomplete, span, message)
                 .also(part.span(), "all of these components are left out");
-            return Err(context.error(diagnostic));
+            return Err(self.context.error(diagnostic));
         }
         Ok(names)
     }
 
     /// Returns the name of a component's template; `None` for a removed component.
-    fn component(
-        &mut self,
-        number: usize,
-        name: Name<'a>,
-        context: &mut Context<'_>,
-    ) -> Result<Option<String>> {
+    fn component(&mut self, number: usize, name: Name<'a>) -> Result<Option<String>> {
         let text = name.text();
         let Some(component) = self.merged.components.get(text) else {
             if self.merged.components.is_removed(text) {
                 return Ok(None);
             }
             let all = self.merged.components.names();
-            return Err(context.unknown("component", name, all));
+            return Err(self.context.unknown("component", name, all));
         };
         // A later stage knows all that this one knows.
         if !self.templates.contains_key(text) {
-            let when = guard(component, context);
+            let when = guard(component, self.context);
             let guarded = format!("component {text}");
-            self.build(text, &guarded, component.text(), when, number, context);
+            self.build(text, &guarded, component.text(), when, number);
         }
         Ok(Some(text.to_owned()))
     }
@@ -331,22 +327,17 @@ impl<'a> Builder<'_, 'a> {
         text: Text<'a>,
         when: Result<Option<Condition>>,
         stage: usize,
-        context: &mut Context<'_>,
     ) {
         // If the condition is wrong, check the text as if it were right.
         let has_last = when.as_ref().map_or(true, |when| {
             when.as_ref().is_some_and(Condition::implies_last)
         });
-        let scope = TextScope {
-            place: TextPlace::Stage(stage),
-            has_last,
-            guarded,
-        };
-        let template = template(name, text, when.unwrap_or_default(), scope, context);
+        let scope = TextScope::new(TextPlace::Stage(stage), has_last, guarded);
+        let template = template(name, text, when.unwrap_or_default(), scope, self.context);
         let built = Built {
             number: self.templates.len(),
             template,
-            layers: std::mem::take(&mut context.named_layers),
+            layers: std::mem::take(&mut self.context.named_layers),
         };
         self.templates.insert(name.to_owned(), built);
     }
@@ -362,22 +353,18 @@ impl<'a> Builder<'_, 'a> {
     // ---- all stages together ---------------------------------------------------------------------
 
     /// Checks the components that no stage says.
-    fn unsaid(&self, context: &mut Context<'_>) {
+    fn unsaid(&mut self) {
         let all = self.merged.components.iter();
         for component in all.filter(|it| !self.templates.contains_key(it.name().text())) {
-            let scope = TextScope {
-                place: TextPlace::Nowhere,
-                has_last: true,
-                guarded: "",
-            };
+            let scope = TextScope::new(TextPlace::Nowhere, true, "");
             // What is wrong with them is reported; no prompt has them.
-            let _: Declared<Condition> = guard(component, context);
-            let _: Result<Template> = template("", component.text(), None, scope, context);
+            let _: Declared<Condition> = guard(component, self.context);
+            let _: Result<Template> = template("", component.text(), None, scope, self.context);
         }
     }
 
     /// Reports layers that a stage names and its pictures do not show.
-    fn named_layers_are_shown(&self, stages: &[Result<program::Stage>], context: &mut Context<'_>) {
+    fn named_layers_are_shown(&mut self, stages: &[Result<program::Stage>]) {
         for stage in stages.iter().flatten() {
             let said = stage.system.iter().chain(&stage.say);
             let said = said.filter_map(|name| self.templates.get(name));
@@ -394,12 +381,12 @@ impl<'a> Builder<'_, 'a> {
             let others = others.iter().filter(|(other, _)| other != layer);
             let diagnostic =
                 others.fold(diagnostic, |it, (_, span)| it.also(*span, "nor this one"));
-            context.error(diagnostic);
+            self.context.error(diagnostic);
         }
     }
 
     /// Reports layers that are drawn and that no stage names.
-    fn shown_layers_are_named(&self, context: &mut Context<'_>) {
+    fn shown_layers_are_named(&mut self) {
         let merged = self.merged;
         // A variant may remove the text that names a layer of its task; that is not a mistake.
         let own = merged.own_body().map(|body| body.span());
@@ -408,7 +395,7 @@ impl<'a> Builder<'_, 'a> {
         let named: BTreeSet<&str> = named.map(|(layer, _)| layer.as_str()).collect();
         let drawn = merged.annotate().into_iter().flat_map(|part| part.list());
         let mut unnamed = drawn.map(|layer| layer.name()).filter(|name| {
-            let is_right = matches!(context.layers.get(name.text()), Some(Ok(_)));
+            let is_right = matches!(self.context.layers.get(name.text()), Some(Ok(_)));
             is_right && !named.contains(name.text()) && is_own(name.span())
         });
         let Some(first) = unnamed.next() else {
@@ -422,7 +409,7 @@ impl<'a> Builder<'_, 'a> {
                 "write `{{{{ {name} }}}}` in a text of a stage with `show scene with annotations`"
             ));
         let diagnostic = unnamed.fold(diagnostic, |it, name| it.also(name.span(), "nor this one"));
-        context.error(diagnostic);
+        self.context.error(diagnostic);
     }
 }
 

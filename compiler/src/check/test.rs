@@ -65,16 +65,15 @@ fn one(
 ) -> Declared<Test> {
     let reply = once(test.replies(), "reply", Reply::span, context.report);
     let expect = once(test.expect(), "expect", ast::Expect::span, context.report);
-    let lines = [
-        ("name", test.name().is_some()),
-        ("reply", reply.is_some()),
-        ("expect", expect.is_some()),
-    ];
-    let help = "write `test \"what it shows\" { given NAME = … reply \"…\" expect … }`";
-    let block = ("the test", test.head_span());
-    context.lacking(Code::TestIncomplete, block, &lines, help)?;
     let (Some(name), Some(reply), Some(expect)) = (test.name(), reply, expect) else {
-        unreachable!("a test that lacks nothing has these lines");
+        let lines = [
+            ("name", test.name().is_some()),
+            ("reply", reply.is_some()),
+            ("expect", expect.is_some()),
+        ];
+        let help = "write `test \"what it shows\" { given NAME = … reply \"…\" expect … }`";
+        let block = ("the test", test.head_span());
+        return Err(context.lacking(Code::TestIncomplete, block, &lines, help));
     };
     let name = plain(name, context).and_then(|text| {
         if text.trim().is_empty() {

@@ -104,11 +104,7 @@ fn declared(
         );
         return Err(context.refuse(Code::MissingMessage, check.head_span(), lacks, help));
     };
-    let scope = TextScope {
-        place: TextPlace::Message,
-        has_last,
-        guarded: &guarded,
-    };
+    let scope = TextScope::new(TextPlace::Message, has_last, &guarded);
     prompts
         .templates
         .push(template(&message, text, None, scope, context));
@@ -241,11 +237,7 @@ fn result(
         let help = "add `else \"…\"` at its end";
         return Err(context.refuse(Code::MissingMessage, part.span(), message, help));
     };
-    let scope = TextScope {
-        place: TextPlace::Result,
-        has_last: true,
-        guarded: RESULT,
-    };
+    let scope = TextScope::new(TextPlace::Result, true, RESULT);
     prompts
         .templates
         .push(template(RESULT, text, None, scope, context));
