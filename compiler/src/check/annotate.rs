@@ -9,22 +9,15 @@ use fab_program::Depends;
 use fab_program::vocabulary::{ArgValue, Args};
 use fab_program::{Layer, Spot};
 
-/// The most layers.
-const MAX_LAYERS: usize = 32;
-
 /// Builds the layers in order.
 pub(crate) fn check<'a>(
     merged: &Merged<'a>,
     context: &mut Context<'a>,
 ) -> Vec<(&'a str, Result<Layer>)> {
-    let layers = || merged.annotate().into_iter().flat_map(|part| part.list());
-    let places = layers().map(|layer| layer.name().span());
-    let within = context.at_most(MAX_LAYERS, places, "a task", "layers");
-    let layer = |declared: NamedValue<'a>| {
-        let layer = within.and_then(|()| layer(declared, context));
-        (declared.name().text(), layer)
-    };
-    layers().map(layer).collect()
+    let layers = merged.annotate().into_iter().flat_map(|part| part.list());
+    layers
+        .map(|declared| (declared.name().text(), layer(declared, context)))
+        .collect()
 }
 
 fn layer(declared: NamedValue<'_>, context: &mut Context<'_>) -> Result<Layer> {

@@ -10,9 +10,6 @@ use fab_grammar::ast::{Argument, Call, Expr, Name};
 use fab_program::vocabulary::{Arg, Place, Signature};
 use std::collections::BTreeMap;
 
-/// The most arguments of a call that takes any number of them.
-const MAX_ARGUMENTS: usize = 1000;
-
 /// The parameters of a call with the expressions given for them; [`Place::Rest`] may appear several times.
 pub(crate) type Bound<'a> = Vec<(&'static Arg, Expr<'a>)>;
 
@@ -64,7 +61,7 @@ pub(crate) fn bind<'a>(
         let most = match arg.place {
             Place::Named => 0,
             Place::Positional => 1,
-            Place::Rest => MAX_ARGUMENTS,
+            Place::Rest => usize::MAX,
         };
         std::iter::repeat_n(arg, most)
     });

@@ -7,8 +7,7 @@
 use crate::diag::{Code, Diagnostic};
 use crate::merge::Merged;
 use fab_grammar::Span;
-use fab_program::exact::written;
-use fab_program::measures::{Length, Number, PointMeasure};
+use fab_program::measures::{Length, Number};
 use fab_program::{Condition, Program};
 
 /// Returns a warning for each condition of a task whose result is certain in the task and in its variants.
@@ -42,19 +41,16 @@ pub(super) fn check(programs: &[Program], merged: &Merged<'_>) -> Vec<Diagnostic
             let help = "correct the condition after `when`, or remove the check";
             warn(format!("{name} never applies"), when, expr.span(), help);
         } else if let (Some(passes), Some(expr)) = (certain(&check.holds), part.condition()) {
-            let (what, help) = if passes {
-                (
-                    "fail",
-                    "no answer would be refused; correct the condition, or remove the check",
-                )
+            let (what, which) = if passes {
+                ("fail", "no")
             } else {
-                (
-                    "pass",
-                    "every answer would be refused; correct the condition, or remove the check",
-                )
+                ("pass", "every")
             };
+            let help = format!(
+                "{which} answer would be refused; correct the condition, or remove the check"
+            );
             let message = format!("{name} can never {what}");
-            warn(message, &check.holds, expr.span(), help);
+            warn(message, &check.holds, expr.span(), &help);
         }
     }
     for template in &program.templates {
@@ -84,25 +80,10 @@ fn reason(condition: &Condition, program: &Program) -> Option<String> {
         }
         Condition::Not { of } => reason(of, program),
         part if decide(part, program).is_none() => None,
-        Condition::Number { left, .. } => {
-            let [least, most] = ends(left, program)?;
-            Some(if least == most {
-                format!("`{left}` is always {least}")
-            } else {
-                format!("`{left}` is {least} to {most}")
-            })
-        }
-        Condition::Lengths { left, right, .. } => {
-            let measure = [left, right].into_iter().find_map(|side| match side {
-                Length::OfPoints(measure) => Some(measure),
-                Length::Constant { .. } | Length::Field { .. } => None,
-            })?;
-            let px = written(to_itself(measure)?.sqrt(), 1);
-            Some(format!("`{measure}` is always {px}px"))
-        }
-        Condition::Angle { a, b, .. } => {
-            Some(format!("the angle between `{a}` and `{b}` is always 0deg"))
-        }
+        Condition::Number { left, .. } => Some(match ends(left, program)? {
+            [least, most] if least == most => format!("`{left}` is always {least}"),
+            [least, most] => format!("`{left}` is {least} to {most}"),
+        }),
         _ => None,
     }
 }
@@ -165,16 +146,14 @@ fn all(parts: impl Iterator<Item = Option<bool>>) -> Option<bool> {
 fn square(length: &Length) -> Option<f64> {
     match length {
         Length::Constant { value } => Some(value * value),
-        Length::OfPoints(measure) => to_itself(measure),
+        Length::OfPoints(measure) => {
+            let [a, b] = measure.points() else {
+                return None;
+            };
+            let points = [[0.0, 0.0], [7.0, 5.0]];
+            let [here, there] = points.map(|point| measure.square(&[point, point]));
+            (a == b && here == there).then_some(here)
+        }
         Length::Field { .. } => None,
     }
-}
-
-/// Returns the square of what a measure is between a point and itself, if it is the same for every point.
-fn to_itself(measure: &PointMeasure) -> Option<f64> {
-    let [a, b] = measure.points() else {
-        return None;
-    };
-    let [here, there] = [[0.0, 0.0], [7.0, 5.0]].map(|point| measure.square(&[point, point]));
-    (a == b && here == there).then_some(here)
 }

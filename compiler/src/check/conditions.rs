@@ -1,7 +1,7 @@
 //! Conditions: comparisons, `POINT within N of MASK`, `last`, joined by `and`, `or`, `not`.
 
 use super::context::{Context, Declared, Result};
-use super::expressions::{AsPercent, FramedLength, Operand, keypoint, operand, point};
+use super::expressions::{FramedLength, Operand, keypoint, operand, point};
 use super::names::Meaning;
 use super::quantity::{beyond, no_unit, read};
 use crate::diag::{Code, Diagnostic, Reported, among, every, nearest};
@@ -160,12 +160,8 @@ fn fixed(
                 limit_cos: cos_deg(*deg),
             }
         }
-        (Operand::Counted(number, as_percent), Operand::Number(written)) => {
-            let limit = match as_percent {
-                AsPercent::Yes => written / 100.0,
-                AsPercent::No => *written,
-            };
-            counted(compare, number, sign, limit, context)?
+        (Operand::Counted(number, written), Operand::Number(limit)) => {
+            counted(compare, number, sign, limit / written.factor, context)?
         }
         (Operand::WordField(_) | Operand::Quadrant(_), Operand::Word(word)) => {
             let mut words = words(&value.value, context)?;

@@ -50,14 +50,13 @@ fn finding(fold: &Fold, step: &StepTrial) -> Option<(String, String)> {
     let (carried_mm, rest, smallest) = match step.effect {
         Effect::Changed => return None,
         Effect::Missed => {
-            return Some((
-                "nothing is grasped at its pick".to_owned(),
-                "pick another point of the cloth".to_owned(),
-            ));
+            let why = "nothing is grasped at its pick";
+            return Some((why.to_owned(), "pick another point of the cloth".to_owned()));
         }
         Effect::WentBack { .. } if step.planned_mm < 1.0 => {
+            let why = "its pick already lies at its place";
             return Some((
-                "its pick already lies at its place".to_owned(),
+                why.to_owned(),
                 "leave the step out, or place it elsewhere".to_owned(),
             ));
         }

@@ -24,7 +24,7 @@ use fab_program::vocabulary::{
 };
 use fab_program::{
     ActionField, Choices, ClothPoint, Colour, End, Face, Heading, KeypointShape, Length, Number,
-    PixelPoint, Point, Spot,
+    NumberFormat, PixelPoint, Point, Spot,
 };
 
 // ---- calls ---------------------------------------------------------------------------------------
@@ -451,7 +451,8 @@ pub(crate) enum Operand {
     /// The angle between two directions, and the unit that it is written in.
     Between([Heading; 2], &'static Unit),
     Number(f64),
-    Counted(Number, AsPercent),
+    /// A number, and how it is written.
+    Counted(Number, NumberFormat),
     Point(Point),
     Heading(Heading),
     /// A field that is a word.
@@ -503,13 +504,6 @@ impl Operand {
             Operand::Layer(_) => "a layer",
         }
     }
-}
-
-/// Whether a fraction is written as a percentage.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum AsPercent {
-    Yes,
-    No,
 }
 
 /// A length. It is compared where its unit measures: in the picture, on the table, or as a speed.
@@ -699,7 +693,7 @@ fn named(name: Name<'_>, expected: &Expected, context: &mut Context<'_>) -> Resu
         Some(Meaning::Keypoint(Some(shape), _)) => Operand::Keypoint(text, shape),
         Some(Meaning::Text(stage)) => Operand::Text(text, stage),
         Some(Meaning::Layer) => Operand::Layer(text),
-        None if text == "step" => Operand::Counted(Number::Step, AsPercent::No),
+        None if text == "step" => plain(Number::Step),
         None if text == "last" => {
             let message = "`last` is a condition, not a point";
             let help = "write `last.pick` or `last.place`";
@@ -716,6 +710,16 @@ fn named(name: Name<'_>, expected: &Expected, context: &mut Context<'_>) -> Resu
             return Err(context.unknown(expected.noun, name, candidates));
         }
     })
+}
+
+/// Returns a number that is written without a unit.
+fn plain(number: Number) -> Operand {
+    let written = NumberFormat {
+        factor: 1.0,
+        decimals: 3,
+        unit: String::new(),
+    };
+    Operand::Counted(number, written)
 }
 
 /// Returns the value of a field of the action.
@@ -792,7 +796,7 @@ fn measure(call: Call<'_>, context: &mut Context<'_>) -> Result<Operand> {
         match MEASURES[row].measure(&args, flat_px.unwrap_or(f64::NAN)) {
             Measure::Length(length) => Operand::Length(FramedLength::new(length, &units::PX)),
             Measure::Angle { a, b } => Operand::Between([a, b], &units::DEG),
-            Measure::Number(number) => Operand::Counted(number, AsPercent::No),
+            Measure::Number(number) => plain(number),
             Measure::Point(point) => Operand::Point(point),
             Measure::Quadrant { point, about } => Operand::Quadrant([point, about]),
             Measure::Nearest { field, to } => Operand::Nearest(field, to),
@@ -841,7 +845,12 @@ fn convert(value: Operand, target: Name<'_>, context: &mut Context<'_>) -> Resul
             let fitting = vec!["percent"];
             return Err(no_conversion(target, value.noun(), fitting, context));
         }
-        return Ok(Operand::Counted(number.clone(), AsPercent::Yes));
+        let percent = NumberFormat {
+            factor: 100.0,
+            decimals: 0,
+            unit: "%".to_owned(),
+        };
+        return Ok(Operand::Counted(number.clone(), percent));
     }
     let dimensions: &[Dimension] = match value.unit().map(|unit| unit.dimension) {
         Some(Dimension::Length | Dimension::Pixels) => &[Dimension::Length, Dimension::Pixels],

@@ -28,37 +28,32 @@ pub(crate) fn named(
         let help = "move it into the folder of the first file, or below";
         context.refuse(Code::BadPath, span, message, help)
     })?;
-    is_there(&path, text, wanted, context)?;
+    look(&path, text, wanted, context);
     Ok(FileRef { path })
 }
 
 /// Reports a file that is missing or is not a picture; warns of a picture of another size than the camera's.
-fn is_there(path: &str, text: Text<'_>, wanted: Wanted, context: &mut Context<'_>) -> Result<()> {
-    let missing = |why: &str, context: &mut Context<'_>| {
-        let message = format!("`{path}` cannot be read: {why}");
-        let help = "paths are relative to the file that contains them";
-        Err(context.refuse(Code::FileMissing, text.span(), message, help))
-    };
-    match context.loaded.look(path, wanted) {
-        Listed::Unknown => Ok(()),
-        Listed::Nothing(why) => missing(&why, context),
-        Listed::Other if matches!(wanted, Wanted::CameraPicture | Wanted::Picture) => {
-            missing("it is not a picture", context)
-        }
+fn look(path: &str, text: Text<'_>, wanted: Wanted, context: &mut Context<'_>) {
+    let is_picture = matches!(wanted, Wanted::CameraPicture | Wanted::Picture);
+    let why = match context.loaded.look(path, wanted) {
+        Listed::Nothing(why) => why,
+        Listed::Other if is_picture => "it is not a picture".to_owned(),
         Listed::Picture { width, height } if wanted == Wanted::CameraPicture => {
-            let side = match &context.camera {
-                Ok(Some(camera)) => camera.image_px,
-                _ => return Ok(()),
-            };
-            if [width, height] != [side, side] {
+            if let Ok(Some(camera)) = &context.camera
+                && [width, height] != [camera.image_px; 2]
+            {
+                let side = camera.image_px;
                 let message = format!(
                     "the picture `{path}` has {width} by {height} pixels, and the camera's has {side} by {side}"
                 );
                 let help = "take the picture with the task's camera";
                 context.warn(Code::PictureOfAnotherSize, text.span(), message, help);
             }
-            Ok(())
+            return;
         }
-        Listed::Picture { .. } | Listed::Other => Ok(()),
-    }
+        Listed::Unknown | Listed::Picture { .. } | Listed::Other => return,
+    };
+    let message = format!("`{path}` cannot be read: {why}");
+    let help = "paths are relative to the file that contains them";
+    context.refuse(Code::FileMissing, text.span(), message, help);
 }

@@ -35,7 +35,7 @@ pub(crate) fn check(
         limit: limit?,
     };
     let experts = experts.as_deref().map_err(|reported| *reported)?;
-    has_experts(&goal, statement, merged, experts, context)?;
+    has_experts(&goal, statement, merged, experts, context);
     if let Ok(Some(cloth)) = &context.cloth
         && let Some(score) = untouched_score::score(&goal, cloth, experts)
         && goal.is_met(score)
@@ -87,18 +87,21 @@ fn has_experts(
     merged: &Merged<'_>,
     experts: &[Sequence],
     context: &mut Context<'_>,
-) -> Result<()> {
+) {
     let are_images = merged.subgoals().is_none_or(|part| {
         part.images().next().is_some() && part.demonstrations().next().is_none()
     });
     let is_meant_to_run = merged.subgoals().is_some()
         || !merged.stages.is_empty() && merged.statement("cloth").is_some();
     let has_none = experts.is_empty() && merged.experts().is_none();
-    if goal.metric != Metric::ParticleDistance || !has_none || !are_images || !is_meant_to_run {
-        return Ok(());
+    if goal.metric == Metric::ParticleDistance && has_none && are_images && is_meant_to_run {
+        let message = "there is no expert result to compare with";
+        let help = "name `experts`: images do not say how the cloth ends";
+        context.refuse(
+            Code::NothingToCompare,
+            statement.value().span(),
+            message,
+            help,
+        );
     }
-    let message = "there is no expert result to compare with";
-    let help = "name `experts`: images do not say how the cloth ends";
-    let span = statement.value().span();
-    Err(context.refuse(Code::NothingToCompare, span, message, help))
 }

@@ -5,7 +5,7 @@
 //! `{` that Jinja would interpret is escaped.
 
 use super::context::{Context, Result};
-use super::expressions::{AsPercent, FramedLength, Operand, operand, wrong_kind};
+use super::expressions::{FramedLength, Operand, operand, wrong_kind};
 use super::names::Meaning;
 use super::quantity::size;
 use crate::diag::Code;
@@ -96,7 +96,6 @@ pub(crate) fn template(
     single_braces(text, context);
     let mut jinja = Jinja::default();
     let mut variables: BTreeMap<String, Placeholder> = BTreeMap::new();
-    let mut all = Ok(());
     for piece in text.pieces() {
         let expr = match piece {
             Piece::Literal(literal) => {
@@ -113,10 +112,10 @@ pub(crate) fn template(
                 jinja.variable(&name);
                 variables.insert(name, *value);
             }
-            Err(reported) => all = Err(reported),
+            // It was reported, so no program has this text.
+            Err(_) => {}
         }
     }
-    all?;
     let (declared_in, line) = context.loaded.place(text.span().file, text.start());
     let variables = variables.into_iter();
     let variables = variables.map(|(name, value)| Variable { name, value });
@@ -286,11 +285,6 @@ fn dotted(path: Path<'_>, scope: TextScope<'_>, context: &mut Context<'_>) -> Re
 
 /// Resolves a placeholder with any value.
 fn written(expr: Expr<'_>, scope: TextScope<'_>, context: &mut Context<'_>) -> Result<Resolved> {
-    let plain = |factor, decimals, unit: &str| NumberFormat {
-        factor,
-        decimals,
-        unit: unit.to_owned(),
-    };
     let unwritable = "something that can be written as text";
     Ok(match operand(expr, context)? {
         Operand::Length(length) => self::length(&length, context)?,
@@ -301,13 +295,7 @@ fn written(expr: Expr<'_>, scope: TextScope<'_>, context: &mut Context<'_>) -> R
             written: of_degrees(unit),
         }),
         Operand::Number(value) => Resolved::Words(exact::written(value, DECIMALS)),
-        Operand::Counted(number, as_percent) => {
-            let written = match as_percent {
-                AsPercent::Yes => plain(100.0, 0, "%"),
-                AsPercent::No => plain(1.0, 3, ""),
-            };
-            later(Placeholder::Number { number, written })
-        }
+        Operand::Counted(number, written) => later(Placeholder::Number { number, written }),
         Operand::Point(point) => later(Placeholder::Point { point }),
         Operand::WordField(field) => later(Placeholder::Field { field }),
         Operand::Quadrant([point, about]) => later(Placeholder::Quadrant { point, about }),

@@ -487,18 +487,17 @@ fn role(line: ast::Model<'_>, context: &mut Context<'_>) -> Result<ModelRole> {
 /// Reads what follows the kind of model: `temperature 0, tokens 769`.
 fn settings(line: ast::Model<'_>, context: &mut Context<'_>) -> Result<Args> {
     let names = line.settings().map(|setting| setting.name());
-    let mut all = unique(names, "setting", context.report);
+    let all = unique(names, "setting", context.report);
     let mut list = line.settings();
     if let Some(kind) = list.next()
         && let Some(value) = kind.value()
         && let Some(row) = MODELS.iter().find(|row| row.name == kind.name().text())
     {
         let message = format!("`{}` takes no number", row.name);
-        all = Err(context.fault(Code::WrongForm, value.span(), message));
+        context.fault(Code::WrongForm, value.span(), message);
     }
     let settings = every(list.map(|setting| self::setting(setting, context)));
-    all?;
-    settings.map(Args)
+    all.and(settings).map(Args)
 }
 
 fn setting(

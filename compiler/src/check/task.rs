@@ -15,7 +15,7 @@ use crate::lang::sections::{RequiredFor, SECTIONS};
 use crate::load::Loaded;
 use crate::merge::Merged;
 use fab_grammar::ast::{Expr, Statement};
-use fab_program::{ActionField, PROGRAM_FORMAT, Program, SourceStamp, Test, hex};
+use fab_program::{PROGRAM_FORMAT, Program, SourceStamp, Test, hex};
 use sha2::{Digest, Sha256};
 
 /// A task's program and its tests; `None` for a base, which cannot run by itself.
@@ -46,6 +46,9 @@ pub(super) fn check<'a>(
     let picker = statement("picker")
         .map(|it| picker::check(it, context))
         .transpose();
+    if let Ok(Some((_, manner))) = &picker {
+        picker::stated_once(manner, merged, context);
+    }
     let keypoints = keypoints::check(merged, context);
     if let (Some(seen), Ok(keypoints)) = (statement("camera"), &keypoints) {
         camera::masks_see_cloth(seen, keypoints, merged, context);
@@ -57,10 +60,7 @@ pub(super) fn check<'a>(
         context.actions = actions::check(part, context);
     }
     let layers = annotate::check(merged, context);
-    context.layers = layers
-        .iter()
-        .map(|(name, layer)| (*name, layer.clone()))
-        .collect();
+    context.layers = layers.iter().cloned().collect();
     let subgoals = merged
         .subgoals()
         .map(|part| subgoals::check(part, context))
@@ -100,11 +100,8 @@ pub(super) fn check<'a>(
     };
     complete?;
     let (picker, manner) = picker?.unwrap_or_else(Default::default);
-    let actions: Vec<ActionField> = actions
-        .into_iter()
-        .map(|(_, field)| field)
-        .collect::<Result<_, _>>()?;
-    picker::stated_once(&manner, &actions, merged, context)?;
+    let actions = actions.into_iter().map(|(_, field)| field);
+    let layers = layers.into_iter().map(|(_, layer)| layer);
     let program = Program {
         format: PROGRAM_FORMAT,
         compiler: env!("CARGO_PKG_VERSION").to_owned(),
@@ -119,13 +116,10 @@ pub(super) fn check<'a>(
         subgoals: subgoals?,
         experts: experts?,
         keypoints: keypoints?,
-        layers: layers
-            .into_iter()
-            .map(|(_, layer)| layer)
-            .collect::<Result<_, _>>()?,
-        actions,
-        templates: prompts.templates.into_iter().collect::<Result<_, _>>()?,
-        stages: prompts.stages.into_iter().collect::<Result<_, _>>()?,
+        layers: layers.collect::<Result<_>>()?,
+        actions: actions.collect::<Result<_>>()?,
+        templates: prompts.templates.into_iter().collect::<Result<_>>()?,
+        stages: prompts.stages.into_iter().collect::<Result<_>>()?,
         demos: demos.transpose()?.flatten(),
         verify: verify?,
         horizon,
@@ -144,10 +138,7 @@ pub(super) fn check<'a>(
         (Some(_), Some(own)) => context.within(own.span(), unsaid),
         (Some(_), None) => {}
     }
-    Ok(Some((
-        program,
-        tests.into_iter().collect::<Result<_, _>>()?,
-    )))
+    Ok(Some((program, tests.into_iter().collect::<Result<_>>()?)))
 }
 
 /// The most characters of `about`: about two lines.

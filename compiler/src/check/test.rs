@@ -14,9 +14,6 @@ use fab_program::verify::OFFERED;
 use fab_program::{Expect, Given, Keypoint, KeypointShape, PixelPoint, Read, Stage, Test};
 use std::collections::BTreeMap;
 
-/// The most tests of a task.
-const MAX_TESTS: usize = 1000;
-
 /// What bounds the values that a test may give.
 pub(crate) struct Bounds<'p> {
     /// Those of the task; none if one has an error.
@@ -35,14 +32,9 @@ pub(crate) fn check(
     // Tests are not inherited, and neither are those of an inherited variant.
     let task = merged.task.body().span();
     let body = merged.own_body().filter(|body| task.contains(body.span()));
-    let tests = || body.into_iter().flat_map(Body::tests);
-    let places = tests().map(|test| test.head_span());
-    if let Err(reported) = context.at_most(MAX_TESTS, places, "a task", "tests") {
-        return vec![Err(reported)];
-    }
     let mut seen = BTreeMap::new();
     let mut all = Vec::new();
-    for test in tests() {
+    for test in body.into_iter().flat_map(Body::tests) {
         if let Some(text) = test.name()
             && let Some(name) = text.plain()
             && let Some(first) = seen.insert(name.clone(), text.span())

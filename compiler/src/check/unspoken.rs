@@ -39,6 +39,14 @@ fn texts<'p>(program: &'p Program, stage: &'p Stage) -> impl Iterator<Item = &'p
     names.filter_map(|name| program.template(name))
 }
 
+/// Returns what a stage says, and how the answers of its examples are written.
+fn written<'p>(program: &'p Program, stage: &'p Stage) -> impl Iterator<Item = &'p str> {
+    let examples = { stage.examples.iter() }.map(|example| example.reply.text.as_str());
+    { texts(program, stage) }
+        .map(|text| text.text.as_str())
+        .chain(examples)
+}
+
 /// Returns the values that the texts of all stages show.
 fn shown(program: &Program) -> impl Iterator<Item = &Placeholder> {
     let stages = program.stages.iter();
@@ -66,9 +74,8 @@ fn has_format(program: &Program, stage: &Stage) -> bool {
     // The author may write the lines of the format by hand.
     values.any(|variable| variable.value == Placeholder::Format)
         || program.actions.iter().all(|field| {
-            let examples = stage.examples.iter().map(|example| &example.reply.text);
-            let mut all = texts(program, stage).map(|text| &text.text).chain(examples);
-            all.any(|text| states(text, &space::spoken(field)))
+            let field = space::spoken(field);
+            written(program, stage).any(|text| states(text, &field))
         })
 }
 
@@ -108,11 +115,9 @@ fn prefix(
     let Some(pattern) = line.pattern() else {
         return;
     };
-    let examples = stage.examples.iter().map(|example| &example.reply.text);
-    let mut all = texts(program, stage).map(|text| &text.text).chain(examples);
     // A prefix of signs alone, such as `>>`, is in no sentence.
     if !before.contains(char::is_alphanumeric)
-        || all.any(|text| plain(text).contains(&plain(before)))
+        || written(program, stage).any(|text| plain(text).contains(&plain(before)))
     {
         return;
     }

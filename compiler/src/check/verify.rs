@@ -12,9 +12,6 @@ use fab_grammar::ast::{self, Attempts, Expr, Name, Phrase};
 use fab_program::Depends;
 use fab_program::{Check, Condition, Exhausted, ModelRole, Read, ResultCheck, Verify};
 
-/// The most checks of one task.
-const MAX_CHECKS: usize = 100;
-
 /// The name of the template for the message about a result.
 const RESULT: &str = "result";
 
@@ -25,8 +22,6 @@ pub(crate) fn check(
     context: &mut Context<'_>,
 ) -> Result<Verify> {
     let part = merged.verify();
-    let places = merged.checks.iter().map(|check| check.name().span());
-    context.at_most(MAX_CHECKS, places, "a task", "checks")?;
     let checks = merged.checks.iter();
     let checks = every(checks.map(|check| declared(check, prompts, context)));
     let attempts = part.into_iter().flat_map(|part| part.attempts());
@@ -152,16 +147,13 @@ pub(crate) fn dropped(merged: &Merged<'_>, report: &mut Report) {
     };
     let names = dropped.checks.iter().map(|(name, _)| name.as_str());
     let names: Vec<&str> = names.collect();
-    let plural = if names.len() == 1 { "" } else { "s" };
-    let result = if dropped.has_result {
-        " and the inherited `result`"
-    } else {
-        ""
-    };
-    let (quoted, list) = (names.join("`, `"), names.join(", "));
-    let message = format!("this `verify` drops the inherited check{plural} `{quoted}`{result}");
-    let drop =
-        format!("to drop them on purpose, write `without check {list}` beside this `verify`");
+    let result = dropped.has_result.then_some("result");
+    let parts: Vec<&str> = names.iter().copied().chain(result).collect();
+    let message = format!("this `verify` drops the inherited `{}`", parts.join("`, `"));
+    let drop = format!(
+        "to drop checks on purpose, write `without check {}` beside this `verify`",
+        names.join(", ")
+    );
     let diagnostic = Diagnostic::new(Code::ChecksDropped, verify.head_span(), message)
         .also(*first, "declared here")
         .help("to keep them, state them in this `verify` too, or write `check` or `override check` in the task itself, without `verify`")
