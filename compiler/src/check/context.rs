@@ -37,7 +37,8 @@ pub(crate) struct Context<'a> {
     /// How many keypoints may be named: an extractor uses those above its own.
     pub n_keypoints: usize,
     pub actions: Fields<'a>,
-    pub layers: BTreeMap<&'a str, Result<Layer>>,
+    /// In the order of their declarations.
+    pub layers: Vec<(&'a str, Result<Layer>)>,
     /// The layers that the texts of the current stage name.
     pub named_layers: Vec<(String, Span)>,
     /// The variables of the templates built so far.
@@ -87,7 +88,7 @@ impl<'a> Context<'a> {
                 list: Vec::new(),
                 complete: Ok(()),
             },
-            layers: BTreeMap::new(),
+            layers: Vec::new(),
             named_layers: Vec::new(),
             variables: Variables::default(),
             loaded,
@@ -116,6 +117,13 @@ impl<'a> Context<'a> {
         let cloth = self.cloth.as_ref().map_err(|reported| *reported)?;
         let cloth = cloth.as_ref();
         Ok(cloth.map_or_else(|| Colour::recorded(face), |it| it.colour(face)))
+    }
+
+    /// Returns the layer of this name, if there is one.
+    pub fn layer(&self, name: &str) -> Declared<&Layer> {
+        let layer = self.layers.iter().find(|(declared, _)| *declared == name);
+        let layer = layer.map(|(_, layer)| layer.as_ref());
+        layer.transpose().map_err(|reported| *reported)
     }
 
     /// Returns the text of a span, cut to a length that fits a message.
@@ -176,17 +184,24 @@ impl<'a> Context<'a> {
     }
 
     /// Makes the diagnostic for an expression that is not `expected`.
-    pub fn unexpected(&mut self, code: Code, expr: Expr<'_>, expected: &str) -> Diagnostic {
+    pub fn unexpected(&self, code: Code, expr: Expr<'_>, expected: &str) -> Diagnostic {
         let found = self.written(expr.span());
         let message = format!("expected {expected}, found `{found}`");
         let diagnostic = Diagnostic::new(code, expr.span(), message);
-        let inside = found
-            .strip_prefix('"')
-            .and_then(|text| text.strip_suffix('"'));
-        match inside.filter(|text| expected.contains(&format!("`{text}`"))) {
-            Some(word) => diagnostic.help(format!("write `{word}`, without quotes")),
-            None => diagnostic,
+        let word = found.trim_matches('"');
+        if word != found && expected.contains(&format!("`{word}`")) {
+            return diagnostic.help(format!("write `{word}`, without quotes"));
         }
+        diagnostic
+    }
+
+    /// Reports pictures for a model that takes none.
+    ///
+    /// - `what`: what shows them; `stage`: the stage that asks the model.
+    pub fn text_model(&mut self, span: Span, what: &str, stage: &str) -> Reported {
+        let message = format!("{what} shows a picture, but the stage `{stage}` asks a text model");
+        let help = format!("write `model vision` in that stage, or leave out {what}");
+        self.refuse(Code::PicturesForTextModel, span, message, help)
     }
 
     /// Reports a value that depends on the previous action if there may be none.

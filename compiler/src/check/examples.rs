@@ -19,6 +19,7 @@ const MAX_IMAGES: usize = 8;
 
 /// What the answers of a stage's examples must match.
 struct Reader<'r> {
+    stage: &'r str,
     role: Result<ModelRole>,
     read: Result<&'r Read>,
     fields: Result<Vec<ActionField>>,
@@ -32,20 +33,20 @@ pub(crate) fn check(
     role: Result<ModelRole>,
     read: Result<&Read>,
     context: &mut Context<'_>,
-) -> Vec<Result<Example>> {
+) -> Result<Vec<Example>> {
     let places = stage.examples().map(|example| example.head_span());
-    if let Err(reported) = context.at_most(MAX_EXAMPLES, places, "a stage", "examples") {
-        return vec![Err(reported)];
-    }
+    context.at_most(MAX_EXAMPLES, places, "a stage", "examples")?;
     let reader = Reader {
+        stage: stage.name().text(),
         role,
         read,
         fields: fields(context),
     };
-    stage
-        .examples()
-        .map(|example| one(example, &reader, context))
-        .collect()
+    every(
+        stage
+            .examples()
+            .map(|example| one(example, &reader, context)),
+    )
 }
 
 /// Returns the fields of the action if all are right; without them no answer can be judged.
@@ -73,7 +74,7 @@ fn one(
         return Err(context.lacking(Code::BadExample, block, &lines, help));
     };
     let say = question(say, context);
-    let images = images(example, reader.role, context);
+    let images = images(example, reader, context);
     let reply = answer(reply, reader, context);
     Ok(Example {
         say: say?,
@@ -96,13 +97,11 @@ fn question(say: Sayings<'_>, context: &mut Context<'_>) -> Result<Vec<LiteralTe
 
 fn images(
     example: ast::Example<'_>,
-    role: Result<ModelRole>,
+    reader: &Reader<'_>,
     context: &mut Context<'_>,
 ) -> Result<Vec<FileRef>> {
-    if let (Some(image), Ok(ModelRole::Text)) = (example.images().next(), role) {
-        let message = "the example shows a picture to a text model";
-        let help = "write `model vision`, or remove the image";
-        context.refuse(Code::PicturesForTextModel, image.span(), message, help);
+    if let (Some(image), Ok(ModelRole::Text)) = (example.images().next(), reader.role) {
+        context.text_model(image.span(), "the example", reader.stage);
     }
     let places = example.images().map(Image::span);
     context.at_most(MAX_IMAGES, places, "an example", "images")?;

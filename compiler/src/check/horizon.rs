@@ -30,15 +30,7 @@ pub(crate) fn check(
     let Ok(Some(n_shown)) = n_shown else {
         return Ok(Some(stated));
     };
-    let steps = |count: u32| match count {
-        1 => "1 step".to_owned(),
-        _ => format!("{count} steps"),
-    };
-    let message = format!(
-        "the horizon is {}, the subgoals show {}",
-        steps(stated),
-        steps(n_shown)
-    );
+    let message = format!("the horizon is {stated}, the subgoals show {n_shown}");
     let place = merged
         .subgoals()
         .map_or(statement.span(), |part| part.head_span());

@@ -322,8 +322,7 @@ fn written(expr: Expr<'_>, scope: TextScope<'_>, context: &mut Context<'_>) -> R
             later(Placeholder::Text { name })
         }
         Operand::Layer(name) => {
-            let layer = &context.layers[name.as_str()];
-            let layer = layer.as_ref().map_err(|reported| *reported)?;
+            let layer = context.layer(&name)?.expect("every layer has been read");
             let (words, uses_last) = (layer.words.clone(), layer.uses_last());
             if uses_last {
                 scope.require_last(expr.span(), context)?;

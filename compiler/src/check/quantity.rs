@@ -73,18 +73,13 @@ pub(crate) fn measured(expr: Expr<'_>, context: &mut Context<'_>) -> Result<Opti
         return Ok(None);
     };
     let number = quantity.value();
-    let Some(name) = quantity.unit() else {
-        return Ok(Some(Measured {
-            value: number,
-            number,
-            unit: None,
-        }));
-    };
-    let unit = unit(quantity, name, context)?;
+    let unit = quantity.unit().map(|name| unit(quantity, name, context));
+    let unit = unit.transpose()?;
+    let size = unit.map_or(Ok(1.0), |unit| size(unit, context))?;
     Ok(Some(Measured {
-        value: number * size(unit, context)?,
+        value: number * size,
         number,
-        unit: Some(unit),
+        unit,
     }))
 }
 

@@ -176,12 +176,7 @@ fn revisions_of(
 ) -> Result<u32> {
     let count = read_whole(line.count(), &REVISIONS.range, context)?;
     if let Some(stage) = stage.filter(|stage| stage.model == ModelRole::Text) {
-        let message = format!(
-            "`revise` shows a picture, but the stage `{}` asks a text model",
-            stage.name
-        );
-        let help = "write `model vision` in that stage, or leave out `revise`";
-        return Err(context.refuse(Code::PicturesForTextModel, line.span(), message, help));
+        return Err(context.text_model(line.span(), "`revise`", &stage.name));
     }
     Ok(count as u32)
 }

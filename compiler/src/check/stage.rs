@@ -164,10 +164,9 @@ impl<'a> Builder<'_, 'a, '_> {
         };
         let role = role(model, self.context);
         let settings = settings(model, self.context);
-        let pictures = show.map_or(Vec::new(), |line| self::pictures(line, self.context));
+        let pictures = show.map_or(Ok(Vec::new()), |line| pictures(line, self.context));
         if let Some(show) = show {
-            let model = role.map(|role| (role, model));
-            self.showable(stage, show, model, &pictures);
+            self.showable(stage, show, role, &pictures);
         }
 
         let name = stage.name().text();
@@ -198,9 +197,9 @@ impl<'a> Builder<'_, 'a, '_> {
             },
             candidates: number("candidates").map(|count| count as u32),
             system: system.transpose()?.unwrap_or_default(),
-            examples: examples.into_iter().collect::<Result<_, _>>()?,
+            examples: examples?,
             say: say?,
-            show: pictures.into_iter().collect::<Result<_, _>>()?,
+            show: pictures?,
             read: read?,
         })
     }
@@ -229,18 +228,15 @@ impl<'a> Builder<'_, 'a, '_> {
         &mut self,
         stage: ast::Stage<'_>,
         show: ast::Show<'_>,
-        model: Result<(ModelRole, ast::Model<'_>)>,
-        pictures: &[Result<Picture>],
+        role: Result<ModelRole>,
+        pictures: &Result<Vec<Picture>>,
     ) {
-        if let Ok((ModelRole::Text, model)) = model {
-            let name = stage.name().text();
-            let message = format!("the stage `{name}` shows pictures to a text model");
-            let diagnostic = Diagnostic::new(Code::PicturesForTextModel, show.span(), message)
-                .help("write `model vision`, or remove `show`")
-                .also(model.span(), "asks a text model");
-            self.context.error(diagnostic);
+        if role == Ok(ModelRole::Text) {
+            self.context
+                .text_model(show.span(), "`show`", stage.name().text());
         }
-        if pictures.contains(&Ok(WITH_LAYERS)) && self.merged.annotate().is_none() {
+        let shows_layers = { pictures.iter().flatten() }.any(|it| *it == WITH_LAYERS);
+        if shows_layers && self.merged.annotate().is_none() {
             let message = "no annotations are declared";
             let help = "add `annotate { … }`, or write `show scene`";
             self.context
@@ -395,7 +391,7 @@ impl<'a> Builder<'_, 'a, '_> {
         let named: BTreeSet<&str> = named.map(|(layer, _)| layer.as_str()).collect();
         let drawn = merged.annotate().into_iter().flat_map(|part| part.list());
         let mut unnamed = drawn.map(|layer| layer.name()).filter(|name| {
-            let is_right = matches!(self.context.layers.get(name.text()), Some(Ok(_)));
+            let is_right = matches!(self.context.layer(name.text()), Ok(Some(_)));
             is_right && !named.contains(name.text()) && is_own(name.span())
         });
         let Some(first) = unnamed.next() else {
@@ -523,12 +519,10 @@ fn setting(
 // ---- show ----------------------------------------------------------------------------------------
 
 /// Reads `show subgoal(now) with arrow, subgoal(next)`: the pictures of a question.
-fn pictures(line: ast::Show<'_>, context: &mut Context<'_>) -> Vec<Result<Picture>> {
+fn pictures(line: ast::Show<'_>, context: &mut Context<'_>) -> Result<Vec<Picture>> {
     let places = line.pictures().map(|picture| picture.value().span());
-    match context.at_most(MAX_PICTURES, places, "a question", "pictures") {
-        Ok(()) => line.pictures().map(|it| picture(it, context)).collect(),
-        Err(reported) => vec![Err(reported)],
-    }
+    context.at_most(MAX_PICTURES, places, "a question", "pictures")?;
+    every(line.pictures().map(|it| picture(it, context)))
 }
 
 fn picture(picture: ast::Picture<'_>, context: &mut Context<'_>) -> Result<Picture> {

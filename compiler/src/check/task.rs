@@ -59,8 +59,7 @@ pub(super) fn check<'a>(
     if let Some(part) = merged.actions() {
         context.actions = actions::check(part, context);
     }
-    let layers = annotate::check(merged, context);
-    context.layers = layers.iter().cloned().collect();
+    context.layers = annotate::check(merged, context);
     let subgoals = merged
         .subgoals()
         .map(|part| subgoals::check(part, context))
@@ -84,6 +83,7 @@ pub(super) fn check<'a>(
         horizon: horizon.unwrap_or_default(),
     };
     let tests = test::check(merged, &prompts, &bounds, context);
+    let layers = std::mem::take(&mut context.layers).into_iter();
     let actions = std::mem::take(&mut context.actions.list);
     let complete = context.actions.complete;
     let (cloth, camera) = (context.cloth.clone(), context.camera.clone());
@@ -101,7 +101,6 @@ pub(super) fn check<'a>(
     complete?;
     let (picker, manner) = picker?.unwrap_or_else(Default::default);
     let actions = actions.into_iter().map(|(_, field)| field);
-    let layers = layers.into_iter().map(|(_, layer)| layer);
     let program = Program {
         format: PROGRAM_FORMAT,
         compiler: env!("CARGO_PKG_VERSION").to_owned(),
@@ -116,7 +115,7 @@ pub(super) fn check<'a>(
         subgoals: subgoals?,
         experts: experts?,
         keypoints: keypoints?,
-        layers: layers.collect::<Result<_>>()?,
+        layers: layers.map(|(_, layer)| layer).collect::<Result<_>>()?,
         actions: actions.collect::<Result<_>>()?,
         templates: prompts.templates.into_iter().collect::<Result<_>>()?,
         stages: prompts.stages.into_iter().collect::<Result<_>>()?,
@@ -138,7 +137,7 @@ pub(super) fn check<'a>(
         (Some(_), Some(own)) => context.within(own.span(), unsaid),
         (Some(_), None) => {}
     }
-    Ok(Some((program, tests.into_iter().collect::<Result<_>>()?)))
+    Ok(Some((program, tests?)))
 }
 
 /// The most characters of `about`: about two lines.

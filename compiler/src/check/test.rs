@@ -28,23 +28,22 @@ pub(crate) fn check(
     prompts: &Prompts,
     bounds: &Bounds<'_>,
     context: &mut Context<'_>,
-) -> Vec<Result<Test>> {
+) -> Result<Vec<Test>> {
     // Tests are not inherited, and neither are those of an inherited variant.
     let task = merged.task.body().span();
     let body = merged.own_body().filter(|body| task.contains(body.span()));
     let mut seen = BTreeMap::new();
-    let mut all = Vec::new();
-    for test in body.into_iter().flat_map(Body::tests) {
+    let tests = body.into_iter().flat_map(Body::tests).map(|test| {
         if let Some(text) = test.name()
             && let Some(name) = text.plain()
             && let Some(first) = seen.insert(name.clone(), text.span())
         {
             let diagnostic = declared_twice("test", &name, first, text.span());
-            all.push(Err(context.error(diagnostic)));
+            context.error(diagnostic);
         }
-        all.extend(one(test, merged, prompts, bounds, context).transpose());
-    }
-    all
+        one(test, merged, prompts, bounds, context)
+    });
+    Ok(every(tests)?.into_iter().flatten().collect())
 }
 
 /// Builds one test; `None` in a base without a stage that a reply could answer.

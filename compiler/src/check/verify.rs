@@ -169,13 +169,7 @@ fn shows_refused(with_picture: Phrase<'_>, prompts: &Prompts, context: &mut Cont
     if let Some(stage) = stages.find(|stage| stage.read == Read::Action)
         && stage.model == ModelRole::Text
     {
-        let message = format!(
-            "`with picture` needs a vision model, but the stage `{}` asks a text model",
-            stage.name
-        );
-        let help = "write `model vision` in that stage, or leave out `with picture`";
-        let span = with_picture.span();
-        context.refuse(Code::PicturesForTextModel, span, message, help);
+        context.text_model(with_picture.span(), "`with picture`", &stage.name);
     }
 }
 
