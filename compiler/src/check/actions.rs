@@ -150,12 +150,8 @@ fn offers(
     let Some(row) = row.filter(|row| row.choices != kind) else {
         return Ok(());
     };
-    let message = format!(
-        "`{}` offers {}, not {}",
-        row.name,
-        row.choices.noun(),
-        kind.noun()
-    );
+    let (name, noun, found) = (row.name, row.choices.noun(), kind.noun());
+    let message = format!("`{name}` offers {noun}, not {found}");
     let help = format!("write, for example, `{}`", row.example);
     Err(context.refuse(Code::MixedChoices, span, message, help))
 }
@@ -220,13 +216,8 @@ fn no_keypoint(choice: Expr<'_>, row: Option<&FieldRow>, context: &mut Context<'
 fn directions(list: &[Expr<'_>], context: &mut Context<'_>) -> Result<Choices> {
     let choices = distinct(list, context, |choice, context| {
         let deg = fixed_deg(choice, context)?;
-        Ok((
-            deg.to_bits(),
-            Direction {
-                deg,
-                vector: vector_of(deg),
-            },
-        ))
+        let vector = vector_of(deg);
+        Ok((deg.to_bits(), Direction { deg, vector }))
     })?;
     Ok(Choices::Directions { choices })
 }
@@ -245,11 +236,8 @@ fn lengths(
     let unit = read[0].0;
     if let Some(other) = read.iter().position(|(own, _)| *own != unit) {
         let (first, other, span) = (unit.name, read[other].0.name, list[other].span());
-        let message = format!(
-            "`{}` offers {} in `{first}` and in `{other}`",
-            field.text(),
-            ChoiceKind::of(unit.dimension).noun()
-        );
+        let (name, noun) = (field.text(), ChoiceKind::of(unit.dimension).noun());
+        let message = format!("`{name}` offers {noun} in `{first}` and in `{other}`");
         let help = "write all of them in one unit; prompts and answers use it too";
         return Err(context.refuse(Code::MixedChoices, span, message, help));
     }

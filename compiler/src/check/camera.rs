@@ -64,21 +64,17 @@ pub(crate) fn masks_see_cloth(
     if masks.iter().any(|(_, below_m)| *below_m > flat_m) {
         return;
     }
-    let mm = |length_m: f64| written(length_m * 1000.0, 3);
     for (keypoint, below_m) in masks {
         let name = &keypoint.name;
         let Some(declared) = merged.keypoints.get(name) else {
             continue;
         };
+        let right_m = height_m - CLEAR_OF_TABLE * cloth_m;
+        let [below, flat, right] = [below_m, flat_m, right_m].map(|it| written(it * 1000.0, 3));
         let message = format!(
-            "`{name}` takes only depths below {}mm, and a flat cloth lies {}mm from the camera",
-            mm(below_m),
-            mm(flat_m)
+            "`{name}` takes only depths below {below}mm, and a flat cloth lies {flat}mm from the camera"
         );
-        let help = format!(
-            "write `{name} = mask(depth < {}mm)` in `keypoints`",
-            mm(height_m - CLEAR_OF_TABLE * cloth_m)
-        );
+        let help = format!("write `{name} = mask(depth < {right}mm)` in `keypoints`");
         let (camera, mask) = (seen.value().span(), declared.value().span());
         // The cause is what this file says about an inherited mask or an inherited camera.
         let here = merged.task.name().span().file;

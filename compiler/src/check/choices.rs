@@ -88,11 +88,8 @@ fn wrong_choices(field: &ActionField, fields: &[ActionField]) -> Vec<String> {
             _ => plain(&text),
         };
         if let Some(first) = seen.insert(read, text.clone()) {
-            wrong.push(format!(
-                "`{}` and `{}` cannot be told apart",
-                short(&first),
-                short(&text)
-            ));
+            let [first, text] = [first, text].map(|text| short(&text));
+            wrong.push(format!("`{first}` and `{text}` cannot be told apart"));
         }
     }
     wrong

@@ -16,7 +16,7 @@ use crate::lang::calls::CLOTH_POINTS;
 use crate::loader::Wanted;
 use fab_grammar::ast::{Call, Expr, Name, Path};
 use fab_program::Depends;
-use fab_program::exact::{normalised_deg, vector_of};
+use fab_program::exact::{normalised_deg, vector_of, written};
 use fab_program::measures::{MEASURES, Measure};
 use fab_program::units::{self, Dimension, Unit};
 use fab_program::vocabulary::{
@@ -307,10 +307,8 @@ fn depth_limit(expr: Expr<'_>, range: &Range, context: &mut Context<'_>) -> Resu
     if let Ok(Some(camera)) = &context.camera
         && below_m >= camera.height_m
     {
-        let message = format!(
-            "the mask reaches the table, which is {}mm from the camera",
-            fab_program::exact::written(camera.height_m * 1000.0, 3)
-        );
+        let height = written(camera.height_m * 1000.0, 3);
+        let message = format!("the mask reaches the table, which is {height}mm from the camera");
         let help = "a flat cloth lies about 5 mm above the table";
         context.warn(Code::MaskSeesTable, limit.span(), message, help);
     }

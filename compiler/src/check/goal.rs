@@ -66,18 +66,14 @@ fn comparison(row: &MetricRow, sign: Name<'_>, context: &mut Context<'_>) -> Res
     }
     let right = row.reached[0].sign();
     let side = if right == "<" { "below" } else { "above" };
-    let message = format!(
-        "`{}` must be {side} its limit, so `{}` is the wrong way round",
-        row.metric.as_str(),
-        sign.text()
-    );
-    let diagnostic = Diagnostic::new(Code::WrongForm, sign.span(), message);
-    Err(context.error(
-        diagnostic
-            .help(format!("write `{right}`"))
-            // Perhaps the sign is right, and the measure is not the one that was meant.
-            .likely(sign.span(), right),
-    ))
+    let (measure, sign, span) = (row.metric.as_str(), sign.text(), sign.span());
+    let message =
+        format!("`{measure}` must be {side} its limit, so `{sign}` is the wrong way round");
+    // Perhaps the sign is right, and the measure is not the one that was meant.
+    let diagnostic = Diagnostic::new(Code::WrongForm, span, message)
+        .help(format!("write `{right}`"))
+        .likely(span, right);
+    Err(context.error(diagnostic))
 }
 
 /// Reports a distance goal without an expert result to measure against.

@@ -83,10 +83,8 @@ fn action_readers(merged: &Merged<'_>, context: &mut Context<'_>) {
     let new = |span, message| Diagnostic::new(Code::ActionReadElsewhere, span, message);
     let diagnostic = match (acting, action(last), last.read().next()) {
         (None, None, Some(read)) => {
-            let message = format!(
-                "the last stage, `{}`, does not read the action",
-                name.text()
-            );
+            let name = name.text();
+            let message = format!("the last stage, `{name}`, does not read the action");
             new(read.span(), message).help("write `read action`")
         }
         (Some((acting, _)), None, _) => {
@@ -423,22 +421,21 @@ fn said_nowhere(merged: &Merged<'_>, context: &mut Context<'_>) {
     let own = bodies().flat_map(ast::Body::components);
     let own = own.filter(|component| component.declares() == Declares::New);
     let own: Vec<Name<'_>> = own.map(|component| component.name()).collect();
-    for name in &own {
-        if said.contains(name.text()) || merged.components.is_removed(name.text()) {
+    for (name, span) in own.iter().map(|name| (name.text(), name.span())) {
+        if said.contains(name) || merged.components.is_removed(name) {
             continue;
         }
-        let message = format!("the component `{}` is never used", name.text());
-        let diagnostic = Diagnostic::new(Code::SaidNowhere, name.span(), message);
+        let message = format!("the component `{name}` is never used");
         // Perhaps the author meant to replace an inherited component.
         let declared_here = |other: &&str| own.iter().any(|own| own.text() == *other);
         let inherited = merged.components.names().filter(|it| !declared_here(it));
-        context.remark(diagnostic.help(match nearest(name.text(), inherited) {
+        let help = match nearest(name, inherited) {
             Some(meant) => format!("did you mean `override component {meant}`?"),
             None => format!(
-                "name it in a stage's `say` or `system`, write `say {} in STAGE after NAME`, or remove it",
-                name.text()
+                "name it in a stage's `say` or `system`, write `say {name} in STAGE after NAME`, or remove it"
             ),
-        }));
+        };
+        context.warn(Code::SaidNowhere, span, message, help);
     }
 }
 

@@ -191,10 +191,8 @@ fn is_whole(merged: &Merged<'_>, form: Result<()>, context: &mut Context<'_>) ->
     let is_base = context.loaded.is_extended(merged.task);
     if !is_base && form.is_ok() && name.span().file == context.loaded.entry().id {
         let lacking = among(own.into_iter().chain(shared));
-        let message = format!(
-            "`{}` cannot run by itself: it has no {lacking}",
-            name.text()
-        );
+        let task = name.text();
+        let message = format!("`{task}` cannot run by itself: it has no {lacking}");
         let help = "this is fine for a task that others extend";
         context.warn(Code::BaseOnly, name.span(), message, help);
     }

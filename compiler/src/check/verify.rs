@@ -150,10 +150,9 @@ pub(crate) fn dropped(merged: &Merged<'_>, report: &mut Report) {
     let result = dropped.has_result.then_some("result");
     let parts: Vec<&str> = names.iter().copied().chain(result).collect();
     let message = format!("this `verify` drops the inherited `{}`", parts.join("`, `"));
-    let drop = format!(
-        "to drop checks on purpose, write `without check {}` beside this `verify`",
-        names.join(", ")
-    );
+    let list = names.join(", ");
+    let drop =
+        format!("to drop checks on purpose, write `without check {list}` beside this `verify`");
     let diagnostic = Diagnostic::new(Code::ChecksDropped, verify.head_span(), message)
         .also(*first, "declared here")
         .help("to keep them, state them in this `verify` too, or write `check` or `override check` in the task itself, without `verify`")
