@@ -12,9 +12,6 @@ use fab_program::space::{self, DECIMALS};
 use fab_program::{ActionField, Value};
 use std::collections::BTreeMap;
 
-/// The longest word, bytes.
-const MAX_WORD_BYTES: usize = 100;
-
 /// Characters that have another meaning in an answer: quotes, brackets, Markdown, the signs between statements.
 const RESERVED: &str = "|\"'“”`*$\\~,;:!?()[]{}<>=#";
 
@@ -103,11 +100,7 @@ fn rounded_turn(deg: f64) -> f64 {
 fn wrong_word(word: &str, fields: &[ActionField]) -> Option<&'static str> {
     let is_edge = |letter: Option<char>| letter.is_some_and(char::is_alphanumeric);
     let is_blank = |letter: char| letter.is_control() || (letter.is_whitespace() && letter != ' ');
-    if word.len() > MAX_WORD_BYTES {
-        Some("is longer than 100 bytes")
-    } else if word.contains(is_blank) {
-        Some("has a line break or another blank that is no space")
-    } else if word.contains(|letter| RESERVED.contains(letter)) {
+    if word.contains(|letter| RESERVED.contains(letter) || is_blank(letter)) {
         Some("has a character that means something else in an answer")
     } else if !word.contains(char::is_alphabetic) {
         Some("has no letter")

@@ -27,15 +27,10 @@ impl Measured {
 
 /// Describes a dimension, with an example of how a number is written in it.
 fn example(dimension: Dimension) -> String {
-    let example = match dimension {
-        Dimension::Length => "40mm",
-        Dimension::Pixels => "10px",
-        Dimension::Angle => "45deg",
-        Dimension::Speed => "200mm/s",
-        Dimension::ArealDensity => "420g/m2",
-        Dimension::Number => return "a number without a unit".to_owned(),
-    };
-    format!("{} such as `{example}`", dimension.noun())
+    match dimension {
+        Dimension::Number => "a number without a unit".to_owned(),
+        _ => format!("{} such as `40{}`", dimension.noun(), usual_unit(dimension)),
+    }
 }
 
 /// Returns the unit that advice uses for a dimension.
