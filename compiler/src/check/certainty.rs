@@ -131,15 +131,11 @@ fn decide(condition: &Condition, program: &Program) -> Option<bool> {
 
 /// Returns whether every part holds.
 fn all(parts: impl Iterator<Item = Option<bool>>) -> Option<bool> {
-    let mut all = Some(true);
-    for part in parts {
-        match part {
-            Some(true) => {}
-            Some(false) => return Some(false),
-            None => all = None,
-        }
+    let parts: Vec<Option<bool>> = parts.collect();
+    if parts.contains(&Some(false)) {
+        return Some(false);
     }
-    all
+    parts.iter().all(Option::is_some).then_some(true)
 }
 
 /// Returns the square of a length that is the same in every scene: a constant, or how far a point is from itself.

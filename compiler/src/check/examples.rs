@@ -160,13 +160,9 @@ fn unreadable_action(fields: &[ActionField], edge_m: f64, answer: &str) -> Optio
     fields.iter().find_map(|field| {
         let value: &Value = reading.value.get(&field.name)?;
         let offered = space::declared(field);
-        (!offered.is_empty() && !offered.contains(value)).then(|| {
-            format!(
-                "the {} `{}` is not offered; the choices are {}",
-                field.name,
-                space::text(field, value),
-                space::listed(field, &offered)
-            )
-        })
+        let (name, stated) = (&field.name, space::text(field, value));
+        let listed = space::listed(field, &offered);
+        (!offered.is_empty() && !offered.contains(value))
+            .then(|| format!("the {name} `{stated}` is not offered; the choices are {listed}"))
     })
 }

@@ -616,16 +616,13 @@ pub(crate) fn fixed_deg(expr: Expr<'_>, context: &mut Context<'_>) -> Result<f64
 }
 
 fn direction_field(expr: Expr<'_>, context: &mut Context<'_>) -> Result<String> {
-    if let Operand::Heading(Heading::Field { field }) = value(expr, &DIRECTION, context)? {
-        return Ok(field);
+    match value(expr, &DIRECTION, context)? {
+        Operand::Heading(Heading::Field { field }) => Ok(field),
+        _ => {
+            let expected = "a field of the action that is a direction";
+            Err(context.wrong(Code::WrongExpression, expr, expected, None))
+        }
     }
-    let diagnostic = context.unexpected(Code::WrongExpression, expr, "a field that is a direction");
-    let fields = context.actions.right();
-    let fields = fields.filter(|it| matches!(it.choices, Choices::Directions { .. }));
-    let fields: Vec<&str> = fields.map(|it| it.name.as_str()).collect();
-    let none = "no field of this task is a direction";
-    let diagnostic = diagnostic.suggest(&context.written(expr.span()), fields, none);
-    Err(context.error(diagnostic))
 }
 
 /// Reports a value of another kind than the expected one.
