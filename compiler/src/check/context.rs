@@ -16,6 +16,11 @@ pub(crate) type Result<T, E = Reported> = std::result::Result<T, E>;
 /// A part of a task: `Ok(None)` if it is not declared, `Err(Reported)` if its declaration is wrong.
 pub(crate) type Declared<T> = Result<Option<T>>;
 
+/// Checks a part of a task, if it is declared.
+pub(crate) fn declared<N, T>(part: Option<N>, check: impl FnOnce(N) -> Result<T>) -> Declared<T> {
+    part.map(check).transpose()
+}
+
 /// What files declare outside of tasks, checked once; each by the place of its declaration.
 #[derive(Default)]
 pub(crate) struct Outside {

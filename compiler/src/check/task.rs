@@ -3,7 +3,7 @@
 //! Every part of the program under construction is present, absent, or replaced by the proof of its error. A
 //! [`Program`] is built only if no part has an error, so no part of it can be missing.
 
-use super::context::{Context, Declared, Result};
+use super::context::{Context, Declared, Result, declared};
 use super::names::Names;
 use super::short_text::short;
 use super::{
@@ -32,20 +32,14 @@ pub(super) fn check<'a>(
 ) -> Built {
     context.names = Names::of(merged, context.report);
     keypoints::constants(merged, context);
-    let about = merged.statement("about").map(|it| about(it, context));
+    let about = declared(merged.statement("about"), |it| about(it, context));
     let statement = |word| merged.statement(word);
-    context.cloth = statement("cloth")
-        .map(|it| cloth::check(it, context))
-        .transpose();
-    context.camera = statement("camera")
-        .map(|it| camera::check(it, context))
-        .transpose();
+    context.cloth = declared(statement("cloth"), |it| cloth::check(it, context));
+    context.camera = declared(statement("camera"), |it| camera::check(it, context));
     if let (Some(laid), Some(seen)) = (statement("cloth"), statement("camera")) {
         camera::fits_cloth(laid, seen, context);
     }
-    let picker = statement("picker")
-        .map(|it| picker::check(it, context))
-        .transpose();
+    let picker = declared(statement("picker"), |it| picker::check(it, context));
     if let Ok(Some((_, manner))) = &picker {
         picker::stated_once(manner, merged, context);
     }
@@ -60,15 +54,12 @@ pub(super) fn check<'a>(
         context.actions = actions::check(part, context);
     }
     context.layers = annotate::check(merged, context);
-    let subgoals = merged
-        .subgoals()
-        .map(|part| subgoals::check(part, context))
-        .transpose();
+    let subgoals = declared(merged.subgoals(), |it| subgoals::check(it, context));
     let experts = experts::sequences(merged, &subgoals, context);
     let horizon = horizon::check(merged, &subgoals, context);
-    let goal = statement("goal")
-        .map(|it| goal::check(it, merged, &experts, context))
-        .transpose();
+    let goal = declared(statement("goal"), |it| {
+        goal::check(it, merged, &experts, context)
+    });
     let mut prompts = stage::check(merged, context);
     let demos = merged
         .demos()
@@ -106,7 +97,7 @@ pub(super) fn check<'a>(
         compiler: env!("CARGO_PKG_VERSION").to_owned(),
         task: merged.task.name().text().to_owned(),
         variant: merged.variant.as_ref().map(|it| it.name.to_string()),
-        about: about.transpose()?,
+        about: about?,
         sources: stamps.to_vec(),
         cloth,
         camera,

@@ -1,7 +1,7 @@
 //! `verify { check NAME { … } else "…" … attempts 3 }`: which answers are rejected, and the messages to the model.
 
 use super::conditions;
-use super::context::{Context, Result};
+use super::context::{Context, Result, declared};
 use super::placeholders::{TextPlace, TextScope, template};
 use super::quantity::{read, read_whole};
 use super::stage::Prompts;
@@ -23,7 +23,7 @@ pub(crate) fn check(
 ) -> Result<Verify> {
     let part = merged.verify();
     let checks = merged.checks.iter();
-    let checks = every(checks.map(|check| declared(check, prompts, context)));
+    let checks = every(checks.map(|check| of_answer(check, prompts, context)));
     let attempts = part.into_iter().flat_map(|part| part.attempts());
     let attempts = once(attempts, "attempts", |it| it.span(), context.report);
     let count = attempts.map_or(Ok(DEFAULT_ATTEMPTS), |it| {
@@ -36,9 +36,7 @@ pub(crate) fn check(
     }
     let results = part.into_iter().flat_map(|part| part.results());
     let results = once(results, "result", |it| it.span(), context.report);
-    let result = results
-        .map(|it| self::result(it, prompts, context))
-        .transpose();
+    let result = declared(results, |it| self::result(it, prompts, context));
     Ok(Verify {
         checks: checks?,
         attempts: count? as u32,
@@ -54,7 +52,7 @@ pub(crate) fn check(
 
 // ---- checks of an answer -------------------------------------------------------------------------
 
-fn declared(
+fn of_answer(
     check: ast::Check<'_>,
     prompts: &mut Prompts,
     context: &mut Context<'_>,
@@ -67,10 +65,7 @@ fn declared(
     }
     let guarded = format!("check {}", name.text());
     let lacks = |what: &str| format!("the check `{}` does not say {what}", name.text());
-    let when = check
-        .when()
-        .map(|expr| condition(expr, context))
-        .transpose();
+    let when = declared(check.when(), |expr| condition(expr, context));
     // If the guard has an error, check the rest as if there was a previous action.
     let implies_last =
         |when: &Option<Condition>| when.as_ref().is_some_and(Condition::implies_last);
