@@ -1,9 +1,9 @@
 //! `actions { pick: one of corners … }`: the fields of an answer, and the choices of each.
 
-use super::context::{Context, Fields};
-use super::expressions::{Scope, fixed_deg, keypoint, wrong_shape};
+use super::context::{Context, Fields, Result};
+use super::expressions::{fixed_deg, keypoint, wrong_kind};
 use super::names::Meaning;
-use super::quantity::{beyond, measured, out_of_range, quantity_of, unit as unit_of};
+use super::quantity::{measured, no_unit, quantity_of, read, unit as unit_of};
 use crate::diag::{Code, Diagnostic, Reported, every, nearest};
 use crate::lang::actions::{ChoiceKind, FIELDS, FieldRow, field as moving_field};
 use fab_grammar::Span;
@@ -21,32 +21,23 @@ const MAX_FIELDS: usize = 16;
 const MAX_CHOICES: usize = 256;
 
 /// Builds the action space.
-pub(crate) fn check<'a>(part: Actions<'a>, context: &mut Context<'a, '_>) -> Fields<'a> {
-    let beyond = part
-        .fields()
-        .nth(MAX_FIELDS)
-        .map(|field| field.name().span());
-    let within = context.bounded(beyond, || {
-        format!("an action has at most {MAX_FIELDS} fields")
-    });
+pub(crate) fn check<'a>(part: Actions<'a>, context: &mut Context<'a>) -> Fields<'a> {
+    let places = part.fields().map(|field| field.name().span());
+    let within = context.at_most(MAX_FIELDS, places, "an action", "fields");
     let fields = part.fields().map(|field| {
         let name = field.name().text();
-        let once = context.names.one_meaning(name);
         let field = within.and_then(|()| self::field(field, context));
-        (name, field.and_then(|field| once.map(|()| field)))
+        (name, field)
     });
-    let list: Vec<(&str, Result<ActionField, Reported>)> = fields.collect();
-    let right = list
-        .iter()
-        .try_for_each(|(_, field)| field.as_ref().map(drop).map_err(|it| *it));
+    let list: Vec<(&str, Result<ActionField>)> = fields.collect();
+    let right = |(_, field): &(_, Result<ActionField>)| field.as_ref().map(drop).map_err(|it| *it);
+    let mut complete = list.iter().try_for_each(right);
     // A field with an error may be the missing one.
-    let complete = right.and_then(|()| {
-        let mut complete = Ok(());
+    if complete.is_ok() {
         for fault in incomplete(part) {
             complete = Err(context.error(fault));
         }
-        complete
-    });
+    }
     Fields { list, complete }
 }
 
@@ -64,20 +55,15 @@ fn incomplete(part: Actions<'_>) -> Vec<Diagnostic> {
             return vec![diagnostic.meant(name.span(), meant)];
         }
     }
-    let place = match [has("place"), has("direction"), has("distance")] {
+    let computed = "the place is computed from the pick, a `direction` and a `distance`";
+    let place = match ["place", "direction", "distance"].map(has) {
         [true, false, false] | [false, true, true] => None,
         [false, false, false] => Some((
             "the action has no `place`",
             "write `place: one of …`, or a `direction` and a `distance`",
         )),
-        [false, true, false] => Some((
-            "the action has a `direction` but no `distance`",
-            "the place is computed from the pick, a `direction` and a `distance`",
-        )),
-        [false, false, true] => Some((
-            "the action has a `distance` but no `direction`",
-            "the place is computed from the pick, a `direction` and a `distance`",
-        )),
+        [false, true, false] => Some(("the action has a `direction` but no `distance`", computed)),
+        [false, false, true] => Some(("the action has a `distance` but no `direction`", computed)),
         [true, ..] => Some((
             "the action has a `place` as well as a `direction` or a `distance`",
             "use either a `place`, or a `direction` and a `distance`",
@@ -89,7 +75,7 @@ fn incomplete(part: Actions<'_>) -> Vec<Diagnostic> {
     [pick, place].into_iter().flatten().map(fault).collect()
 }
 
-fn field<'a>(part: Field<'a>, context: &mut Context<'a, '_>) -> Result<ActionField, Reported> {
+fn field(part: Field<'_>, context: &mut Context<'_>) -> Result<ActionField> {
     let row = moving_field(part.name().text());
     let choices = match part.any_of() {
         Some(mask) => region(mask, row, context),
@@ -102,47 +88,31 @@ fn field<'a>(part: Field<'a>, context: &mut Context<'a, '_>) -> Result<ActionFie
 }
 
 /// Builds a field that may be any pixel of a mask.
-fn region<'a>(
-    mask: Name<'a>,
-    row: Option<&FieldRow>,
-    context: &mut Context<'a, '_>,
-) -> Result<Choices, Reported> {
+fn region(mask: Name<'_>, row: Option<&FieldRow>, context: &mut Context<'_>) -> Result<Choices> {
     offers(row, ChoiceKind::Points, mask.span(), context)?;
     let shapes = [KeypointShape::Mask];
-    let mask = keypoint(Expr::Name(mask), &shapes, Scope::Everywhere, context)?;
+    let mask = keypoint(Expr::Name(mask), &shapes, context)?;
     Ok(Choices::Region { mask })
 }
 
 /// Builds a field from a list of choices, all of one kind.
-fn listed<'a>(
-    part: Field<'a>,
-    row: Option<&FieldRow>,
-    context: &mut Context<'a, '_>,
-) -> Result<Choices, Reported> {
-    let (name, list) = (part.name(), part.one_of().collect::<Vec<Expr<'a>>>());
-    context.bounded(list.get(MAX_CHOICES).map(|beyond| beyond.span()), || {
-        format!("a field has at most {MAX_CHOICES} choices")
-    })?;
+fn listed(part: Field<'_>, row: Option<&FieldRow>, context: &mut Context<'_>) -> Result<Choices> {
+    let (name, list) = (part.name(), part.one_of().collect::<Vec<Expr<'_>>>());
+    let places = list.iter().map(|choice| choice.span());
+    context.at_most(MAX_CHOICES, places, "a field", "choices")?;
     let Some(first) = list.first() else {
         let message = format!("`{}` offers nothing", name.text());
-        let diagnostic = Diagnostic::new(Code::MissingField, name.span(), message);
-        return Err(context.error(diagnostic));
+        return Err(context.fault(Code::MissingField, name.span(), message));
     };
-    let kinds: Vec<ChoiceKind> = list
-        .iter()
-        .map(|choice| kind(*choice, row, context))
-        .collect::<Result<_, _>>()?;
+    let kinds = list.iter().map(|choice| kind(*choice, row, context));
+    let kinds = kinds.collect::<Result<Vec<ChoiceKind>>>()?;
     let kind = kinds[0];
     if let Some(other) = kinds.iter().position(|other| *other != kind) {
-        let message = format!(
-            "`{}` offers {} and {}",
-            name.text(),
-            kind.noun(),
-            kinds[other].noun()
-        );
-        let diagnostic = Diagnostic::new(Code::MixedChoices, list[other].span(), message);
-        let label = format!("this is one of {}", kind.noun());
-        return Err(context.error(diagnostic.also(first.span(), label)));
+        let (name, noun, found) = (name.text(), kind.noun(), kinds[other].noun());
+        let message = format!("`{name}` offers {noun} and {found}");
+        let diagnostic = Diagnostic::new(Code::MixedChoices, list[other].span(), message)
+            .also(first.span(), format!("this is one of {noun}"));
+        return Err(context.error(diagnostic));
     }
     offers(row, kind, first.span(), context)?;
     match kind {
@@ -153,33 +123,19 @@ fn listed<'a>(
     }
 }
 
-fn kind<'a>(
-    choice: Expr<'a>,
-    row: Option<&FieldRow>,
-    context: &mut Context<'a, '_>,
-) -> Result<ChoiceKind, Reported> {
+fn kind(choice: Expr<'_>, row: Option<&FieldRow>, context: &mut Context<'_>) -> Result<ChoiceKind> {
     let Some(quantity) = quantity_of(choice, context)? else {
-        let is_word = matches!(choice, Expr::Text(_));
-        return Ok(if is_word {
-            ChoiceKind::Words
-        } else {
-            ChoiceKind::Points
+        return Ok(match choice {
+            Expr::Text(_) => ChoiceKind::Words,
+            _ => ChoiceKind::Points,
         });
     };
     let Some(unit) = quantity.unit() else {
-        let written = context.written(choice.span());
-        let unit = row
-            .map_or(ChoiceKind::Lengths, |row| row.choices)
-            .usual_unit();
-        let message = format!("`{written}` has no unit");
-        let diagnostic = Diagnostic::new(Code::MissingUnit, choice.span(), message);
-        let or_words = if row.is_none() {
-            ", or words in quotes"
-        } else {
-            ""
-        };
-        let help = format!("write `{written}{unit}`{or_words}");
-        return Err(context.error(diagnostic.help(help)));
+        let kind = row.map_or(ChoiceKind::Lengths, |row| row.choices);
+        let diagnostic = no_unit(choice, &format!("one of {}", kind.noun()), context);
+        let or_words = row.map_or(", or words in quotes", |_| "");
+        let (written, unit) = (context.written(choice.span()), kind.usual_unit());
+        return Err(context.error(diagnostic.help(format!("write `{written}{unit}`{or_words}"))));
     };
     Ok(ChoiceKind::of(unit_of(quantity, unit, context)?.dimension))
 }
@@ -189,39 +145,33 @@ fn offers(
     row: Option<&FieldRow>,
     kind: ChoiceKind,
     span: Span,
-    context: &mut Context<'_, '_>,
-) -> Result<(), Reported> {
+    context: &mut Context<'_>,
+) -> Result<()> {
     let Some(row) = row.filter(|row| row.choices != kind) else {
         return Ok(());
     };
-    let message = format!(
-        "`{}` offers {}, not {}",
-        row.name,
-        row.choices.noun(),
-        kind.noun()
-    );
-    let diagnostic = Diagnostic::new(Code::MixedChoices, span, message);
-    Err(context.error(diagnostic.help(format!("write, for example, `{}`", row.example))))
+    let (name, noun, found) = (row.name, row.choices.noun(), kind.noun());
+    let message = format!("`{name}` offers {noun}, not {found}");
+    let help = format!("write, for example, `{}`", row.example);
+    Err(context.refuse(Code::MixedChoices, span, message, help))
 }
 
 // ---- choices by kind -----------------------------------------------------------------------------
 
 /// Reads every choice, and reports those with the same key as an earlier one.
-fn distinct<'a, K: Ord, T>(
-    list: &[Expr<'a>],
-    context: &mut Context<'a, '_>,
-    mut read: impl FnMut(Expr<'a>, &mut Context<'a, '_>) -> Result<(K, T), Reported>,
-) -> Result<Vec<T>, Reported> {
+fn distinct<K: Ord, T>(
+    list: &[Expr<'_>],
+    context: &mut Context<'_>,
+    mut read: impl FnMut(Expr<'_>, &mut Context<'_>) -> Result<(K, T)>,
+) -> Result<Vec<T>> {
     let mut seen: BTreeMap<K, Span> = BTreeMap::new();
     let choices = list.iter().map(|choice| {
         let (key, value) = read(*choice, context)?;
         let Some(first) = seen.insert(key, choice.span()) else {
             return Ok(value);
         };
-        let message = format!(
-            "the choice `{}` is offered twice",
-            context.written(choice.span())
-        );
+        let written = context.written(choice.span());
+        let message = format!("the choice `{written}` is offered twice");
         let diagnostic = Diagnostic::new(Code::DuplicateName, choice.span(), message);
         Err(context.error(diagnostic.also(first, "offered here first")))
     });
@@ -232,87 +182,64 @@ fn are_points(shape: KeypointShape) -> bool {
     matches!(shape, KeypointShape::Points | KeypointShape::Point)
 }
 
-/// Returns the keypoints that may be choices, including those with an error, which may be points too.
-fn offerable<'a>(context: &Context<'a, '_>) -> Vec<&'a str> {
-    context
-        .names
-        .that(|meaning| matches!(meaning, Meaning::Keypoint(shape) if shape.is_none_or(are_points)))
-}
-
-fn points<'a>(
-    list: &[Expr<'a>],
-    row: Option<&FieldRow>,
-    context: &mut Context<'a, '_>,
-) -> Result<Choices, Reported> {
+fn points(list: &[Expr<'_>], row: Option<&FieldRow>, context: &mut Context<'_>) -> Result<Choices> {
     let keypoints = distinct(list, context, |choice, context| {
         let written = context.loaded.written(choice.span());
-        match (choice, context.names.get(written)) {
-            (Expr::Name(_), Some(Meaning::Keypoint(Some(shape)))) if are_points(shape) => {
-                Ok((written, written.to_owned()))
-            }
-            (Expr::Name(name), Some(Meaning::Keypoint(shape))) => {
-                Err(wrong_shape(name, shape, "points to choose from", context))
-            }
-            (_, Some(Meaning::DuplicateNames(reported))) => Err(reported),
-            (Expr::Name(name), None) if row.is_none() => Err(bare_word(name, context)),
-            _ => {
-                let offered = offerable(context);
-                Err(context.unknown_at("keypoint", written, choice.span(), offered))
-            }
+        match (choice, context.names.get(written)?) {
+            (Expr::Name(name), Some(Meaning::Keypoint(shape, _))) => match shape {
+                Some(shape) if !are_points(shape) => {
+                    let expected = "points to choose from";
+                    Err(wrong_kind(name, expected, shape.words(), context))
+                }
+                _ => Ok((written.to_owned(), written.to_owned())),
+            },
+            _ => Err(no_keypoint(choice, row, context)),
         }
     })?;
     Ok(Choices::Points { keypoints })
 }
 
-/// Reports an unquoted choice that names no keypoint, in a field that may offer words.
-fn bare_word(name: Name<'_>, context: &mut Context<'_, '_>) -> Reported {
-    let message = format!("there is no keypoint `{}`", name.text());
-    let diagnostic = Diagnostic::new(Code::UnknownName, name.span(), message);
-    context.error(match nearest(name.text(), offerable(context)) {
-        Some(meant) => diagnostic.meant(name.span(), meant),
-        None => diagnostic.help(format!(
-            "words are written in quotes: write `\"{}\"`",
-            name.text()
-        )),
-    })
+/// Reports a choice that names no keypoint; in a field that may offer words, it may be one without quotes.
+fn no_keypoint(choice: Expr<'_>, row: Option<&FieldRow>, context: &mut Context<'_>) -> Reported {
+    let written = context.loaded.written(choice.span());
+    let offered = context.names.that(
+        |meaning| matches!(meaning, Meaning::Keypoint(shape, _) if shape.is_none_or(are_points)),
+    );
+    if row.is_none() && nearest(written, offered.iter().copied()).is_none() {
+        let message = format!("there is no keypoint `{written}`");
+        let help = format!("words are written in quotes: write `\"{written}\"`");
+        return context.refuse(Code::UnknownName, choice.span(), message, help);
+    }
+    context.unknown_at("keypoint", written, choice.span(), offered)
 }
 
-fn directions<'a>(list: &[Expr<'a>], context: &mut Context<'a, '_>) -> Result<Choices, Reported> {
+fn directions(list: &[Expr<'_>], context: &mut Context<'_>) -> Result<Choices> {
     let choices = distinct(list, context, |choice, context| {
         let deg = fixed_deg(choice, context)?;
-        Ok((
-            deg.to_bits(),
-            Direction {
-                deg,
-                vector: vector_of(deg),
-            },
-        ))
+        let vector = vector_of(deg);
+        Ok((deg.to_bits(), Direction { deg, vector }))
     })?;
     Ok(Choices::Directions { choices })
 }
 
-fn lengths<'a>(
-    field: Name<'a>,
-    list: &[Expr<'a>],
+fn lengths(
+    field: Name<'_>,
+    list: &[Expr<'_>],
     row: Option<&FieldRow>,
-    context: &mut Context<'a, '_>,
-) -> Result<Choices, Reported> {
+    context: &mut Context<'_>,
+) -> Result<Choices> {
     let range = row.and_then(|row| row.range);
     let read = distinct(list, context, |choice, context| {
-        let (unit, length) = length(choice, range.as_ref(), context)?;
+        let (unit, length) = length(choice, range, context)?;
         Ok(((unit.name, length.value.to_bits()), (unit, length)))
     })?;
     let unit = read[0].0;
     if let Some(other) = read.iter().position(|(own, _)| *own != unit) {
         let (first, other, span) = (unit.name, read[other].0.name, list[other].span());
-        let message = format!(
-            "`{}` offers {} in `{first}` and in `{other}`",
-            field.text(),
-            ChoiceKind::of(unit.dimension).noun()
-        );
-        let diagnostic = Diagnostic::new(Code::MixedChoices, span, message);
+        let (name, noun) = (field.text(), ChoiceKind::of(unit.dimension).noun());
+        let message = format!("`{name}` offers {noun} in `{first}` and in `{other}`");
         let help = "write all of them in one unit; prompts and answers use it too";
-        return Err(context.error(diagnostic.help(help)));
+        return Err(context.refuse(Code::MixedChoices, span, message, help));
     }
     Ok(Choices::Lengths {
         unit,
@@ -320,74 +247,43 @@ fn lengths<'a>(
     })
 }
 
-/// The smallest length in its unit; a prompt would show a smaller one as 0.
-const LEAST_LENGTH: f64 = 0.001;
+/// How far a field that does not act may reach. An arm moves no further, and a prompt would show less as 0.
+const LENGTH: Range = Range::new("a length", (0.001, "mm"), (100.0, "m"));
 
-/// The longest distance that an arm may move, metres. The limit also rules out infinite lengths.
-const MOST_LENGTH_M: f64 = 100.0;
+/// How fast a field that does not act may be.
+const SPEED: Range = Range::new("a speed", (0.001, "mm/s"), (100.0, "m/s"));
 
-fn length<'a>(
-    choice: Expr<'a>,
-    range: Option<&Range>,
-    context: &mut Context<'a, '_>,
-) -> Result<(LengthUnit, LengthChoice), Reported> {
-    const EXPECTED: &str = "a length on the table";
-    let Some(found) = measured(choice, context)? else {
-        let diagnostic = context.unexpected(Code::WrongForm, choice, EXPECTED);
-        return Err(context.error(diagnostic));
-    };
-    let Some(unit) = found.unit.and_then(LengthUnit::of) else {
-        let code = match found.dimension() {
-            Dimension::Number => Code::MissingUnit,
-            Dimension::ArealDensity => Code::WrongQuantity,
-            Dimension::Length | Dimension::Pixels | Dimension::Angle | Dimension::Speed => {
-                Code::MixedFrames
-            }
-        };
-        let diagnostic = context.unexpected(code, choice, EXPECTED);
-        let diagnostic = diagnostic.label(format!("this is {}", found.dimension().noun()));
-        let help = "the arm moves over the table: write, for example, `0.25edge` or `50mm`";
-        return Err(context.error(diagnostic.help(help)));
-    };
-    if let Some(range) = range {
-        if !range.contains(found.value) && !found.value.is_nan() {
-            return Err(beyond(choice, range, context));
-        }
-    } else if found.number < LEAST_LENGTH || found.value > MOST_LENGTH_M {
-        let help = format!(
-            "write at least {LEAST_LENGTH} of its unit, and at most {MOST_LENGTH_M} {}",
-            if unit.dimension == Dimension::Speed {
-                "m/s"
-            } else {
-                "m"
-            }
-        );
-        return Err(out_of_range(choice, &help, context));
-    }
+fn length(
+    choice: Expr<'_>,
+    range: Option<Range>,
+    context: &mut Context<'_>,
+) -> Result<(LengthUnit, LengthChoice)> {
+    let found = measured(choice, context)?;
+    let stated = found.and_then(|found| Some((found.number, found.unit.and_then(LengthUnit::of)?)));
+    let is_speed = stated.is_some_and(|(_, unit)| unit.dimension == Dimension::Speed);
+    let range = range.unwrap_or(if is_speed { SPEED } else { LENGTH });
+    let m = read(choice, &range, context)?;
+    let (number, unit) = stated.expect("a length or a speed has a unit of its kind");
     // Without a cloth there is no program, and `edge` has no size.
     Ok((
         unit,
         LengthChoice {
             // Without the sign of `-0mm`, which a prompt would show.
-            value: found.number + 0.0,
-            m: found.value + 0.0,
+            value: number + 0.0,
+            m: m + 0.0,
         },
     ))
 }
 
-fn words<'a>(list: &[Expr<'a>], context: &mut Context<'a, '_>) -> Result<Choices, Reported> {
+fn words(list: &[Expr<'_>], context: &mut Context<'_>) -> Result<Choices> {
     let choices = distinct(list, context, |choice, context| {
         let word = match choice {
-            Expr::Text(text) if !text.is_blank() => text.plain(),
-            _ => None,
+            Expr::Text(text) if text.is_blank() => Err("the text is empty"),
+            Expr::Text(text) => text.plain().ok_or("a choice cannot contain `{{ … }}`"),
+            _ => unreachable!("a list of words has only texts"),
         };
-        let word = word.ok_or_else(|| {
-            let message = match choice {
-                Expr::Text(text) if text.is_blank() => "the text is empty",
-                _ => "a choice cannot contain `{{ … }}`",
-            };
-            context.fault(Code::EmptyText, choice.span(), message)
-        })?;
+        let fault = |message| context.fault(Code::EmptyText, choice.span(), message);
+        let word = word.map_err(fault)?;
         Ok((word.to_lowercase(), word))
     })?;
     Ok(Choices::Words { choices })

@@ -1,60 +1,36 @@
 //! `annotate { corner_dots = dot(corners, color: blue) … }`: what is drawn on the camera's picture.
 
-use super::context::Context;
-use super::expressions::{Scope, call};
-use super::missing_action::needs_action;
-use crate::diag::{Code, Diagnostic, Reported};
+use super::context::{Context, Result};
+use super::expressions::call;
 use crate::lang::annotate::{COLOR, MARKS, POINTS, rgb};
-use crate::merge::{Merged, unique};
+use crate::merge::Merged;
 use fab_grammar::ast::NamedValue;
 use fab_program::Depends;
 use fab_program::vocabulary::{ArgValue, Args};
 use fab_program::{Layer, Spot};
 
-/// The most layers.
-const MAX_LAYERS: usize = 32;
-
 /// Builds the layers in order.
 pub(crate) fn check<'a>(
     merged: &Merged<'a>,
-    context: &mut Context<'a, '_>,
-) -> Vec<(&'a str, Result<Layer, Reported>)> {
-    let layers = || merged.annotate().into_iter().flat_map(|part| part.list());
-    let twice = unique(layers().map(|layer| layer.name()), "layer", context.report);
-    let beyond = layers().nth(MAX_LAYERS).map(|layer| layer.name().span());
-    let within = context.bounded(beyond, || format!("a task has at most {MAX_LAYERS} layers"));
-    let layer = |declared: NamedValue<'a>| {
-        let name = declared.name().text();
-        let layer = within.and_then(|()| layer(declared, context));
-        (name, layer.and_then(|layer| twice.map(|()| layer)))
-    };
-    layers().map(layer).collect()
+    context: &mut Context<'a>,
+) -> Vec<(&'a str, Result<Layer>)> {
+    let layers = merged.annotate().into_iter().flat_map(|part| part.list());
+    layers
+        .map(|declared| (declared.name().text(), layer(declared, context)))
+        .collect()
 }
 
-fn layer<'a>(declared: NamedValue<'a>, context: &mut Context<'a, '_>) -> Result<Layer, Reported> {
+fn layer(declared: NamedValue<'_>, context: &mut Context<'_>) -> Result<Layer> {
     let name = declared.name();
-    let is_constant = context.constants.contains_key(name.text());
-    let is_free = match context.names.get(name.text()) {
-        None if !is_constant => Ok(()),
-        _ => {
-            let message = format!("the name `{}` is declared twice", name.text());
-            let diagnostic = Diagnostic::new(Code::DuplicateName, name.span(), message);
-            let help = "layers, keypoints, texts, fields and constants share one namespace";
-            Err(context.error(diagnostic.help(help)))
-        }
-    };
     let signatures = MARKS.iter().map(|row| &row.signature);
-    let scope = Scope::Everywhere;
-    let (row, args, bound) = call("mark", declared.value(), signatures, scope, context)?;
-    let mut is_known = Ok(());
+    let (row, args, bound) = call("mark", declared.value(), signatures, context)?;
     for ((_, value), (_, expr)) in args.0.iter().zip(&bound) {
         if let ArgValue::Point(point) = value
             && point.uses().action
         {
-            is_known = Err(needs_action(expr.span(), context));
+            context.needs_action(expr.span());
         }
     }
-    is_free.and(is_known)?;
     let mark = (MARKS[row].make)(&args);
     let words = words(MARKS[row].signature.name, &args);
     Ok(Layer {

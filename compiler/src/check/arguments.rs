@@ -3,14 +3,12 @@
 //! In: a call, and the rows of its name. Out: the row that fits best, and each parameter with its expression.
 //! Reading the expressions is left to [`super::expressions`].
 
-use super::context::Context;
-use crate::diag::{Code, Diagnostic, Reported, among, nearest};
+use super::context::{Context, Result};
+use crate::diag::{Code, Diagnostic, among, every};
 use fab_grammar::Span;
 use fab_grammar::ast::{Argument, Call, Expr, Name};
 use fab_program::vocabulary::{Arg, Place, Signature};
-
-/// The most arguments of a call that takes any number of them.
-const MAX_ARGUMENTS: usize = 1000;
+use std::collections::BTreeMap;
 
 /// The parameters of a call with the expressions given for them; [`Place::Rest`] may appear several times.
 pub(crate) type Bound<'a> = Vec<(&'static Arg, Expr<'a>)>;
@@ -56,89 +54,52 @@ pub(crate) fn bind<'a>(
     call: Call<'a>,
     signature: &Signature,
     form: fn(&Signature) -> String,
-    context: &mut Context<'a, '_>,
-) -> Result<Bound<'a>, Reported> {
-    let mut bound: Bound<'a> = Vec::with_capacity(signature.args.len());
-    let mut places = signature
-        .args
-        .iter()
-        .filter(|arg| arg.place != Place::Named);
-    let mut place = places.next();
-    let mut n_surplus = 0;
-    let mut fits = Ok(());
-    for argument in call.arguments() {
+    context: &mut Context<'_>,
+) -> Result<Bound<'a>> {
+    let places = signature.args.iter();
+    let mut places = places.flat_map(|arg| {
+        let most = match arg.place {
+            Place::Named => 0,
+            Place::Positional => 1,
+            Place::Rest => usize::MAX,
+        };
+        std::iter::repeat_n(arg, most)
+    });
+    let mut seen: BTreeMap<&str, Span> = BTreeMap::new();
+    // A wrong label is probably a misspelt one, so missing arguments are not reported too.
+    let bound = every(call.arguments().map(|argument| {
         let arg = match argument.label() {
             Some(label) => parameter(signature, label.text())
                 .ok_or_else(|| unknown_label(call.name(), label, signature, form)),
-            None => match place {
-                Some(arg) => {
-                    if arg.place == Place::Positional {
-                        place = places.next();
-                    }
-                    Ok(arg)
-                }
-                None => {
-                    if n_surplus == 0
-                        && matches!(argument.value(), Expr::Quantity(_))
-                        && let Some(diagnostic) = decimal_comma(call, context)
-                    {
-                        return Err(context.error(diagnostic));
-                    }
-                    n_surplus += 1;
-                    Err(surplus(call.name(), argument, signature, form))
-                }
-            },
-        };
-        let arg = match arg {
-            Ok(arg) => arg,
-            Err(diagnostic) => {
-                fits = Err(context.error(diagnostic));
-                continue;
+            None => {
+                { places.next() }.ok_or_else(|| surplus(call.name(), argument, signature, form))
             }
         };
-        let first = bound.iter().find(|(given, _)| given.name == arg.name);
-        match first {
-            Some((_, first)) if arg.place != Place::Rest => {
-                let span = argument
-                    .label()
-                    .map_or(argument.value().span(), |label| label.span());
-                let message = format!("`{}` is given twice", arg.name);
-                let diagnostic = Diagnostic::new(Code::WrongArguments, span, message);
-                fits = Err(context.error(diagnostic.also(first.span(), "given here first")));
-            }
-            _ => bound.push((arg, argument.value())),
+        let arg = arg.map_err(|diagnostic| context.error(diagnostic))?;
+        let value = argument.value();
+        if let Some(first) = seen.insert(arg.name, value.span())
+            && arg.place != Place::Rest
+        {
+            let label = argument.label().map(|label| label.span());
+            let message = format!("`{}` is given twice", arg.name);
+            let span = label.unwrap_or(value.span());
+            let diagnostic = Diagnostic::new(Code::WrongArguments, span, message);
+            return Err(context.error(diagnostic.also(first, "given here first")));
         }
-        if bound.len() > MAX_ARGUMENTS {
-            let span = argument.value().span();
-            let message = format!("a call takes at most {MAX_ARGUMENTS} arguments");
-            return Err(context.fault(Code::OutOfRange, span, message));
-        }
-    }
-    // A wrong label is probably a misspelt one, so missing arguments are not reported too.
-    fits?;
+        Ok((arg, value))
+    }))?;
     let is_given = |arg: &Arg| bound.iter().any(|(given, _)| given.name == arg.name);
-    let missing = signature
-        .args
-        .iter()
-        .filter(|arg| arg.default.is_none() && !is_given(arg));
-    let missing: Vec<&str> = missing.map(|arg| arg.name).collect();
-    if !missing.is_empty() {
-        let message = format!(
-            "`{}` lacks {}",
-            signature.name,
-            among(missing.iter().copied()).replace(" or ", " and ")
-        );
-        let diagnostic = Diagnostic::new(Code::WrongArguments, call.name().span(), message);
-        let diagnostic = diagnostic.help(format!("write `{}`", form(signature)));
-        let words = signature
-            .args
-            .iter()
-            .find(|arg| missing.contains(&arg.name))
-            .and_then(|arg| arg.kind.words().map(|words| (arg.name, words)));
-        return Err(context.error(match words {
-            Some((name, words)) => {
+    let missing = signature.args.iter().filter(|arg| arg.default.is_none());
+    let missing: Vec<&Arg> = missing.filter(|arg| !is_given(arg)).collect();
+    if let [first, ..] = missing.as_slice() {
+        let lacks = among(missing.iter().map(|arg| arg.name)).replace(" or ", " and ");
+        let message = format!("`{}` lacks {lacks}", signature.name);
+        let diagnostic = Diagnostic::new(Code::WrongArguments, call.name().span(), message)
+            .help(format!("write `{}`", form(signature)));
+        return Err(context.error(match first.kind.words() {
+            Some(words) => {
                 let words = among(words.iter().map(|word| word.name));
-                diagnostic.help(format!("{} is {words}", name.to_uppercase()))
+                diagnostic.help(format!("{} is {words}", first.name.to_uppercase()))
             }
             None => diagnostic,
         }));
@@ -154,8 +115,8 @@ fn needs_partner(
     arg: &Arg,
     value: Expr<'_>,
     bound: &Bound<'_>,
-    context: &mut Context<'_, '_>,
-) -> Result<(), Reported> {
+    context: &mut Context<'_>,
+) -> Result<()> {
     let Some(needs) = arg.needs else {
         return Ok(());
     };
@@ -175,8 +136,8 @@ fn needs_partner(
         Some(word) => format!("{}: {word}", needs.arg),
     };
     let message = format!("`{}` has no effect without `{partner}`", arg.name);
-    let diagnostic = Diagnostic::new(Code::WrongArguments, value.span(), message);
-    Err(context.error(diagnostic.help(format!("add `{partner}`, or remove `{}`", arg.name))))
+    let help = format!("add `{partner}`, or remove `{}`", arg.name);
+    Err(context.refuse(Code::WrongArguments, value.span(), message, help))
 }
 
 fn unknown_label(
@@ -186,34 +147,14 @@ fn unknown_label(
     form: fn(&Signature) -> String,
 ) -> Diagnostic {
     let message = format!("`{}` takes no `{}`", call.text(), label.text());
-    let diagnostic = Diagnostic::new(Code::WrongArguments, label.span(), message);
-    let named = signature
-        .args
-        .iter()
-        .filter(|arg| arg.place == Place::Named);
-    match nearest(label.text(), named.map(|arg| arg.name)) {
-        Some(meant) => diagnostic.meant(label.span(), meant),
-        None => diagnostic.help(format!("write `{}`", form(signature))),
-    }
-}
-
-/// Makes the diagnostic for a comma between two plain digits of a call, as in `2,5`, if there is one.
-fn decimal_comma(call: Call<'_>, context: &Context<'_, '_>) -> Option<Diagnostic> {
-    let mut arguments = call.arguments().zip(call.arguments().skip(1));
-    let comma = arguments.find_map(|(whole, decimals)| {
-        let (Expr::Quantity(number), Expr::Quantity(_)) = (whole.value(), decimals.value()) else {
-            return None;
-        };
-        let comma = Span {
-            start: whole.value().span().end,
-            end: decimals.value().span().start,
-            ..whole.value().span()
-        };
-        (number.unit().is_none() && context.loaded.written(comma) == ",").then_some(comma)
-    })?;
-    let message = "the decimal separator is a point, not a comma";
-    let diagnostic = Diagnostic::new(Code::WrongArguments, comma, message);
-    Some(diagnostic.help("write `.`, or a space after the comma if these are two numbers"))
+    let named = signature.args.iter();
+    let named = named.filter(|arg| arg.place == Place::Named);
+    let form = format!("write `{}`", form(signature));
+    Diagnostic::new(Code::WrongArguments, label.span(), message).suggest(
+        label.text(),
+        named.map(|arg| arg.name),
+        &form,
+    )
 }
 
 fn surplus(
@@ -222,19 +163,19 @@ fn surplus(
     signature: &Signature,
     form: fn(&Signature) -> String,
 ) -> Diagnostic {
-    let span = argument.value().span();
-    let places = signature
-        .args
-        .iter()
-        .filter(|arg| arg.place == Place::Positional);
+    let (call, span) = (call.text(), argument.value().span());
+    let places = signature.args.iter();
+    let places = places.filter(|arg| arg.place == Place::Positional);
     let message = match places.count() {
-        0 => format!("`{}` takes its arguments by name", call.text()),
-        1 => format!("`{}` takes one argument without a name", call.text()),
-        n_places => format!(
-            "`{}` takes {n_places} arguments without a name",
-            call.text()
-        ),
+        0 => format!("`{call}` takes its arguments by name"),
+        1 => format!("`{call}` takes one argument without a name"),
+        n_places => format!("`{call}` takes {n_places} arguments without a name"),
     };
-    Diagnostic::new(Code::WrongArguments, span, message)
-        .help(format!("write `{}`", form(signature)))
+    let diagnostic = Diagnostic::new(Code::WrongArguments, span, message)
+        .help(format!("write `{}`", form(signature)));
+    match argument.value() {
+        // `2,5`
+        Expr::Quantity(_) => diagnostic.help("the decimal separator is a point, not a comma"),
+        _ => diagnostic,
+    }
 }

@@ -1,8 +1,8 @@
 //! `camera top_down(height: 650mm, fov: 45deg, image: 224px)`: where the camera is, and what it sees.
 
-use super::context::Context;
-use super::expressions::{Scope, call};
-use crate::diag::{Code, Diagnostic, Reported};
+use super::context::{Context, Result};
+use super::expressions::made;
+use crate::diag::{Code, Diagnostic};
 use crate::lang::calls::CAMERAS;
 use crate::merge::Merged;
 use fab_grammar::ast::Statement;
@@ -10,18 +10,13 @@ use fab_program::exact::written;
 use fab_program::{Camera, Extractor, Keypoint, KeypointShape, RECORDED_HEIGHT_M};
 
 /// Reads where the camera is, and what it sees.
-pub(crate) fn check<'a>(
-    statement: Statement<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<Camera, Reported> {
-    let signatures = CAMERAS.iter().map(|row| &row.signature);
-    let scope = Scope::Everywhere;
-    let (row, args, _) = call("camera", statement.value(), signatures, scope, context)?;
-    Ok((CAMERAS[row].make)(&args))
+pub(crate) fn check(statement: Statement<'_>, context: &mut Context<'_>) -> Result<Camera> {
+    let (camera, ..) = made("camera", statement.value(), CAMERAS, context)?;
+    Ok(camera)
 }
 
 /// Warns if the flat cloth, turned in any direction, does not fit into the picture.
-pub(crate) fn fits_cloth(laid: Statement<'_>, seen: Statement<'_>, context: &mut Context<'_, '_>) {
+pub(crate) fn fits_cloth(laid: Statement<'_>, seen: Statement<'_>, context: &mut Context<'_>) {
     let (Ok(Some(cloth)), Ok(Some(camera))) = (&context.cloth, &context.camera) else {
         return;
     };
@@ -29,17 +24,14 @@ pub(crate) fn fits_cloth(laid: Statement<'_>, seen: Statement<'_>, context: &mut
     let side_m = |n_particles: u32| f64::from(n_particles - 1) * cloth.spacing_m;
     let diagonal_m = side_m(cloth.dimx).hypot(side_m(cloth.dimy));
     if diagonal_m > view_m {
+        let [view_mm, diagonal_mm] = [view_m, diagonal_m].map(|length_m| length_m * 1000.0);
         let message = format!(
-            "the camera sees {:.0}mm of the table, and the cloth is {:.0}mm from corner to corner",
-            view_m * 1000.0,
-            diagonal_m * 1000.0
+            "the camera sees {view_mm:.0}mm of the table, and the cloth is {diagonal_mm:.0}mm from corner to corner"
         );
-        let diagnostic = Diagnostic::new(Code::CameraSeesTooLittle, laid.value().span(), message);
-        context.remark(
-            diagnostic
-                .also(seen.value().span(), "the camera")
-                .help("raise the camera, or widen its field of view"),
-        );
+        let diagnostic = Diagnostic::new(Code::CameraSeesTooLittle, laid.value().span(), message)
+            .also(seen.value().span(), "the camera")
+            .help("raise the camera, or widen its field of view");
+        context.remark(diagnostic);
     }
 }
 
@@ -52,7 +44,7 @@ pub(crate) fn masks_see_cloth(
     seen: Statement<'_>,
     keypoints: &[Keypoint],
     merged: &Merged<'_>,
-    context: &mut Context<'_, '_>,
+    context: &mut Context<'_>,
 ) {
     let Ok(Some(camera)) = &context.camera else {
         return;
@@ -63,32 +55,26 @@ pub(crate) fn masks_see_cloth(
         _ => RECORDED_HEIGHT_M,
     };
     let (height_m, flat_m) = (camera.height_m, camera.height_m - cloth_m);
-    let masks = keypoints
-        .iter()
-        .filter_map(|keypoint| match keypoint.extractor {
-            Extractor::DepthMask { below_m } => Some((keypoint, below_m)),
-            _ => None,
-        });
+    let masks = keypoints.iter().filter_map(|it| match it.extractor {
+        Extractor::DepthMask { below_m } => Some((it, below_m)),
+        _ => None,
+    });
     let masks: Vec<(&Keypoint, f64)> = masks.collect();
     // A second mask may be meant for what is above the cloth. A limit at the cloth's own depth excludes it.
     if masks.iter().any(|(_, below_m)| *below_m > flat_m) {
         return;
     }
-    let mm = |length_m: f64| written(length_m * 1000.0, 3);
     for (keypoint, below_m) in masks {
         let name = &keypoint.name;
         let Some(declared) = merged.keypoints.get(name) else {
             continue;
         };
+        let right_m = height_m - CLEAR_OF_TABLE * cloth_m;
+        let [below, flat, right] = [below_m, flat_m, right_m].map(|it| written(it * 1000.0, 3));
         let message = format!(
-            "`{name}` takes only depths below {}mm, and a flat cloth lies {}mm from the camera",
-            mm(below_m),
-            mm(flat_m)
+            "`{name}` takes only depths below {below}mm, and a flat cloth lies {flat}mm from the camera"
         );
-        let help = format!(
-            "write `{name} = mask(depth < {}mm)` in `keypoints`",
-            mm(height_m - CLEAR_OF_TABLE * cloth_m)
-        );
+        let help = format!("write `{name} = mask(depth < {right}mm)` in `keypoints`");
         let (camera, mask) = (seen.value().span(), declared.value().span());
         // The cause is what this file says about an inherited mask or an inherited camera.
         let here = merged.task.name().span().file;
@@ -106,7 +92,7 @@ pub(crate) fn masks_see_cloth(
 pub(crate) fn cloth_is_first(
     keypoints: &[Keypoint],
     merged: &Merged<'_>,
-    context: &mut Context<'_, '_>,
+    context: &mut Context<'_>,
 ) {
     const NAME: &str = "cloth";
     let masks = { keypoints.iter() }.filter(|it| it.extractor.shape() == KeypointShape::Mask);

@@ -1,20 +1,14 @@
 //! Warns of checks that can never pass or never fail, and of components whose condition never or always holds.
 //!
-//! In: a task's program and those of its variants. Every step and every count is tried, and what a point measures against
-//! itself is known. Everything else may hold or not. A condition that a variant needs is in order.
+//! In: a task's program and those of its variants. The fewest and the most steps and points are known, and what a point
+//! measures against itself. Everything else may hold or not, and each comparison is judged by itself. A condition that a
+//! variant needs is in order.
 
 use crate::diag::{Code, Diagnostic};
 use crate::merge::Merged;
 use fab_grammar::Span;
-use fab_program::exact::written;
-use fab_program::measures::{Length, Number, PointMeasure};
+use fab_program::measures::{Length, Number};
 use fab_program::{Condition, Program};
-
-/// The most combinations of numbers that are tried for one condition.
-const MAX_CASES: usize = 10_000;
-
-/// A condition, and whether it holds.
-type Assumed<'p> = (&'p Condition, bool);
 
 /// Returns a warning for each condition of a task whose result is certain in the task and in its variants.
 ///
@@ -24,42 +18,39 @@ pub(super) fn check(programs: &[Program], merged: &Merged<'_>) -> Vec<Diagnostic
     let Some(program) = programs.first() else {
         return found;
     };
-    let never = |assumed: &[Assumed<'_>]| programs.iter().all(|it| is_impossible(assumed, it));
+    let certain = |condition: &Condition| {
+        let result = decide(condition, program)?;
+        let mut all = programs.iter().map(|it| decide(condition, it));
+        all.all(|it| it == Some(result)).then_some(result)
+    };
+    let mut warn = |message: String, condition: &Condition, span: Span, help: &str| {
+        let message = match reason(condition, program) {
+            Some(reason) => format!("{message}: {reason}"),
+            None => message,
+        };
+        found.push(Diagnostic::new(Code::CertainCondition, span, message).help(help));
+    };
     for check in &program.verify.checks {
         let Some(part) = merged.checks.get(&check.name) else {
             continue;
         };
         let name = format!("the check `{}`", check.name);
-        let when = check.when.as_ref().map(|when| (when, true));
-        let applies: Vec<Assumed<'_>> = when.into_iter().collect();
-        let result = |passes| [&applies[..], &[(&check.holds, passes)]].concat();
-        if let (Some((when, _)), Some(expr)) = (when, part.when())
-            && never(&applies)
+        if let (Some(when), Some(expr)) = (&check.when, part.when())
+            && certain(when) == Some(false)
         {
             let help = "correct the condition after `when`, or remove the check";
-            found.push(warning(
-                format!("{name} never applies"),
-                when,
-                expr.span(),
-                help,
-                program,
-            ));
-        } else if let Some(expr) = part.condition() {
-            let (what, help) = if never(&result(true)) {
-                (
-                    "pass",
-                    "every answer would be refused; correct the condition, or remove the check",
-                )
-            } else if never(&result(false)) {
-                (
-                    "fail",
-                    "no answer would be refused; correct the condition, or remove the check",
-                )
+            warn(format!("{name} never applies"), when, expr.span(), help);
+        } else if let (Some(passes), Some(expr)) = (certain(&check.holds), part.condition()) {
+            let (what, which) = if passes {
+                ("fail", "no")
             } else {
-                continue;
+                ("pass", "every")
             };
+            let help = format!(
+                "{which} answer would be refused; correct the condition, or remove the check"
+            );
             let message = format!("{name} can never {what}");
-            found.push(warning(message, &check.holds, expr.span(), help, program));
+            warn(message, &check.holds, expr.span(), &help);
         }
     }
     for template in &program.templates {
@@ -67,34 +58,18 @@ pub(super) fn check(programs: &[Program], merged: &Merged<'_>) -> Vec<Diagnostic
         let (Some(when), Some(expr)) = (&template.when, component.and_then(|it| it.when())) else {
             continue;
         };
-        let (often, help) = if never(&[(when, true)]) {
-            ("never", "correct the condition, or remove the component")
-        } else if never(&[(when, false)]) {
-            (
+        let (often, help) = match certain(when) {
+            Some(true) => (
                 "always",
                 "correct the condition, or remove it together with `when`",
-            )
-        } else {
-            continue;
+            ),
+            Some(false) => ("never", "correct the condition, or remove the component"),
+            None => continue,
         };
         let message = format!("the component `{}` is {often} said", template.name);
-        found.push(warning(message, when, expr.span(), help, program));
+        warn(message, when, expr.span(), help);
     }
     found
-}
-
-fn warning(
-    what: String,
-    condition: &Condition,
-    span: Span,
-    help: &str,
-    program: &Program,
-) -> Diagnostic {
-    let message = match reason(condition, program) {
-        Some(reason) => format!("{what}: {reason}"),
-        None => what,
-    };
-    Diagnostic::new(Code::CertainCondition, span, message).help(help)
 }
 
 /// Says why the first part of a condition that is certain by itself is so: "`step` is 1 to 2".
@@ -104,79 +79,12 @@ fn reason(condition: &Condition, program: &Program) -> Option<String> {
             of.iter().find_map(|part| reason(part, program))
         }
         Condition::Not { of } => reason(of, program),
-        part if [true, false]
-            .iter()
-            .all(|holds| !is_impossible(&[(part, *holds)], program)) =>
-        {
-            None
-        }
-        Condition::Number { left, .. } => {
-            let [least, most] = ends(left, program)?;
-            Some(if least == most {
-                format!("`{left}` is always {least}")
-            } else {
-                format!("`{left}` is {least} to {most}")
-            })
-        }
-        Condition::Lengths { left, right, .. } => {
-            let measure = [left, right].into_iter().find_map(|side| match side {
-                Length::OfPoints(measure) => Some(measure),
-                Length::Constant { .. } | Length::Field { .. } => None,
-            })?;
-            let px = written(to_itself(measure)?.sqrt(), 1);
-            Some(format!("`{measure}` is always {px}px"))
-        }
-        Condition::Angle { a, b, .. } => {
-            Some(format!("the angle between `{a}` and `{b}` is always 0deg"))
-        }
+        part if decide(part, program).is_none() => None,
+        Condition::Number { left, .. } => Some(match ends(left, program)? {
+            [least, most] if least == most => format!("`{left}` is always {least}"),
+            [least, most] => format!("`{left}` is {least} to {most}"),
+        }),
         _ => None,
-    }
-}
-
-// ---- cases ---------------------------------------------------------------------------------------
-
-/// What some numbers are.
-type Case<'p> = Vec<(&'p Number, f64)>;
-
-/// Returns whether conditions can never hold, or fail, together as assumed: no step and no counts allow it.
-fn is_impossible(assumed: &[Assumed<'_>], program: &Program) -> bool {
-    let mut numbers = Vec::new();
-    for (condition, _) in assumed {
-        add_numbers(condition, &mut numbers);
-    }
-    let mut cases: Vec<Case<'_>> = vec![Vec::new()];
-    for number in numbers {
-        let Some([least, most]) = ends(number, program) else {
-            continue;
-        };
-        if cases.len().saturating_mul((most - least) as usize) > MAX_CASES {
-            return false;
-        }
-        cases = (least..=most)
-            .map(|value| (number, f64::from(value)))
-            .flat_map(|value| cases.iter().map(move |case| [&case[..], &[value]].concat()))
-            .collect();
-    }
-    let may_be = |case: &Case<'_>| {
-        assumed
-            .iter()
-            .all(|(condition, holds)| decide(condition, case) != Some(!holds))
-    };
-    !cases.iter().any(may_be)
-}
-
-/// Collects the numbers that decide a condition.
-fn add_numbers<'p>(condition: &'p Condition, numbers: &mut Vec<&'p Number>) {
-    match condition {
-        Condition::All { of } | Condition::Any { of } => {
-            of.iter().for_each(|part| add_numbers(part, numbers));
-        }
-        Condition::Not { of } => add_numbers(of, numbers),
-        Condition::Number { left: number, .. } if !numbers.contains(&number) => {
-            numbers.push(number);
-        }
-        Condition::Last if !numbers.contains(&&Number::Step) => numbers.push(&Number::Step),
-        _ => {}
     }
 }
 
@@ -193,21 +101,20 @@ fn ends(number: &Number, program: &Program) -> Option<[u32; 2]> {
     }
 }
 
-/// Returns whether a condition holds in a case; `None` if that depends on the scene or the answer.
-fn decide(condition: &Condition, case: &Case<'_>) -> Option<bool> {
-    let value = |number: &Number| {
-        case.iter()
-            .find(|(it, _)| *it == number)
-            .map(|(_, value)| *value)
-    };
+/// Returns whether a condition holds in every step and for every count; `None` if that depends on the scene or the answer.
+fn decide(condition: &Condition, program: &Program) -> Option<bool> {
     match condition {
-        Condition::All { of } => all(of.iter().map(|part| decide(part, case))),
+        Condition::All { of } => all(of.iter().map(|part| decide(part, program))),
         Condition::Any { of } => {
-            let fails = of.iter().map(|part| decide(part, case).map(|it| !it));
+            let fails = of.iter().map(|part| decide(part, program).map(|it| !it));
             all(fails).map(|it| !it)
         }
-        Condition::Not { of } => decide(of, case).map(|it| !it),
-        Condition::Number { left, is, limit } => Some(is.holds(value(left)?, *limit)),
+        Condition::Not { of } => decide(of, program).map(|it| !it),
+        Condition::Number { left, is, limit } => {
+            // What holds for both ends holds between them.
+            let [least, most] = ends(left, program)?.map(|it| is.holds(f64::from(it), *limit));
+            (least == most).then_some(least)
+        }
         Condition::Lengths { left, is, right } => Some(is.holds(square(left)?, square(right)?)),
         Condition::Angle {
             a,
@@ -217,38 +124,32 @@ fn decide(condition: &Condition, case: &Case<'_>) -> Option<bool> {
             ..
         } => (a == b).then(|| is.holds(0.0, *limit_deg)),
         // The first step has no action before it.
-        Condition::Last => (value(&Number::Step)? == 1.0).then_some(false),
+        Condition::Last => (program.horizon == 1).then_some(false),
         Condition::Within { .. } | Condition::Word { .. } | Condition::Unreachable => None,
     }
 }
 
 /// Returns whether every part holds.
 fn all(parts: impl Iterator<Item = Option<bool>>) -> Option<bool> {
-    let mut all = Some(true);
-    for part in parts {
-        match part {
-            Some(true) => {}
-            Some(false) => return Some(false),
-            None => all = None,
-        }
+    let parts: Vec<Option<bool>> = parts.collect();
+    if parts.contains(&Some(false)) {
+        return Some(false);
     }
-    all
+    parts.iter().all(Option::is_some).then_some(true)
 }
 
 /// Returns the square of a length that is the same in every scene: a constant, or how far a point is from itself.
 fn square(length: &Length) -> Option<f64> {
     match length {
         Length::Constant { value } => Some(value * value),
-        Length::OfPoints(measure) => to_itself(measure),
+        Length::OfPoints(measure) => {
+            let [a, b] = measure.points() else {
+                return None;
+            };
+            let points = [[0.0, 0.0], [7.0, 5.0]];
+            let [here, there] = points.map(|point| measure.square(&[point, point]));
+            (a == b && here == there).then_some(here)
+        }
         Length::Field { .. } => None,
     }
-}
-
-/// Returns the square of what a measure is between a point and itself, if it is the same for every point.
-fn to_itself(measure: &PointMeasure) -> Option<f64> {
-    let [a, b] = measure.points() else {
-        return None;
-    };
-    let [here, there] = [[0.0, 0.0], [7.0, 5.0]].map(|point| measure.square(&[point, point]));
-    (a == b && here == there).then_some(here)
 }

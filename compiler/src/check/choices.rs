@@ -3,16 +3,14 @@
 //! In: the fields of a program. The rules follow how answers are read; `tests/suite/action_spaces.rs` shows that an
 //! action space which keeps them is read as it is written.
 
-use crate::diag::{Code, Diagnostic, Report, Reported};
+use super::context::Result;
+use crate::diag::{Code, Diagnostic, Report};
 use crate::merge::Merged;
 use fab_grammar::ast::Name;
 use fab_program::exact::{normalised_deg, written};
 use fab_program::space::{self, DECIMALS};
 use fab_program::{ActionField, Value};
 use std::collections::BTreeMap;
-
-/// The longest word, bytes.
-const MAX_WORD_BYTES: usize = 100;
 
 /// Characters that have another meaning in an answer: quotes, brackets, Markdown, the signs between statements.
 const RESERVED: &str = "|\"'“”`*$\\~,;:!?()[]{}<>=#";
@@ -22,7 +20,7 @@ pub(super) fn check(
     fields: &[ActionField],
     merged: &Merged<'_>,
     report: &mut Report,
-) -> Result<(), Reported> {
+) -> Result<()> {
     let names = merged.actions().into_iter().flat_map(|part| part.fields());
     let names: Vec<Name<'_>> = names.map(|part| part.name()).collect();
     let mut all = Ok(());
@@ -87,11 +85,8 @@ fn wrong_choices(field: &ActionField, fields: &[ActionField]) -> Vec<String> {
             _ => plain(&text),
         };
         if let Some(first) = seen.insert(read, text.clone()) {
-            wrong.push(format!(
-                "`{}` and `{}` cannot be told apart",
-                short(&first),
-                short(&text)
-            ));
+            let [first, text] = [first, text].map(|text| short(&text));
+            wrong.push(format!("`{first}` and `{text}` cannot be told apart"));
         }
     }
     wrong
@@ -105,11 +100,7 @@ fn rounded_turn(deg: f64) -> f64 {
 fn wrong_word(word: &str, fields: &[ActionField]) -> Option<&'static str> {
     let is_edge = |letter: Option<char>| letter.is_some_and(char::is_alphanumeric);
     let is_blank = |letter: char| letter.is_control() || (letter.is_whitespace() && letter != ' ');
-    if word.len() > MAX_WORD_BYTES {
-        Some("is longer than 100 bytes")
-    } else if word.contains(is_blank) {
-        Some("has a line break or another blank that is no space")
-    } else if word.contains(|letter| RESERVED.contains(letter)) {
+    if word.contains(|letter| RESERVED.contains(letter) || is_blank(letter)) {
         Some("has a character that means something else in an answer")
     } else if !word.contains(char::is_alphabetic) {
         Some("has no letter")

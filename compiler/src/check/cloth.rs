@@ -1,49 +1,34 @@
 //! `cloth grid(55, 44, material: towel)`: how large the cloth is, how it lies, and what it is made of.
 
-use super::context::Context;
-use super::expressions::{Scope, call, material_name, without_edge};
+use super::context::{Context, Result};
+use super::expressions::{made, without_edge};
 use super::material;
-use crate::diag::{Code, Diagnostic, Reported};
+use crate::diag::Code;
 use crate::lang::calls::{CLOTHS, SPACING};
 use fab_grammar::Span;
 use fab_grammar::ast::Statement;
 use fab_program::exact::written;
-use fab_program::vocabulary::Kind;
 use fab_program::{Cloth, PARTICLES_A_SIDE, RECORDED_SPACING_M};
 
 /// Reads the cloth's size and how it lies at the start.
-pub(crate) fn check<'a>(
-    statement: Statement<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<Cloth, Reported> {
-    let signatures = CLOTHS.iter().map(|row| &row.signature);
-    let written = statement.value();
-    let (row, args, bound) = call("cloth", written, signatures, Scope::Everywhere, context)?;
+pub(crate) fn check(statement: Statement<'_>, context: &mut Context<'_>) -> Result<Cloth> {
+    let (mut cloth, args, bound) = made("cloth", statement.value(), CLOTHS, context)?;
     let message = "a length of the cloth cannot be given in `edge`, the cloth's own side";
     without_edge(&args, &bound, message, context)?;
-    let mut cloth = (CLOTHS[row].make)(&args);
-    if let Some((_, expr)) = bound
-        .iter()
-        .find(|(arg, _)| matches!(arg.kind, Kind::Material))
-    {
-        cloth.material = material::named(material_name(*expr, context)?, context)?;
+    if let Some((_, material)) = material::of_call(&bound, context)? {
+        cloth.material = material;
     }
     let spacing = bound.iter().find(|(arg, _)| arg.name == SPACING.name);
     if let Some((_, expr)) = spacing {
         check_spacing(&cloth, expr.span(), context)?;
     }
     if let Some(material) = &cloth.material
-        && let Some(why) = context
-            .loaded
-            .loader
-            .refuses_cloth(material, cloth.spacing_m)
+        && let Some(why) = context.loaded.loader.refuses_cloth(material, cloth.spacing_m)
     {
         let message = format!("the cloth cannot be laid in the simulator: {why}");
         let at = statement.value().span();
-        let diagnostic = Diagnostic::new(Code::ClothTooStiff, at, message);
-        context.remark(
-            diagnostic.help("state a larger `spacing`; a run on a real arm is not affected"),
-        );
+        let help = "state a larger `spacing`; a run on a real arm is not affected";
+        context.warn(Code::ClothTooStiff, at, message, help);
     }
     if let Some(grid) = context.grid {
         return replaced(cloth, grid, statement, context);
@@ -52,13 +37,12 @@ pub(crate) fn check<'a>(
 }
 
 /// Reports a spacing that the cloth cannot have: the recorded one has its own, and a side can have too many particles.
-fn check_spacing(cloth: &Cloth, at: Span, context: &mut Context<'_, '_>) -> Result<(), Reported> {
+fn check_spacing(cloth: &Cloth, at: Span, context: &mut Context<'_>) -> Result<()> {
     if cloth.material.is_none() && cloth.spacing_m != RECORDED_SPACING_M {
         let message = "the recorded cloth has a spacing of `6.25mm`";
         let help =
             "its springs were fitted at that spacing; leave `spacing` out, or state a `material`";
-        let diagnostic = Diagnostic::new(Code::OutOfRange, at, message);
-        return Err(context.error(diagnostic.help(help)));
+        return Err(context.refuse(Code::OutOfRange, at, message, help));
     }
     let [_, most] = PARTICLES_A_SIDE;
     let longer = cloth.dimx.max(cloth.dimy);
@@ -71,8 +55,7 @@ fn check_spacing(cloth: &Cloth, at: Span, context: &mut Context<'_, '_>) -> Resu
             written(least_mm, 1),
             written(mm(cloth.spacing_m * f64::from(most - 1)), 3),
         );
-        let diagnostic = Diagnostic::new(Code::OutOfRange, at, message);
-        return Err(context.error(diagnostic.help(help)));
+        return Err(context.refuse(Code::OutOfRange, at, message, help));
     }
     Ok(())
 }
@@ -82,8 +65,8 @@ fn replaced(
     declared: Cloth,
     [dimx, dimy]: [u32; 2],
     statement: Statement<'_>,
-    context: &mut Context<'_, '_>,
-) -> Result<Cloth, Reported> {
+    context: &mut Context<'_>,
+) -> Result<Cloth> {
     let [least, most] = PARTICLES_A_SIDE;
     if [dimx, dimy].iter().all(|dim| (least..=most).contains(dim)) {
         return Ok(Cloth {
@@ -93,9 +76,8 @@ fn replaced(
         });
     }
     let message = format!("the start's cloth has {dimx} by {dimy} particles");
-    let diagnostic = Diagnostic::new(Code::OutOfRange, statement.value().span(), message);
     let help = format!("a side has {least} to {most} particles");
-    Err(context.error(diagnostic.help(help)))
+    Err(context.refuse(Code::OutOfRange, statement.value().span(), message, help))
 }
 
 fn mm(metres: f64) -> f64 {

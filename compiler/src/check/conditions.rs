@@ -1,13 +1,11 @@
 //! Conditions: comparisons, `POINT within N of MASK`, `last`, joined by `and`, `or`, `not`.
 
-use super::context::Context;
-use super::expressions::{AsPercent, FramedLength, Operand, Scope, keypoint, operand, point};
+use super::context::{Context, Declared, Result};
+use super::expressions::{FramedLength, Operand, keypoint, operand, point};
 use super::names::Meaning;
-use super::quantity::{beyond, no_unit, not_whole, read};
+use super::quantity::{beyond, no_unit, read};
 use crate::diag::{Code, Diagnostic, Reported, among, every, nearest};
-use crate::lang::conditions::{
-    ANGLE_BETWEEN, MARGIN, SIGNS, Sign, SignRow, WORDS, sign as meaning,
-};
+use crate::lang::conditions::{ANGLE_BETWEEN, MARGIN, SIGNS, Sign, WORDS, sign as meaning};
 use fab_grammar::ast::{Compare, Expr, Name, Within};
 use fab_program::exact::cos_deg;
 use fab_program::measures::{COLUMN, QUADRANTS, ROW};
@@ -20,10 +18,7 @@ const FORMS: &str =
     "write, for example, `distance(pick, place) > 10px` or `pick within 8px of cloth`";
 
 /// Builds a condition.
-pub(crate) fn check<'a>(
-    expr: Expr<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<Condition, Reported> {
+pub(crate) fn check(expr: Expr<'_>, context: &mut Context<'_>) -> Result<Condition> {
     match expr {
         Expr::All(all) => Ok(Condition::All {
             of: every(all.parts().map(|part| check(part, context)))?,
@@ -36,33 +31,19 @@ pub(crate) fn check<'a>(
         }),
         Expr::Compare(compare) => self::compare(compare, context),
         Expr::Within(within) => self::within(within, context),
-        _ => word(expr, context).ok_or_else(|| {
+        _ => word(expr, context)?.ok_or_else(|| {
             let diagnostic = context.unexpected(Code::WrongExpression, expr, "a condition");
-            let conditions = WORDS.iter().filter(|row| row.condition.is_some());
-            let meant = match expr {
-                Expr::Name(name) => nearest(name.text(), conditions.map(|row| row.name)),
-                _ => None,
-            };
-            context.error(match meant {
-                Some(meant) => diagnostic.meant(expr.span(), meant),
-                None => diagnostic.help(FORMS),
-            })
+            context.error(diagnostic.help(FORMS))
         }),
     }
 }
 
-fn within<'a>(within: Within<'a>, context: &mut Context<'a, '_>) -> Result<Condition, Reported> {
+fn within(within: Within<'_>, context: &mut Context<'_>) -> Result<Condition> {
     let margin_px = within
         .margin()
         .map_or(Ok(0.0), |margin| read(margin, &MARGIN, context));
     let point = point(within.point(), context);
-    let shapes = [KeypointShape::Mask, KeypointShape::Box];
-    if let Expr::Name(name) = within.region()
-        && context.names.get(name.text()) == Some(Meaning::Keypoint(Some(KeypointShape::Point)))
-    {
-        return Err(near_a_point(within, name, context));
-    }
-    let region = keypoint(within.region(), &shapes, Scope::Everywhere, context);
+    let region = region(within, context);
     Ok(Condition::Within {
         point: point?,
         region: region?,
@@ -70,70 +51,35 @@ fn within<'a>(within: Within<'a>, context: &mut Context<'a, '_>) -> Result<Condi
     })
 }
 
-/// Reports a point in place of a region, with the distance that is meant.
-fn near_a_point(within: Within<'_>, name: Name<'_>, context: &mut Context<'_, '_>) -> Reported {
-    let message = format!("expected a mask or a box, found `{}`", name.text());
-    let diagnostic = Diagnostic::new(Code::WrongKindOfName, name.span(), message);
-    let point = context.written(within.point().span());
+/// Returns the name of a mask or a box; for a point, reports the distance that is meant.
+fn region(within: Within<'_>, context: &mut Context<'_>) -> Result<String> {
+    let shapes = [KeypointShape::Mask, KeypointShape::Box];
+    let written = context.loaded.written(within.region().span());
+    let Some(Meaning::Keypoint(Some(KeypointShape::Point), _)) = context.names.get(written)? else {
+        return keypoint(within.region(), &shapes, context);
+    };
+    let [point, name] = [within.point(), within.region()].map(|it| context.written(it.span()));
     let margin = within.margin().map(|margin| context.written(margin.span()));
     let margin = margin.unwrap_or_else(|| "10px".to_owned());
-    context.error(diagnostic.label("this is a point").help(format!(
-        "write `distance({point}, {}) <= {margin}`",
-        name.text()
-    )))
+    let message = format!("expected a mask or a box, found `{name}`");
+    let diagnostic = Diagnostic::new(Code::WrongKindOfName, within.region().span(), message)
+        .label("this is a point")
+        .help(format!("write `distance({point}, {name}) <= {margin}`"));
+    Err(context.error(diagnostic))
 }
 
 /// Returns the condition that a single word states; `None` if it states none, or if the task declares that name.
-fn word(expr: Expr<'_>, context: &Context<'_, '_>) -> Option<Condition> {
+fn word(expr: Expr<'_>, context: &Context<'_>) -> Declared<Condition> {
     let Expr::Name(name) = expr else {
-        return None;
+        return Ok(None);
     };
+    let is_declared = context.names.get(name.text())?.is_some();
     let row = WORDS.iter().find(|row| row.name == name.text());
-    let row = row.filter(|row| context.names.get(row.name).is_none())?;
-    row.condition.map(|make| make())
+    let make = row.filter(|_| !is_declared).and_then(|row| row.condition);
+    Ok(make.map(|make| make()))
 }
 
 // ---- comparisons ---------------------------------------------------------------------------------
-
-fn compare<'a>(compare: Compare<'a>, context: &mut Context<'a, '_>) -> Result<Condition, Reported> {
-    let sign = compare.sign();
-    let left = operand(compare.left(), context);
-    if let (Ok(Operand::WordField(_) | Operand::Quadrant { .. }), Expr::Name(word)) =
-        (&left, compare.right())
-        && context.names.get(word.text()).is_none()
-    {
-        let (span, word) = (word.span(), word.text());
-        let left = context.written(compare.left().span());
-        let message = format!("`{left}` is compared with `{word}`, which is not a text in quotes");
-        let diagnostic = Diagnostic::new(Code::WrongExpression, span, message);
-        let quoted = format!("\"{word}\"");
-        return Err(context.error(
-            diagnostic
-                .help(format!("write `{quoted}`"))
-                .edit(span, quoted),
-        ));
-    }
-    let right = operand(compare.right(), context);
-    let left = Side {
-        expr: compare.left(),
-        value: left?,
-    };
-    let right = Side {
-        expr: compare.right(),
-        value: right?,
-    };
-    if let (Operand::Length(a), Operand::Length(b)) = (&left.value, &right.value) {
-        return lengths(compare, [a, b], context);
-    }
-    if let Some(compared) = fixed(&left, &right, sign, |is| is, context) {
-        return compared;
-    }
-    if let Some(compared) = fixed(&right, &left, sign, Comparison::reversed, context) {
-        return compared;
-    }
-    let diagnostic = unlike(compare, &left, &right, context);
-    Err(context.error(diagnostic))
-}
 
 /// One side of a comparison.
 struct Side<'a> {
@@ -141,113 +87,144 @@ struct Side<'a> {
     value: Operand,
 }
 
-/// Compares a value with a constant; `None` for any other pair.
-///
-/// - `turned`: mirrors the comparison if the constant is on the left.
-fn fixed<'a>(
-    value: &Side<'a>,
-    limit: &Side<'a>,
-    sign: Name<'a>,
-    turned: fn(Comparison) -> Comparison,
-    context: &mut Context<'a, '_>,
-) -> Option<Result<Condition, Reported>> {
-    Some(match (value.value.clone(), &limit.value) {
-        (Operand::Between { a, b, .. }, Operand::Angle { deg, .. }) => {
-            let (limit_deg, limit_cos) = (*deg, cos_deg(*deg));
-            let is = order(sign, "angles", context);
-            let accepted = ANGLE_BETWEEN
-                .contains(deg.to_radians())
-                .then_some(())
-                .ok_or_else(|| beyond(limit.expr, &ANGLE_BETWEEN, context));
-            accepted.and(is).map(|is| Condition::Angle {
-                a,
-                b,
-                is: turned(is),
-                limit_deg,
-                limit_cos,
-            })
-        }
-        (Operand::Counted { number, as_percent }, Operand::Number(written)) => {
-            let is_same = matches!(meaning(sign.text()), Some(Sign::Same | Sign::Different));
-            if is_same && number.is_whole() && written.fract() != 0.0 {
-                let help = "a count is a whole number: compare it with one, or use `<` or `>`";
-                return Some(Err(not_whole(limit.expr, help, context)));
-            }
-            let share = match as_percent {
-                AsPercent::Yes => written / 100.0,
-                AsPercent::No => *written,
-            };
-            counted(number, sign, share, turned, context)
-        }
-        (Operand::WordField(field), Operand::Word(word)) => {
-            words(field, word, limit.expr, sign, context)
-        }
-        (Operand::WordField(field), Operand::Quadrant { point, about }) => {
-            declared_quadrant(field, [point, about], limit.expr, sign, context)
-        }
-        (Operand::Quadrant { point, about }, Operand::Word(word)) => {
-            let name = context.written(value.expr.span());
-            let words = quadrants().map(|(word, _)| word);
-            let found = quadrants().find(|(known, _)| known == word);
-            let of = found
-                .map(|(_, sides)| in_quadrant(sides, [&point, &about]))
-                .ok_or_else(|| never(&name, word, limit.expr, words, context));
-            of.and_then(|of| same(Condition::All { of }, sign, context))
-        }
-        _ => return None,
+fn compare(compare: Compare<'_>, context: &mut Context<'_>) -> Result<Condition> {
+    let sign = sign(compare.sign(), context);
+    let left = operand(compare.left(), context);
+    if let (Ok(Operand::WordField(_) | Operand::Quadrant(_)), Expr::Name(word)) =
+        (&left, compare.right())
+        && context.names.get(word.text())?.is_none()
+    {
+        let (span, word) = (word.span(), word.text());
+        let left = context.written(compare.left().span());
+        let message = format!("`{left}` is compared with `{word}`, which is not a text in quotes");
+        let quoted = format!("\"{word}\"");
+        let diagnostic = Diagnostic::new(Code::WrongExpression, span, message)
+            .help(format!("write `{quoted}`"))
+            .edit(span, quoted);
+        return Err(context.error(diagnostic));
+    }
+    let right = operand(compare.right(), context);
+    let (sign, left, right) = (sign?, left?, right?);
+    if let (Operand::Length(left), Operand::Length(right)) = (&left, &right) {
+        return lengths(compare, [left, right], sign, context);
+    }
+    let [left, right] = [(compare.left(), left), (compare.right(), right)];
+    let [left, right] = [left, right].map(|(expr, value)| Side { expr, value });
+    let fixed = if left.value.is_constant() {
+        let turned = match sign {
+            Sign::Order(is) => Sign::Order(is.reversed()),
+            other => other,
+        };
+        fixed(compare, &right, &left, turned, context)?
+    } else {
+        fixed(compare, &left, &right, sign, context)?
+    };
+    fixed.ok_or_else(|| {
+        let diagnostic = unlike(compare, &left, &right, context);
+        context.error(diagnostic)
     })
 }
 
-fn lengths<'a>(
-    compare: Compare<'a>,
+/// Returns the meaning of a sign; reports one that people write for another, such as `≤` for `<=`.
+pub(super) fn sign(sign: Name<'_>, context: &mut Context<'_>) -> Result<Sign> {
+    let written = sign.text();
+    if let Some(row) = SIGNS.iter().find(|row| row.misspelling == Some(written)) {
+        let message = format!("`{written}` is written `{}` here", row.name);
+        let diagnostic = Diagnostic::new(Code::WrongExpression, sign.span(), message)
+            .help(format!("write `{}`", row.name))
+            .edit(sign.span(), row.name);
+        return Err(context.error(diagnostic));
+    }
+    Ok(meaning(written).expect("every sign that is read has a row"))
+}
+
+/// Compares a value with a constant, or a field with what a point measures; `None` for any other pair.
+fn fixed(
+    compare: Compare<'_>,
+    value: &Side<'_>,
+    limit: &Side<'_>,
+    sign: Sign,
+    context: &mut Context<'_>,
+) -> Declared<Condition> {
+    Ok(Some(match (&value.value, &limit.value) {
+        (Operand::Between([a, b], _), Operand::Angle(deg, _)) => {
+            let is = order(compare, sign, "angles", context);
+            if !ANGLE_BETWEEN.contains(deg.to_radians()) {
+                return Err(beyond(limit.expr, &ANGLE_BETWEEN, context));
+            }
+            Condition::Angle {
+                a: a.clone(),
+                b: b.clone(),
+                is: is?,
+                limit_deg: *deg,
+                limit_cos: cos_deg(*deg),
+            }
+        }
+        (Operand::Counted(number, written), Operand::Number(limit)) => {
+            counted(compare, number, sign, limit / written.factor, context)?
+        }
+        (Operand::WordField(_) | Operand::Quadrant(_), Operand::Word(word)) => {
+            let mut words = words(&value.value, context)?;
+            let Some(at) = words.iter().position(|(known, _)| known == word) else {
+                return Err(never(value, limit, word, &words, context));
+            };
+            same(compare, together(words.swap_remove(at).1), sign, context)?
+        }
+        (Operand::WordField(_), Operand::Quadrant(_)) => {
+            quadrant(compare, value, limit, sign, context)?
+        }
+        (Operand::Quadrant(_), Operand::WordField(_)) => {
+            quadrant(compare, limit, value, sign, context)?
+        }
+        _ => return Ok(None),
+    }))
+}
+
+fn lengths(
+    compare: Compare<'_>,
     [left, right]: [&FramedLength; 2],
-    context: &mut Context<'a, '_>,
-) -> Result<Condition, Reported> {
-    let is = order(compare.sign(), "lengths", context);
+    sign: Sign,
+    context: &mut Context<'_>,
+) -> Result<Condition> {
+    let is = order(compare, sign, "lengths", context);
     let [left_in, right_in] = [left, right].map(|length| length.unit.dimension);
     if left_in != right_in {
         let (left_noun, right_noun) = (left_in.noun(), right_in.noun());
         let message = format!("{left_noun} is compared with {right_noun}");
+        let help = if [left_in, right_in].contains(&Dimension::Speed) {
+            "compare a speed with a speed such as `200mm/s`".to_owned()
+        } else {
+            let [a, b] = [compare.left(), compare.right()].map(|side| {
+                let value = match side {
+                    Expr::Converted(converted) => converted.value(),
+                    _ => side,
+                };
+                context.written(value.span())
+            });
+            let [left, right] = [left, right].map(|length| length.unit.name);
+            format!("write `{b} in {left}`, or `{a} in {right}`")
+        };
         let diagnostic = Diagnostic::new(Code::MixedFrames, compare.right().span(), message)
             .label(right_noun)
-            .also(compare.left().span(), left_noun);
-        if [left_in, right_in].contains(&Dimension::Speed) {
-            let help = "compare a speed with a speed such as `200mm/s`";
-            return Err(context.error(diagnostic.help(help)));
-        }
-        let [a, b] = [compare.left(), compare.right()].map(|side| {
-            let value = match side {
-                Expr::Converted(converted) => converted.value(),
-                _ => side,
-            };
-            context.written(value.span())
-        });
-        let help = format!(
-            "write `{b} in {}`, or `{a} in {}`",
-            left.unit.name, right.unit.name
-        );
-        return Err(context.error(diagnostic.help(help)));
+            .also(compare.left().span(), left_noun)
+            .help(help);
+        return Err(context.error(diagnostic));
     }
     // In the picture if one is measured in it.
-    let is_picture = [left, right]
-        .iter()
-        .any(|it| it.native == Dimension::Pixels);
-    let frame = if is_picture {
+    let natives = [left, right].map(|length| length.native);
+    let frame = if natives.contains(&Dimension::Pixels) {
         Dimension::Pixels
     } else {
         left_in
     };
-    let (left, right) = (
-        left.in_frame(frame, context)?,
-        right.in_frame(frame, context)?,
-    );
+    let left = left.in_frame(frame, context)?;
+    let right = right.in_frame(frame, context)?;
     if let (Length::Constant { .. }, Length::Constant { .. }) = (&left, &right) {
         let span = compare.span();
         let message = format!("`{}` compares two constants", context.written(span));
-        let diagnostic = Diagnostic::new(Code::WrongExpression, span, message);
         let help =
             "one side must depend on the action or the scene, such as `distance(pick, place)`";
-        return Err(context.error(diagnostic.help(help)));
+        return Err(context.refuse(Code::WrongExpression, span, message, help));
     }
     Ok(Condition::Lengths {
         left,
@@ -258,202 +235,181 @@ fn lengths<'a>(
 
 /// Compares a number. Only whole numbers can be tested for equality.
 fn counted(
-    number: Number,
-    sign: Name<'_>,
+    compare: Compare<'_>,
+    number: &Number,
+    sign: Sign,
     limit: f64,
-    turned: fn(Comparison) -> Comparison,
-    context: &mut Context<'_, '_>,
-) -> Result<Condition, Reported> {
-    let is_whole = number.is_whole();
+    context: &mut Context<'_>,
+) -> Result<Condition> {
     let compared = |is| Condition::Number {
         left: number.clone(),
         is,
         limit,
     };
-    let same = || Condition::All {
-        of: [Comparison::AtLeast, Comparison::AtMost]
-            .map(compared)
-            .into(),
-    };
-    match meaning(sign.text()) {
-        Some(Sign::Same) if is_whole => Ok(same()),
-        Some(Sign::Different) if is_whole => Ok(Condition::Not {
-            of: Box::new(same()),
-        }),
-        _ => Ok(compared(turned(order(sign, "numbers", context)?))),
+    if number.is_whole() && !matches!(sign, Sign::Order(_)) {
+        let of = [Comparison::AtLeast, Comparison::AtMost].map(compared);
+        return same(compare, Condition::All { of: of.into() }, sign, context);
     }
+    order(compare, sign, "numbers", context).map(compared)
 }
 
-fn words(
-    field: String,
-    word: &str,
-    written: Expr<'_>,
-    sign: Name<'_>,
-    context: &mut Context<'_, '_>,
-) -> Result<Condition, Reported> {
-    let choices = offered_words(&field, context)?;
-    if !choices.iter().any(|known| known == word) {
-        return Err(never(
-            &field,
-            word,
-            written,
-            choices.iter().map(String::as_str),
-            context,
-        ));
-    }
-    let is = word.to_owned();
-    same(Condition::Word { field, is }, sign, context)
-}
+// ---- words ---------------------------------------------------------------------------------------
 
-/// Reports a word that a value never is.
-fn never<'w>(
-    value: &str,
-    word: &str,
-    written: Expr<'_>,
-    words: impl Iterator<Item = &'w str> + Clone,
-    context: &mut Context<'_, '_>,
-) -> Reported {
-    let message = format!("`{value}` is never `{word}`");
-    let diagnostic = Diagnostic::new(Code::UnknownName, written.span(), message);
-    context.error(match nearest(word, words.clone()) {
-        Some(meant) => diagnostic.meant(written.span(), &format!("\"{meant}\"")),
-        None => diagnostic.help(format!("it is {}", among(words))),
-    })
-}
+/// The words that a value can be, each with the conditions under which it is that word.
+type Words = Vec<(String, Vec<Condition>)>;
 
-/// Compares a field with where a point lies: the field has one of its words, and the point lies there.
-///
-/// - `points`: the point, and the one that it is seen from.
-fn declared_quadrant(
-    field: String,
-    points: [&Point; 2],
-    quadrant: Expr<'_>,
-    sign: Name<'_>,
-    context: &mut Context<'_, '_>,
-) -> Result<Condition, Reported> {
-    let choices = offered_words(&field, context)?;
-    let words = quadrants().map(|(word, _)| word);
-    if let Some(other) = choices
-        .iter()
-        .find(|it| words.clone().all(|word| word != **it))
-    {
-        let written = context.written(quadrant.span());
-        let message = format!("`{field}` offers `{other}`, which `{written}` never is");
-        let diagnostic = Diagnostic::new(Code::WrongExpression, quadrant.span(), message);
-        let help = match nearest(other, words.clone()) {
-            Some(meant) => format!("offer `\"{meant}\"` in its place"),
-            None => format!("it is {}; offer no other word", among(words)),
-        };
-        return Err(context.error(diagnostic.help(help)));
-    }
-    let offered = quadrants().filter(|(word, _)| choices.iter().any(|it| it == word));
-    let of = offered.map(|(word, sides)| {
-        let (field, is) = (field.clone(), word.to_owned());
-        let mut of = vec![Condition::Word { field, is }];
-        of.extend(in_quadrant(sides, points));
-        Condition::All { of }
-    });
-    same(Condition::Any { of: of.collect() }, sign, context)
-}
-
-/// Returns the words that a field offers.
-fn offered_words(field: &str, context: &Context<'_, '_>) -> Result<Vec<String>, Reported> {
-    let field = context.actions.get(field)?;
-    Ok(match field.map(|field| &field.choices) {
-        Some(Choices::Words { choices }) => choices.clone(),
+/// Returns the words that a field offers, or those for where a point lies; none for other values.
+fn words(value: &Operand, context: &Context<'_>) -> Result<Words> {
+    Ok(match value {
+        Operand::WordField(field) => match context.actions.get(field)?.map(|it| &it.choices) {
+            Some(Choices::Words { choices }) => {
+                let is = |word: &String| Condition::Word {
+                    field: field.clone(),
+                    is: word.clone(),
+                };
+                choices
+                    .iter()
+                    .map(|word| (word.clone(), vec![is(word)]))
+                    .collect()
+            }
+            _ => Vec::new(),
+        },
+        Operand::Quadrant([point, about]) => {
+            let sides = [Comparison::Less, Comparison::AtLeast];
+            let rows = QUADRANTS.into_iter().zip(sides);
+            let all = rows.flat_map(|(words, row)| {
+                let columns = words.into_iter().zip(sides);
+                columns.map(move |(word, column)| (word.to_owned(), [column, row]))
+            });
+            let lies = |is| in_quadrant([point, about], is);
+            all.map(|(word, is)| (word, lies(is))).collect()
+        }
         _ => Vec::new(),
     })
 }
 
-/// Returns each word of a quadrant, and how a point's column and row compare there with those of the other point.
-fn quadrants() -> impl Iterator<Item = (&'static str, [Comparison; 2])> + Clone {
-    let sides = [Comparison::Less, Comparison::AtLeast];
-    let rows = QUADRANTS.into_iter().zip(sides);
-    rows.flat_map(move |(words, row)| {
-        let columns = words.into_iter().zip(sides);
-        columns.map(move |(word, column)| (word, [column, row]))
-    })
-}
-
-/// Returns the conditions under which the first point lies on these sides of the second.
-fn in_quadrant(sides: [Comparison; 2], points: [&Point; 2]) -> Vec<Condition> {
-    let [left, right] = points.map(|point| {
-        [COLUMN, ROW].map(|axis| {
+/// Returns the conditions that the first point's column and row compare so with those of the second.
+fn in_quadrant(points: [&Point; 2], is: [Comparison; 2]) -> Vec<Condition> {
+    let axes = [COLUMN, ROW].into_iter().zip(is);
+    let conditions = axes.map(|(axis, is)| {
+        let [left, right] = points.map(|point| {
             let measure = PointMeasure::new(axis.signature.name, vec![point.clone()]);
             Length::OfPoints(measure.expect("a column and a row measure one point"))
-        })
+        });
+        Condition::Lengths { left, is, right }
     });
-    let sides = left.into_iter().zip(right).zip(sides);
-    sides
-        .map(|((left, right), is)| Condition::Lengths { left, is, right })
-        .collect()
+    conditions.collect()
+}
+
+/// Returns the condition that all of these hold.
+fn together(mut of: Vec<Condition>) -> Condition {
+    if of.len() == 1 {
+        of.remove(0)
+    } else {
+        Condition::All { of }
+    }
+}
+
+/// Compares a field with where a point lies: the field has one of its words, and the point lies there.
+fn quadrant(
+    compare: Compare<'_>,
+    field: &Side<'_>,
+    quadrant: &Side<'_>,
+    sign: Sign,
+    context: &mut Context<'_>,
+) -> Result<Condition> {
+    let offered = words(&field.value, context)?;
+    let lies = words(&quadrant.value, context)?;
+    let names = || lies.iter().map(|(word, _)| word.as_str());
+    if let Some((other, _)) = offered
+        .iter()
+        .find(|(word, _)| names().all(|it| it != word))
+    {
+        let [field, where_it_lies] =
+            [field, quadrant].map(|side| context.written(side.expr.span()));
+        let message = format!("`{field}` offers `{other}`, which `{where_it_lies}` never is");
+        let help = match nearest(other, names()) {
+            Some(meant) => format!("offer `\"{meant}\"` in its place"),
+            None => format!("it is {}; offer no other word", among(names())),
+        };
+        let span = quadrant.expr.span();
+        return Err(context.refuse(Code::WrongExpression, span, message, help));
+    }
+    let of = lies.into_iter().filter_map(|(word, lies)| {
+        let (_, is) = offered.iter().find(|(offered, _)| *offered == word)?;
+        Some(together([is.clone(), lies].concat()))
+    });
+    same(compare, Condition::Any { of: of.collect() }, sign, context)
+}
+
+/// Reports a word that a value never is.
+fn never(
+    value: &Side<'_>,
+    limit: &Side<'_>,
+    word: &str,
+    words: &Words,
+    context: &mut Context<'_>,
+) -> Reported {
+    let span = limit.expr.span();
+    let value = context.written(value.expr.span());
+    let message = format!("`{value}` is never `{word}`");
+    let diagnostic = Diagnostic::new(Code::UnknownName, span, message);
+    let names = || words.iter().map(|(word, _)| word.as_str());
+    context.error(match nearest(word, names()) {
+        Some(meant) => diagnostic.meant(span, &format!("\"{meant}\"")),
+        None => diagnostic.help(format!("it is {}", among(names()))),
+    })
 }
 
 /// Returns whether a condition holds, or with `!=` that it does not; other signs do not compare words.
 fn same(
+    compare: Compare<'_>,
     holds: Condition,
-    sign: Name<'_>,
-    context: &mut Context<'_, '_>,
-) -> Result<Condition, Reported> {
-    match meaning(sign.text()) {
-        Some(Sign::Same) => Ok(holds),
-        Some(Sign::Different) => Ok(Condition::Not {
+    sign: Sign,
+    context: &mut Context<'_>,
+) -> Result<Condition> {
+    match sign {
+        Sign::Same => Ok(holds),
+        Sign::Different => Ok(Condition::Not {
             of: Box::new(holds),
         }),
-        _ => {
-            let message = format!("words cannot be compared with `{}`", sign.text());
-            let diagnostic = Diagnostic::new(Code::WrongExpression, sign.span(), message);
-            Err(context.error(diagnostic.help("write `==` or `!=`")))
-        }
+        Sign::Order(_) => Err(unfit(compare, "words", "write `==` or `!=`", context)),
     }
 }
 
 /// Returns which of two values is the larger.
 fn order(
-    sign: Name<'_>,
+    compare: Compare<'_>,
+    sign: Sign,
     what: &str,
-    context: &mut Context<'_, '_>,
-) -> Result<Comparison, Reported> {
-    if let Some(Sign::Order(is)) = meaning(sign.text()) {
-        return Ok(is);
-    }
-    let misspelt = |row: &&SignRow| row.misspelling == Some(sign.text());
-    if let Some(row) = SIGNS.iter().find(misspelt) {
-        return Err(context.error(not_a_sign(sign, row.name)));
-    }
-    let message = format!("{what} cannot be compared with `{}`", sign.text());
-    let diagnostic = Diagnostic::new(Code::WrongExpression, sign.span(), message);
-    let orders = SIGNS
-        .iter()
-        .filter(|row| matches!(row.means, Sign::Order(_)));
-    let orders = among(orders.map(|row| row.name));
-    let help = format!("measured values are hardly ever equal; write {orders}");
-    Err(context.error(diagnostic.help(help)))
+    context: &mut Context<'_>,
+) -> Result<Comparison> {
+    let Sign::Order(is) = sign else {
+        let help = "measured values are hardly ever equal; write `<`, `<=`, `>` or `>=`";
+        return Err(unfit(compare, what, help, context));
+    };
+    Ok(is)
 }
 
-/// Reports a sign that people write for another one, such as `≤` for `<=`.
-pub(super) fn not_a_sign(sign: Name<'_>, right: &str) -> Diagnostic {
-    let message = format!("`{}` is written `{right}` here", sign.text());
-    Diagnostic::new(Code::WrongExpression, sign.span(), message)
-        .help(format!("write `{right}`"))
-        .edit(sign.span(), right)
+fn unfit(compare: Compare<'_>, what: &str, help: &str, context: &mut Context<'_>) -> Reported {
+    let sign = compare.sign();
+    let message = format!("{what} cannot be compared with `{}`", sign.text());
+    context.refuse(Code::WrongExpression, sign.span(), message, help)
 }
+
+// ---- values that cannot be compared --------------------------------------------------------------
 
 /// Reports why two values cannot be compared.
 fn unlike(
     compare: Compare<'_>,
     left: &Side<'_>,
     right: &Side<'_>,
-    context: &Context<'_, '_>,
+    context: &Context<'_>,
 ) -> Diagnostic {
-    match (&left.value, &right.value) {
-        (measured, Operand::Number(_)) if let Some(unit) = measured.unit() => {
-            return without_unit(right, left, unit, context);
+    for (number, measured) in [(right, left), (left, right)] {
+        if let (Operand::Number(_), Some(unit)) = (&number.value, measured.value.unit()) {
+            return without_unit(number, measured, unit, context);
         }
-        (Operand::Number(_), measured) if let Some(unit) = measured.unit() => {
-            return without_unit(left, right, unit, context);
-        }
-        _ => {}
     }
     let [left_kind, right_kind] = [left, right].map(|side| side.value.noun());
     if left_kind != right_kind {
@@ -462,38 +418,33 @@ fn unlike(
             .label(format!("expected {left_kind}"))
             .also(left.expr.span(), format!("this is {left_kind}"));
         return match (&left.value, &right.value) {
-            (Operand::Heading, _) | (_, Operand::Heading) => {
+            (Operand::Heading(_), _) | (_, Operand::Heading(_)) => {
                 diagnostic.help("write `angle_between(direction, from center to pick) < 45deg`")
             }
             _ => diagnostic,
         };
     }
     let [a, b] = [left, right].map(|side| context.written(side.expr.span()));
-    let both = format!("`{a}` and `{b}`");
-    let sign = if compare.sign().text() == "!=" {
-        ">"
-    } else {
-        "<"
+    let sign = match compare.sign().text() {
+        "!=" => ">",
+        _ => "<",
     };
     let (why, help) = match &left.value {
         Operand::Point(_) => (
             "are points, which cannot be compared",
             format!("write, for example, `distance({a}, {b}) {sign} 10px`"),
         ),
-        Operand::Heading => (
+        Operand::Heading(_) => (
             "are directions, which cannot be compared",
             format!("write, for example, `angle_between({a}, {b}) {sign} 45deg`"),
         ),
-        left if left.is_constant() && right.value.is_constant() => {
-            ("are both constants", FORMS.to_owned())
-        }
+        left if left.is_constant() => ("are both constants", FORMS.to_owned()),
         _ => (
             "cannot be compared, because neither is a constant",
-            "one side must be a constant: a number, an angle such as `45deg`, or a word in quotes"
-                .to_owned(),
+            "write a number, an angle such as `45deg`, or a word in quotes on one side".to_owned(),
         ),
     };
-    let message = format!("{both} {why}");
+    let message = format!("`{a}` and `{b}` {why}");
     Diagnostic::new(Code::WrongExpression, compare.span(), message).help(help)
 }
 
@@ -502,16 +453,14 @@ fn without_unit(
     number: &Side<'_>,
     measured: &Side<'_>,
     unit: &Unit,
-    context: &Context<'_, '_>,
+    context: &Context<'_>,
 ) -> Diagnostic {
     let kind = measured.value.noun();
-    let diagnostic = no_unit(number.expr, kind, context);
-    let diagnostic = diagnostic.also(measured.expr.span(), format!("this is {kind}"));
-    match number.expr {
-        Expr::Quantity(_) => {
-            let written = context.written(number.expr.span());
-            diagnostic.help(format!("write `{written}{}`", unit.name))
-        }
-        _ => diagnostic,
-    }
+    let diagnostic =
+        no_unit(number.expr, kind, context).also(measured.expr.span(), format!("this is {kind}"));
+    let Expr::Quantity(_) = number.expr else {
+        return diagnostic;
+    };
+    let written = context.written(number.expr.span());
+    diagnostic.help(format!("write `{written}{}`", unit.name))
 }

@@ -2,40 +2,48 @@
 
 use super::names::Names;
 use super::variables::Variables;
-use crate::diag::{Code, Diagnostic, Report, Reported};
+use crate::diag::{Code, Diagnostic, Report, Reported, among};
 use crate::load::Loaded;
 use fab_grammar::Span;
-use fab_grammar::ast::{Expr, Name, Quantity};
+use fab_grammar::ast::{Expr, Name};
 use fab_program::vocabulary::Word;
-use fab_program::{ActionField, Camera, Cloth, Layer, Material, Sequence};
+use fab_program::{ActionField, Camera, Cloth, Colour, Face, Layer, Material, Sequence};
 use std::collections::BTreeMap;
 
+/// A result of checks that fail only after an error was reported.
+pub(crate) type Result<T, E = Reported> = std::result::Result<T, E>;
+
 /// A part of a task: `Ok(None)` if it is not declared, `Err(Reported)` if its declaration is wrong.
-pub(crate) type Declared<T> = Result<Option<T>, Reported>;
+pub(crate) type Declared<T> = Result<Option<T>>;
+
+/// Checks a part of a task, if it is declared.
+pub(crate) fn declared<N, T>(part: Option<N>, check: impl FnOnce(N) -> Result<T>) -> Declared<T> {
+    part.map(check).transpose()
+}
 
 /// What files declare outside of tasks, checked once; each by the place of its declaration.
 #[derive(Default)]
 pub(crate) struct Outside {
-    pub experts: BTreeMap<Span, Result<Vec<Sequence>, Reported>>,
-    pub materials: BTreeMap<Span, Result<Material, Reported>>,
+    pub experts: BTreeMap<Span, Result<Vec<Sequence>>>,
+    pub materials: BTreeMap<Span, Result<Material>>,
 }
 
 /// The shared state of one task's checks.
-pub(crate) struct Context<'a, 'r> {
-    pub loaded: &'r Loaded<'a>,
-    pub outside: &'r Outside,
-    pub report: &'r mut Report,
+pub(crate) struct Context<'a> {
+    pub loaded: &'a Loaded<'a>,
+    pub outside: &'a Outside,
+    pub report: &'a mut Report,
     pub names: Names<'a>,
-    pub constants: BTreeMap<&'a str, Result<Quantity<'a>, Reported>>,
     /// Set, like `camera` and the fields below, when its section is checked. Later sections depend on it.
     pub cloth: Declared<Cloth>,
     /// The grid that replaces every declared one, if the caller gave one.
     pub grid: Option<[u32; 2]>,
     pub camera: Declared<Camera>,
-    /// The index of each keypoint, and the proof of an error if its declaration is wrong.
-    pub keypoints: BTreeMap<&'a str, (usize, Result<(), Reported>)>,
+    /// How many keypoints may be named: an extractor uses those above its own.
+    pub n_keypoints: usize,
     pub actions: Fields<'a>,
-    pub layers: BTreeMap<&'a str, Result<Layer, Reported>>,
+    /// In the order of their declarations.
+    pub layers: Vec<(&'a str, Result<Layer>)>,
     /// The layers that the texts of the current stage name.
     pub named_layers: Vec<(String, Span)>,
     /// The variables of the templates built so far.
@@ -44,9 +52,9 @@ pub(crate) struct Context<'a, 'r> {
 
 /// The declared fields of the action; errors in them were reported.
 pub(crate) struct Fields<'a> {
-    pub list: Vec<(&'a str, Result<ActionField, Reported>)>,
+    pub list: Vec<(&'a str, Result<ActionField>)>,
     /// Whether together they make a complete action.
-    pub complete: Result<(), Reported>,
+    pub complete: Result<()>,
 }
 
 impl Fields<'_> {
@@ -66,27 +74,26 @@ impl Fields<'_> {
     }
 }
 
-impl<'a, 'r> Context<'a, 'r> {
+impl<'a> Context<'a> {
     /// Makes the context in which nothing is declared yet.
     pub fn new(
-        loaded: &'r Loaded<'a>,
-        outside: &'r Outside,
-        report: &'r mut Report,
-    ) -> Context<'a, 'r> {
+        loaded: &'a Loaded<'a>,
+        outside: &'a Outside,
+        report: &'a mut Report,
+    ) -> Context<'a> {
         Context {
             report,
             outside,
-            names: Names::none(),
-            constants: BTreeMap::new(),
+            names: Names::default(),
             cloth: Ok(None),
             grid: None,
             camera: Ok(None),
-            keypoints: BTreeMap::new(),
+            n_keypoints: usize::MAX,
             actions: Fields {
                 list: Vec::new(),
                 complete: Ok(()),
             },
-            layers: BTreeMap::new(),
+            layers: Vec::new(),
             named_layers: Vec::new(),
             variables: Variables::default(),
             loaded,
@@ -96,18 +103,32 @@ impl<'a, 'r> Context<'a, 'r> {
     // ---- cloth and camera ------------------------------------------------------------------------
 
     /// Returns the cloth's longer side, metres; NaN in a base without a cloth, which never becomes a program.
-    pub fn edge_m(&self) -> Result<f64, Reported> {
+    pub fn edge_m(&self) -> Result<f64> {
         measure_of(&self.cloth, Cloth::edge_m)
     }
 
     /// Returns the flat cloth's area, square metres; NaN in a base without a cloth.
-    pub fn area_m2(&self) -> Result<f64, Reported> {
+    pub fn area_m2(&self) -> Result<f64> {
         measure_of(&self.cloth, Cloth::area_m2)
     }
 
     /// Returns the pixels per metre on the table; NaN in a base without a camera, which never becomes a program.
-    pub fn px_per_m(&self) -> Result<f64, Reported> {
+    pub fn px_per_m(&self) -> Result<f64> {
         measure_of(&self.camera, Camera::px_per_m)
+    }
+
+    /// Returns the colour of a face of the cloth; in a base without a cloth, that of the recorded one.
+    pub fn colour(&self, face: Face) -> Result<Colour> {
+        let cloth = self.cloth.as_ref().map_err(|reported| *reported)?;
+        let cloth = cloth.as_ref();
+        Ok(cloth.map_or_else(|| Colour::recorded(face), |it| it.colour(face)))
+    }
+
+    /// Returns the layer of this name, if there is one.
+    pub fn layer(&self, name: &str) -> Declared<&Layer> {
+        let layer = self.layers.iter().find(|(declared, _)| *declared == name);
+        let layer = layer.map(|(_, layer)| layer.as_ref());
+        layer.transpose().map_err(|reported| *reported)
     }
 
     /// Returns the text of a span, cut to a length that fits a message.
@@ -127,9 +148,20 @@ impl<'a, 'r> Context<'a, 'r> {
         self.report.error(diagnostic)
     }
 
-    /// Reports an error in one line.
+    /// Reports an error without advice.
     pub fn fault(&mut self, code: Code, span: Span, message: impl Into<String>) -> Reported {
         self.error(Diagnostic::new(code, span, message))
+    }
+
+    /// Reports an error with advice.
+    pub fn refuse(
+        &mut self,
+        code: Code,
+        span: Span,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Reported {
+        self.error(Diagnostic::new(code, span, message).help(help))
     }
 
     /// Adds a warning or a note.
@@ -137,8 +169,19 @@ impl<'a, 'r> Context<'a, 'r> {
         self.report.remark(diagnostic);
     }
 
+    /// Adds a warning or a note with advice.
+    pub fn warn(
+        &mut self,
+        code: Code,
+        span: Span,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        self.remark(Diagnostic::new(code, span, message).help(help));
+    }
+
     /// Keeps only those findings of a check that are within a place.
-    pub fn within(&mut self, place: Span, check: impl FnOnce(&mut Context<'a, '_>)) {
+    pub fn within(&mut self, place: Span, check: impl FnOnce(&mut Context<'a>)) {
         let before = std::mem::take(self.report);
         check(self);
         let found = std::mem::replace(self.report, before);
@@ -146,17 +189,71 @@ impl<'a, 'r> Context<'a, 'r> {
     }
 
     /// Makes the diagnostic for an expression that is not `expected`.
-    pub fn unexpected(&mut self, code: Code, expr: Expr<'_>, expected: &str) -> Diagnostic {
+    pub fn unexpected(&self, code: Code, expr: Expr<'_>, expected: &str) -> Diagnostic {
         let found = self.written(expr.span());
         let message = format!("expected {expected}, found `{found}`");
         let diagnostic = Diagnostic::new(code, expr.span(), message);
-        let inside = found
-            .strip_prefix('"')
-            .and_then(|text| text.strip_suffix('"'));
-        match inside.filter(|text| expected.contains(&format!("`{text}`"))) {
-            Some(word) => diagnostic.help(format!("write `{word}`, without quotes")),
-            None => diagnostic,
+        let word = found.trim_matches('"');
+        if word != found && expected.contains(&format!("`{word}`")) {
+            return diagnostic.help(format!("write `{word}`, without quotes"));
         }
+        diagnostic
+    }
+
+    /// Reports pictures for a model that takes none.
+    ///
+    /// - `what`: what shows them; `stage`: the stage that asks the model.
+    pub fn text_model(&mut self, span: Span, what: &str, stage: &str) -> Reported {
+        let message = format!("{what} shows a picture, but the stage `{stage}` asks a text model");
+        let help = format!("write `model vision` in that stage, or leave out {what}");
+        self.refuse(Code::PicturesForTextModel, span, message, help)
+    }
+
+    /// Reports a value that depends on the previous action if there may be none.
+    ///
+    /// - `guarded`: the beginning of the declaration that can have a condition.
+    pub fn needs_last(&mut self, span: Span, guarded: &str) -> Reported {
+        let message = format!("`{}` is not known in the first step", self.written(span));
+        let help = format!("write `{guarded} when last`");
+        self.refuse(Code::NeedsLast, span, message, help)
+    }
+
+    /// Reports a value that depends on the action before one is proposed.
+    pub fn needs_action(&mut self, span: Span) -> Reported {
+        let written = self.written(span);
+        let message = format!("`{written}` is known only when an action is proposed");
+        let help = "fields of the action can be used in checks and their messages";
+        self.refuse(Code::NotYetKnown, span, message, help)
+    }
+
+    /// Reports the lines that a block must have and does not, all in one error.
+    ///
+    /// - `lines`: the word of each, and whether it is there.
+    pub fn lacking(
+        &mut self,
+        code: Code,
+        (block, span): (&str, Span),
+        lines: &[(&str, bool)],
+        help: &str,
+    ) -> Reported {
+        let lacks = lines.iter().filter(|(_, is_there)| !is_there);
+        let message = format!("{block} has no {}", among(lacks.map(|(word, _)| *word)));
+        self.refuse(code, span, message, help)
+    }
+
+    /// Reports an expression that is not `expected`.
+    pub fn wrong(
+        &mut self,
+        code: Code,
+        expr: Expr<'_>,
+        expected: &str,
+        help: Option<&str>,
+    ) -> Reported {
+        let diagnostic = self.unexpected(code, expr, expected);
+        self.error(match help {
+            Some(help) => diagnostic.help(help),
+            None => diagnostic,
+        })
     }
 
     /// Reports an unknown name of `kind`.
@@ -186,36 +283,50 @@ impl<'a, 'r> Context<'a, 'r> {
         self.error(diagnostic.suggest(text, candidates, none))
     }
 
+    /// Finds the row of a table that a name means.
+    ///
+    /// - `kind`: the noun for a row.
+    pub fn row<T>(
+        &mut self,
+        kind: &str,
+        name: Name<'_>,
+        rows: &'static [T],
+        word: fn(&T) -> &str,
+    ) -> Result<&'static T> {
+        let row = rows.iter().find(|row| word(row) == name.text());
+        row.ok_or_else(|| self.unknown(kind, name, rows.iter().map(word)))
+    }
+
     /// Finds a word of a closed set of `kind`.
     pub fn word(
         &mut self,
         kind: &str,
         name: Name<'_>,
         words: &'static [Word],
-    ) -> Result<&'static str, Reported> {
-        match words.iter().find(|word| word.name == name.text()) {
-            Some(word) => Ok(word.name),
-            None => Err(self.unknown(kind, name, words.iter().map(|word| word.name))),
-        }
+    ) -> Result<&'static str> {
+        Ok(self.row(kind, name, words, |word| word.name)?.name)
     }
 
     /// Reports that there are too many of something.
     ///
-    /// - `beyond`: the first one beyond the limit, if there is one.
-    pub fn bounded(
+    /// - `places`: where each is.
+    /// - `whole`, `parts`: what has at most so many of what.
+    pub fn at_most(
         &mut self,
-        beyond: Option<Span>,
-        message: impl FnOnce() -> String,
-    ) -> Result<(), Reported> {
-        match beyond {
-            None => Ok(()),
-            Some(span) => Err(self.fault(Code::OutOfRange, span, message())),
-        }
+        most: usize,
+        mut places: impl Iterator<Item = Span>,
+        whole: &str,
+        parts: &str,
+    ) -> Result<()> {
+        places.nth(most).map_or(Ok(()), |beyond| {
+            let message = format!("{whole} has at most {most} {parts}");
+            Err(self.fault(Code::OutOfRange, beyond, message))
+        })
     }
 }
 
 /// Returns a measure of what is declared once; NaN in a base that lacks it.
-fn measure_of<T>(declared: &Declared<T>, measure: fn(&T) -> f64) -> Result<f64, Reported> {
+fn measure_of<T>(declared: &Declared<T>, measure: fn(&T) -> f64) -> Result<f64> {
     let declared = declared.as_ref().map_err(|reported| *reported)?;
     Ok(declared.as_ref().map_or(f64::NAN, measure))
 }

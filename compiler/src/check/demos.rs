@@ -2,21 +2,19 @@
 
 use super::context::{Context, Declared};
 use super::files;
-use super::stage::number_of;
-use crate::diag::{Code, Diagnostic, Reported};
+use super::stage::Prompts;
+use crate::diag::Code;
 use crate::loader::Wanted;
 use crate::merge::Merged;
 use fab_grammar::ast;
-use fab_program::{Demos, Read, Stage};
+use fab_program::{Demos, Read};
 
 /// Reads which demonstrations a stage uses; `None` in a base without stages.
-///
-/// - `stages`: the task's stages, in the order in which they are declared.
-pub(crate) fn check<'a>(
-    part: ast::Demos<'a>,
-    merged: &Merged<'a>,
-    stages: &[Result<Stage, Reported>],
-    context: &mut Context<'a, '_>,
+pub(crate) fn check(
+    part: ast::Demos<'_>,
+    merged: &Merged<'_>,
+    prompts: &Prompts,
+    context: &mut Context<'_>,
 ) -> Declared<Demos> {
     let file = files::named(
         part.file(),
@@ -27,8 +25,7 @@ pub(crate) fn check<'a>(
     if merged.stages.is_empty() {
         return file.map(|_| None);
     }
-    let number = number_of(part.stage(), merged, context)?;
-    let stage = stages[number].as_ref().map_err(|reported| *reported)?;
+    let (_, stage) = prompts.stage(part.stage(), merged, context)?;
     if stage.read != Read::Action || !stage.show.is_empty() {
         let lacks = if stage.show.is_empty() {
             "does not read the action"
@@ -36,11 +33,8 @@ pub(crate) fn check<'a>(
             "shows pictures"
         };
         let message = format!("the stage `{}` {lacks}", stage.name);
-        let diagnostic = Diagnostic::new(Code::WrongForm, part.stage().span(), message);
-        return Err(context.error(
-            diagnostic
-                .help("demonstrations need a stage that reads the action and shows no pictures"),
-        ));
+        let help = "demonstrations need a stage that reads the action and shows no pictures";
+        return Err(context.refuse(Code::WrongForm, part.stage().span(), message, help));
     }
     Ok(Some(Demos {
         stage: stage.name.clone(),

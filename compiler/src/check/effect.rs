@@ -4,7 +4,7 @@
 //! ([`Trial`]). A result of another cloth, picker or list of folds is not used.
 
 use super::context::Context;
-use crate::diag::{Code, Diagnostic};
+use crate::diag::Code;
 use crate::merge::Merged;
 use fab_grammar::ast::{FoldBlock, Move};
 use fab_program::{
@@ -12,7 +12,7 @@ use fab_program::{
 };
 
 /// Warns of each step of the task's demonstration that folds nothing, if that was found out.
-pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Context<'_, '_>) {
+pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Context<'_>) {
     let (Some(Subgoals::Demonstrate { folds }), Some(part)) =
         (&program.subgoals, merged.subgoals())
     else {
@@ -27,13 +27,12 @@ pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Contex
             continue;
         };
         let message = format!("this step folds nothing: {why}");
-        let diagnostic = Diagnostic::new(Code::StepFoldsNothing, part.span(), message);
-        context.remark(diagnostic.help(help));
+        context.warn(Code::StepFoldsNothing, part.span(), message, help);
     }
 }
 
 /// Returns the results of just this demonstration: the program's own, or for a variant those of the task itself.
-fn trial(program: &Program, context: &Context<'_, '_>) -> Option<Trial> {
+fn trial(program: &Program, context: &Context<'_>) -> Option<Trial> {
     let wanted = program.demonstration_hash()?;
     let mut titles = vec![program.title()];
     if program.variant.is_some() {
@@ -51,14 +50,13 @@ fn finding(fold: &Fold, step: &StepTrial) -> Option<(String, String)> {
     let (carried_mm, rest, smallest) = match step.effect {
         Effect::Changed => return None,
         Effect::Missed => {
-            return Some((
-                "nothing is grasped at its pick".to_owned(),
-                "pick another point of the cloth".to_owned(),
-            ));
+            let why = "nothing is grasped at its pick";
+            return Some((why.to_owned(), "pick another point of the cloth".to_owned()));
         }
         Effect::WentBack { .. } if step.planned_mm < 1.0 => {
+            let why = "its pick already lies at its place";
             return Some((
-                "its pick already lies at its place".to_owned(),
+                why.to_owned(),
                 "leave the step out, or place it elsewhere".to_owned(),
             ));
         }
@@ -84,12 +82,11 @@ fn finding(fold: &Fold, step: &StepTrial) -> Option<(String, String)> {
         SmallestFold::From { mm } => {
             let whole_way_mm = step.planned_mm / fold.fraction;
             let hundredths = (f64::from(mm) / whole_way_mm * 100.0).ceil();
-            let cure = match hundredths <= 100.0 {
-                true => format!(
-                    "write `at {}` or more",
-                    exact::written(hundredths / 100.0, 2)
-                ),
-                false => "choose a place at least that far away".to_owned(),
+            let cure = if hundredths <= 100.0 {
+                let fraction = exact::written(hundredths / 100.0, 2);
+                format!("write `at {fraction}` or more")
+            } else {
+                "choose a place at least that far away".to_owned()
             };
             format!(
                 "the smallest fold from here in this direction that this cloth keeps is {mm} mm; {cure}"

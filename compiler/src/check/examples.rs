@@ -1,8 +1,8 @@
 //! `example { say "…" reply "…" }` of a stage: questions with their answers.
 
-use super::context::Context;
+use super::context::{Context, Result};
 use super::files;
-use crate::diag::{Code, Diagnostic, Reported, every};
+use crate::diag::{Code, every};
 use crate::loader::Wanted;
 use crate::merge::once;
 use fab_grammar::ast::{self, ComponentOrText, Image, Reply, Sayings, Stage, Text};
@@ -19,43 +19,38 @@ const MAX_IMAGES: usize = 8;
 
 /// What the answers of a stage's examples must match.
 struct Reader<'r> {
-    role: Result<ModelRole, Reported>,
-    read: Result<&'r Read, Reported>,
-    fields: Result<Vec<ActionField>, Reported>,
+    stage: &'r str,
+    role: Result<ModelRole>,
+    read: Result<&'r Read>,
+    fields: Result<Vec<ActionField>>,
 }
 
 /// Builds the examples of a stage.
 ///
 /// - `role`, `read`: the model that the stage asks, and what it reads from the answer.
-pub(crate) fn check<'a>(
-    stage: Stage<'a>,
-    role: Result<ModelRole, Reported>,
-    read: Result<&Read, Reported>,
-    context: &mut Context<'a, '_>,
-) -> Vec<Result<Example, Reported>> {
-    let beyond = stage
-        .examples()
-        .nth(MAX_EXAMPLES)
-        .map(|example| example.head_span());
-    let within = context.bounded(beyond, || {
-        format!("a stage has at most {MAX_EXAMPLES} examples")
-    });
-    if let Err(reported) = within {
-        return vec![Err(reported)];
-    }
+pub(crate) fn check(
+    stage: Stage<'_>,
+    role: Result<ModelRole>,
+    read: Result<&Read>,
+    context: &mut Context<'_>,
+) -> Result<Vec<Example>> {
+    let places = stage.examples().map(|example| example.head_span());
+    context.at_most(MAX_EXAMPLES, places, "a stage", "examples")?;
     let reader = Reader {
+        stage: stage.name().text(),
         role,
         read,
         fields: fields(context),
     };
-    stage
-        .examples()
-        .map(|example| one(example, &reader, context))
-        .collect()
+    every(
+        stage
+            .examples()
+            .map(|example| one(example, &reader, context)),
+    )
 }
 
 /// Returns the fields of the action if all are right; without them no answer can be judged.
-fn fields(context: &Context<'_, '_>) -> Result<Vec<ActionField>, Reported> {
+fn fields(context: &Context<'_>) -> Result<Vec<ActionField>> {
     context.actions.complete?;
     context
         .actions
@@ -65,19 +60,22 @@ fn fields(context: &Context<'_, '_>) -> Result<Vec<ActionField>, Reported> {
         .collect()
 }
 
-fn one<'a>(
-    example: ast::Example<'a>,
+fn one(
+    example: ast::Example<'_>,
     reader: &Reader<'_>,
-    context: &mut Context<'a, '_>,
-) -> Result<Example, Reported> {
+    context: &mut Context<'_>,
+) -> Result<Example> {
     let say = once(example.say(), "say", Sayings::span, context.report);
     let reply = once(example.replies(), "reply", Reply::span, context.report);
-    let alone = say.alone.and(reply.alone);
-    let say = required(say.first, "say", example, context).and_then(|say| question(say, context));
-    let images = images(example, reader.role, context);
-    let reply = required(reply.first, "reply", example, context);
-    let reply = reply.and_then(|reply| answer(reply, reader, context));
-    alone?;
+    let (Some(say), Some(reply)) = (say, reply) else {
+        let lines = [("say", say.is_some()), ("reply", reply.is_some())];
+        let block = ("the example", example.head_span());
+        let help = "it needs both a `say \"…\"` and a `reply \"…\"`";
+        return Err(context.lacking(Code::BadExample, block, &lines, help));
+    };
+    let say = question(say, context);
+    let images = images(example, reader, context);
+    let reply = answer(reply, reader, context);
     Ok(Example {
         say: say?,
         images: images?,
@@ -85,60 +83,36 @@ fn one<'a>(
     })
 }
 
-fn required<T>(
-    part: Option<T>,
-    what: &str,
-    example: ast::Example<'_>,
-    context: &mut Context<'_, '_>,
-) -> Result<T, Reported> {
-    part.ok_or_else(|| {
-        let span = example.head_span();
-        let message = format!("the example has no `{what}`");
-        let diagnostic = Diagnostic::new(Code::BadExample, span, message);
-        let diagnostic = diagnostic.help(format!("write `{what} \"…\"`"));
-        context.error(diagnostic)
-    })
-}
-
-fn question<'a>(
-    say: Sayings<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<Vec<LiteralText>, Reported> {
+fn question(say: Sayings<'_>, context: &mut Context<'_>) -> Result<Vec<LiteralText>> {
     let texts = say.list().map(|saying| match saying {
         ComponentOrText::Text(text) => words(text, context),
         ComponentOrText::Component(name) => {
             let message = "an example cannot use components";
-            let diagnostic = Diagnostic::new(Code::BadExample, name.span(), message);
-            Err(context.error(diagnostic.help("write the text in quotes")))
+            let help = "write the text in quotes";
+            Err(context.refuse(Code::BadExample, name.span(), message, help))
         }
     });
     every(texts)
 }
 
-fn images<'a>(
-    example: ast::Example<'a>,
-    role: Result<ModelRole, Reported>,
-    context: &mut Context<'a, '_>,
-) -> Result<Vec<FileRef>, Reported> {
-    let mut all = Ok(());
-    if let (Some(image), Ok(ModelRole::Text)) = (example.images().next(), role) {
-        let message = "the example shows a picture to a text model";
-        let diagnostic = Diagnostic::new(Code::PicturesForTextModel, image.span(), message);
-        let help = "write `model vision`, or remove the image";
-        all = Err(context.error(diagnostic.help(help)));
+fn images(
+    example: ast::Example<'_>,
+    reader: &Reader<'_>,
+    context: &mut Context<'_>,
+) -> Result<Vec<FileRef>> {
+    if let (Some(image), Ok(ModelRole::Text)) = (example.images().next(), reader.role) {
+        context.text_model(image.span(), "the example", reader.stage);
     }
-    let beyond = example.images().nth(MAX_IMAGES).map(Image::span);
-    context.bounded(beyond, || {
-        format!("an example has at most {MAX_IMAGES} images")
-    })?;
-    let images = example
-        .images()
-        .map(|image| files::named(image.path(), "an image", Wanted::Picture, context));
-    let images = every(images);
-    all.and(images)
+    let places = example.images().map(Image::span);
+    context.at_most(MAX_IMAGES, places, "an example", "images")?;
+    every(
+        example
+            .images()
+            .map(|image| files::named(image.path(), "an image", Wanted::Picture, context)),
+    )
 }
 
-fn words(text: Text<'_>, context: &mut Context<'_, '_>) -> Result<LiteralText, Reported> {
+fn words(text: Text<'_>, context: &mut Context<'_>) -> Result<LiteralText> {
     let plain = plain(text, context)?;
     let (declared_in, line) = context.loaded.place(text.span().file, text.start());
     Ok(LiteralText {
@@ -149,20 +123,16 @@ fn words(text: Text<'_>, context: &mut Context<'_, '_>) -> Result<LiteralText, R
 }
 
 /// Returns a text that must not have placeholders.
-pub(super) fn plain(text: Text<'_>, context: &mut Context<'_, '_>) -> Result<String, Reported> {
+pub(super) fn plain(text: Text<'_>, context: &mut Context<'_>) -> Result<String> {
     text.plain().ok_or_else(|| {
         let message = "this text is used as it is and cannot contain `{{ … }}`";
-        let diagnostic = Diagnostic::new(Code::BadExample, text.span(), message);
-        context.error(diagnostic.help("write the values themselves"))
+        let help = "write the values themselves";
+        context.refuse(Code::BadExample, text.span(), message, help)
     })
 }
 
 /// Returns the answer if the stage can read it.
-fn answer(
-    reply: Reply<'_>,
-    reader: &Reader<'_>,
-    context: &mut Context<'_, '_>,
-) -> Result<LiteralText, Reported> {
+fn answer(reply: Reply<'_>, reader: &Reader<'_>, context: &mut Context<'_>) -> Result<LiteralText> {
     let answer = words(reply.text(), context)?;
     let refused = match reader.read? {
         Read::Text { before, after, .. } => {
@@ -178,8 +148,7 @@ fn answer(
         return Ok(answer);
     };
     let message = "the stage does not accept the answer of this example";
-    let diagnostic = Diagnostic::new(Code::BadExample, reply.text().span(), message);
-    Err(context.error(diagnostic.help(why)))
+    Err(context.refuse(Code::BadExample, reply.text().span(), message, why))
 }
 
 /// Returns why an answer cannot be read as an action, or which of its choices is not offered; `None` if it is right.
@@ -191,13 +160,9 @@ fn unreadable_action(fields: &[ActionField], edge_m: f64, answer: &str) -> Optio
     fields.iter().find_map(|field| {
         let value: &Value = reading.value.get(&field.name)?;
         let offered = space::declared(field);
-        (!offered.is_empty() && !offered.contains(value)).then(|| {
-            format!(
-                "the {} `{}` is not offered; the choices are {}",
-                field.name,
-                space::text(field, value),
-                space::listed(field, &offered)
-            )
-        })
+        let (name, stated) = (&field.name, space::text(field, value));
+        let listed = space::listed(field, &offered);
+        (!offered.is_empty() && !offered.contains(value))
+            .then(|| format!("the {name} `{stated}` is not offered; the choices are {listed}"))
     })
 }

@@ -1,25 +1,19 @@
 //! `experts NAME { sequence { … } }`: the fold sequences that count as right.
 
-use super::context::{Context, Declared};
+use super::context::{Context, Declared, Result};
 use super::folds;
-use crate::diag::{Code, Diagnostic, Report, Reported, every};
-use crate::load::Loaded;
+use crate::diag::{Code, every};
 use crate::merge::Merged;
 use fab_grammar::ast::Experts;
 use fab_program::{Sequence, Subgoals};
-use std::collections::BTreeSet;
 
 /// Builds the sequences of a list of experts.
-pub(crate) fn check<'a>(
-    list: Experts<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<Vec<Sequence>, Reported> {
+pub(crate) fn check(list: Experts<'_>, context: &mut Context<'_>) -> Result<Vec<Sequence>> {
     if list.sequences().next().is_none() {
         let name = list.name();
         let message = format!("`{}` has no sequence", name.text());
-        let diagnostic = Diagnostic::new(Code::NoFolds, name.span(), message)
-            .help("write one such as `sequence { fold corner(back_left) -> center }`");
-        return Err(context.error(diagnostic));
+        let help = "write one such as `sequence { fold corner(back_left) -> center }`";
+        return Err(context.refuse(Code::NoFolds, name.span(), message, help));
     }
     every(list.sequences().map(|block| {
         let folds = folds::check(block, context)?;
@@ -28,11 +22,11 @@ pub(crate) fn check<'a>(
 }
 
 /// Returns the sequences that count as right for a task: the named experts', or else the demonstration.
-pub(crate) fn sequences<'a>(
-    merged: &Merged<'a>,
+pub(crate) fn sequences(
+    merged: &Merged<'_>,
     subgoals: &Declared<Subgoals>,
-    context: &mut Context<'a, '_>,
-) -> Result<Vec<Sequence>, Reported> {
+    context: &mut Context<'_>,
+) -> Result<Vec<Sequence>> {
     let Some(named) = merged.experts() else {
         return Ok(match subgoals {
             Ok(Some(Subgoals::Demonstrate { folds })) => vec![Sequence {
@@ -53,30 +47,5 @@ pub(crate) fn sequences<'a>(
             let names: Vec<&str> = seen.map(|list| list.name().text()).collect();
             Err(context.unknown("list of experts", named.name(), names))
         }
-    }
-}
-
-/// Warns of the lists of the first file that no task names. A file without tasks declares them for others.
-pub(crate) fn unused(loaded: &Loaded<'_>, report: &mut Report) {
-    let entry = loaded.entry();
-    if entry.tasks.is_empty() {
-        return;
-    }
-    let tasks = loaded.files.iter().flat_map(|file| &file.tasks);
-    let bodies = tasks.flat_map(|task| {
-        let variants = task.variants().map(|variant| variant.body());
-        variants.chain([task.body()])
-    });
-    let named = bodies.flat_map(|body| body.experts());
-    let named: BTreeSet<&str> = named.map(|it| it.name().text()).collect();
-    for list in &entry.experts {
-        let word = list.name().text();
-        if named.contains(word) {
-            continue;
-        }
-        let message = format!("no task names the experts `{word}`");
-        let diagnostic = Diagnostic::new(Code::UnusedName, list.name().span(), message);
-        let help = format!("remove them, or write `experts {word}` into a task");
-        report.remark(diagnostic.help(help));
     }
 }

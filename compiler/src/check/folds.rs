@@ -1,9 +1,9 @@
 //! Folds between points of the cloth: `corner(back_left) -> center at 0.9`.
 
-use super::context::Context;
+use super::context::{Context, Result};
 use super::expressions::cloth_point;
 use super::quantity::read;
-use crate::diag::{Code, Diagnostic, Reported, every};
+use crate::diag::{Code, Diagnostic, every};
 use crate::lang::calls::FOLD_FRACTION;
 use fab_grammar::ast::{FoldBlock, Move};
 use fab_program::Fold;
@@ -12,27 +12,19 @@ use fab_program::Fold;
 const MAX_FOLDS: usize = 100;
 
 /// Builds the folds of one block.
-pub(super) fn check<'a>(
-    block: FoldBlock<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<Vec<Fold>, Reported> {
+pub(super) fn check(block: FoldBlock<'_>, context: &mut Context<'_>) -> Result<Vec<Fold>> {
     let moves: Vec<Move<'_>> = block.moves().collect();
     if moves.is_empty() {
-        let span = block.head_span();
-        let diagnostic = Diagnostic::new(Code::NoFolds, span, "there is no fold here")
-            .help("write one such as `fold corner(back_left) -> corner(front_left)`");
-        return Err(context.error(diagnostic));
+        let help = "write one such as `fold corner(back_left) -> corner(front_left)`";
+        let message = "there is no fold here";
+        return Err(context.refuse(Code::NoFolds, block.head_span(), message, help));
     }
-    context.bounded(moves.get(MAX_FOLDS).map(|beyond| beyond.span()), || {
-        format!(
-            "a sequence has at most {MAX_FOLDS} folds, this one has {}",
-            moves.len()
-        )
-    })?;
+    let places = moves.iter().map(|part| part.span());
+    context.at_most(MAX_FOLDS, places, "a sequence", "folds")?;
     every(moves.into_iter().map(|part| fold(part, context)))
 }
 
-fn fold<'a>(part: Move<'a>, context: &mut Context<'a, '_>) -> Result<Fold, Reported> {
+fn fold(part: Move<'_>, context: &mut Context<'_>) -> Result<Fold> {
     let pick = cloth_point(part.pick(), context);
     let place = cloth_point(part.place(), context);
     let fraction = part

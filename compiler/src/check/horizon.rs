@@ -8,10 +8,10 @@ use crate::merge::Merged;
 use fab_program::Subgoals;
 
 /// Returns the most steps of a rollout: the stated number, or by default as many as the subgoals show.
-pub(crate) fn check<'a>(
-    merged: &Merged<'a>,
+pub(crate) fn check(
+    merged: &Merged<'_>,
     subgoals: &Declared<Subgoals>,
-    context: &mut Context<'a, '_>,
+    context: &mut Context<'_>,
 ) -> Declared<u32> {
     let n_shown = subgoals
         .as_ref()
@@ -21,9 +21,8 @@ pub(crate) fn check<'a>(
         if merged.subgoals().is_none() && is_meant_to_run {
             let name = merged.task.name();
             let message = format!("`{}` has neither subgoals nor a `horizon`", name.text());
-            let diagnostic = Diagnostic::new(Code::NoHorizon, name.span(), message)
-                .help("write `horizon 10` for at most ten actions, or show `subgoals`");
-            return Err(context.error(diagnostic));
+            let help = "write `horizon 10` for at most ten actions, or show `subgoals`";
+            return Err(context.refuse(Code::NoHorizon, name.span(), message, help));
         }
         return n_shown.map_err(|reported| *reported);
     };
@@ -31,15 +30,7 @@ pub(crate) fn check<'a>(
     let Ok(Some(n_shown)) = n_shown else {
         return Ok(Some(stated));
     };
-    let steps = |count: u32| match count {
-        1 => "1 step".to_owned(),
-        _ => format!("{count} steps"),
-    };
-    let message = format!(
-        "the horizon is {}, the subgoals show {}",
-        steps(stated),
-        steps(n_shown)
-    );
+    let message = format!("the horizon is {stated}, the subgoals show {n_shown}");
     let place = merged
         .subgoals()
         .map_or(statement.span(), |part| part.head_span());

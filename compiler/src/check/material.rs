@@ -1,15 +1,15 @@
 //! `material NAME { weight 420g/m2 from "…" … }`: what a cloth is made of.
 
-use super::arguments::{bind, form};
-use super::context::Context;
-use super::expressions::{Scope, values, without_edge};
+use super::arguments::{Bound, bind, form};
+use super::context::{Context, Result};
+use super::expressions::{material_name, values, without_edge};
 use super::short_text::line;
-use crate::diag::{Code, Diagnostic, Report, Reported, among};
+use crate::diag::{Code, Diagnostic};
 use crate::lang::material::{self, PROPERTIES};
-use crate::load::Loaded;
 use crate::merge::repeated;
 use fab_grammar::ast::{self, Name, Text};
 use fab_program::data::material::{Directions, RECORDED, Source};
+use fab_program::vocabulary::Kind;
 use fab_program::{Colour, Face, Material};
 use std::collections::BTreeMap;
 
@@ -17,17 +17,14 @@ use std::collections::BTreeMap;
 const MAX_SOURCE_CHARS: usize = 500;
 
 /// Reads a declared material.
-pub(crate) fn check<'a>(
-    declared: ast::Material<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<Material, Reported> {
+pub(crate) fn check(declared: ast::Material<'_>, context: &mut Context<'_>) -> Result<Material> {
     // The constants of a task mean nothing here, and `edge` has no size.
     let name = declared.name();
     let mut all = Ok(());
     if name.text() == RECORDED {
         let message = format!("`{RECORDED}` is the cloth of the recorded scene");
-        let diagnostic = Diagnostic::new(Code::DuplicateName, name.span(), message);
-        all = Err(context.error(diagnostic.help("choose another name for the material")));
+        let help = "choose another name for the material";
+        all = Err(context.refuse(Code::DuplicateName, name.span(), message, help));
     }
     let zero = Directions {
         warp: 0.0,
@@ -58,30 +55,29 @@ pub(crate) fn check<'a>(
             all = Err(reported);
         }
     }
-    let rows = PROPERTIES.iter().map(|row| (row, row.call.signature.name));
-    let missing = rows.filter(|(row, name)| row.face.is_none() && !given.contains_key(name));
-    let missing: Vec<&str> = missing.map(|(_, name)| name).collect();
     // A misspelt property is not missing too.
-    if all.is_ok() && !missing.is_empty() {
-        let lacks = among(missing.iter().copied()).replace(" or ", " and ");
-        let message = format!("the material `{}` lacks {lacks}", name.text());
-        let first = PROPERTIES
-            .iter()
-            .find(|row| row.call.signature.name == missing[0]);
-        let form = first.map_or_else(String::new, |row| material::form(&row.call.signature));
-        let diagnostic = Diagnostic::new(Code::MaterialIncomplete, name.span(), message)
-            .help(format!("write `{form}`"));
-        all = Err(context.error(diagnostic));
+    all?;
+    let needed = PROPERTIES.iter().filter(|row| row.face.is_none());
+    let needed = needed.map(|row| &row.call.signature);
+    let mut missing = needed.clone().filter(|it| !given.contains_key(it.name));
+    if let Some(first) = missing.next() {
+        let lines: Vec<_> = needed
+            .map(|it| (it.name, given.contains_key(it.name)))
+            .collect();
+        let block = format!("the material `{}`", name.text());
+        let block = (block.as_str(), name.span());
+        let help = format!("write `{}`", material::form(first));
+        return Err(context.lacking(Code::MaterialIncomplete, block, &lines, &help));
     }
-    all.map(|()| material)
+    Ok(material)
 }
 
 /// Reads one property into a material.
-fn set<'a>(
-    property: ast::Property<'a>,
+fn set(
+    property: ast::Property<'_>,
     material: &mut Material,
-    context: &mut Context<'a, '_>,
-) -> Result<(), Reported> {
+    context: &mut Context<'_>,
+) -> Result<()> {
     let word = property.name();
     let rows = || PROPERTIES.iter().map(|row| &row.call.signature);
     let found = property
@@ -93,48 +89,51 @@ fn set<'a>(
     let row = &PROPERTIES[index];
     let written = material::form(signature);
     let bound = bind(call, signature, material::form, context)?;
-    let args = values(&bound, signature, Scope::Everywhere, context)?;
+    let args = values(&bound, signature, context)?;
     let message = "a material has no `edge`: cloths of many sizes are made of it";
     without_edge(&args, &bound, message, context)?;
     (row.call.make)(material, &args);
-    match (row.face, property.text(), property.cited()) {
+    let (text, cited) = (property.text(), property.cited());
+    let (code, span, message, help) = match (row.face, text, cited) {
         (Some(face), Some(text), _) => {
             let rgb = rgb(text, context)?;
             match face {
                 Face::Upper => material.upper.rgb = rgb,
                 Face::Under => material.under.rgb = rgb,
             }
-            Ok(())
-        }
-        (Some(_), None, _) => {
-            let message = format!("`{}` does not say which colour that is", word.text());
-            let diagnostic = Diagnostic::new(Code::MaterialIncomplete, word.span(), message);
-            Err(context.error(diagnostic.help(format!("write `{written}`"))))
-        }
-        (None, Some(text), _) => {
-            let message = format!("a text beside `{}` has no meaning", word.text());
-            let diagnostic = Diagnostic::new(Code::WrongForm, text.span(), message);
-            let help = "write `from` before it, if it says where the value comes from";
-            Err(context.error(diagnostic.help(help)))
+            return Ok(());
         }
         (None, None, Some(cited)) => {
             material.sources.push(Source {
                 property: word.text().to_owned(),
                 from: line(cited, "a source", MAX_SOURCE_CHARS, context)?,
             });
-            Ok(())
+            return Ok(());
         }
-        (None, None, None) => {
-            let message = format!("`{}` does not say where its value comes from", word.text());
-            let diagnostic = Diagnostic::new(Code::MaterialIncomplete, word.span(), message);
-            let help = "write `from \"…\"` behind the value: a publication, or how you measured it";
-            Err(context.error(diagnostic.help(help)))
-        }
-    }
+        (Some(_), None, _) => (
+            Code::MaterialIncomplete,
+            word.span(),
+            format!("`{}` does not say which colour that is", word.text()),
+            format!("write `{written}`"),
+        ),
+        (None, Some(text), _) => (
+            Code::WrongForm,
+            text.span(),
+            format!("a text beside `{}` has no meaning", word.text()),
+            "write `from` before it, if it says where the value comes from".to_owned(),
+        ),
+        (None, None, None) => (
+            Code::MaterialIncomplete,
+            word.span(),
+            format!("`{}` does not say where its value comes from", word.text()),
+            "write `from \"…\"` behind the value: a publication, or how you measured it".to_owned(),
+        ),
+    };
+    Err(context.refuse(code, span, message, help))
 }
 
 /// Reads `"#ff7100"` as red, green and blue.
-fn rgb(text: Text<'_>, context: &mut Context<'_, '_>) -> Result<[u8; 3], Reported> {
+fn rgb(text: Text<'_>, context: &mut Context<'_>) -> Result<[u8; 3]> {
     let plain = text.plain().unwrap_or_default();
     let digits = plain.strip_prefix('#').filter(|it| it.len() == 6);
     let number = digits
@@ -143,19 +142,28 @@ fn rgb(text: Text<'_>, context: &mut Context<'_, '_>) -> Result<[u8; 3], Reporte
     let Some(number) = number else {
         let written = context.written(text.span());
         let message = format!("expected a colour, found `{written}`");
-        let diagnostic = Diagnostic::new(Code::WrongForm, text.span(), message);
         let help = "a colour is `#` with two hexadecimal digits each for red, green and blue, such as `\"#ff7100\"`";
-        return Err(context.error(diagnostic.help(help)));
+        return Err(context.refuse(Code::WrongForm, text.span(), message, help));
     };
     let [_, red, green, blue] = number.to_be_bytes();
     Ok([red, green, blue])
 }
 
-/// Reads the material of which a cloth states the name; `None` is the recorded cloth.
-pub(super) fn named<'a>(
-    name: Name<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<Option<Material>, Reported> {
+/// Reads the material that a call names, with that name; `None` if it names none.
+pub(super) fn of_call<'a>(
+    bound: &Bound<'a>,
+    context: &mut Context<'_>,
+) -> Result<Option<(Name<'a>, Option<Material>)>> {
+    let mut materials = bound.iter();
+    let Some((_, expr)) = materials.find(|(arg, _)| matches!(arg.kind, Kind::Material)) else {
+        return Ok(None);
+    };
+    let name = material_name(*expr, context)?;
+    Ok(Some((name, named(name, context)?)))
+}
+
+/// Reads the material of this name; `None` is the recorded cloth.
+fn named(name: Name<'_>, context: &mut Context<'_>) -> Result<Option<Material>> {
     if name.text() == RECORDED {
         return Ok(None);
     }
@@ -173,34 +181,10 @@ pub(super) fn named<'a>(
         .about(name.text())
         .suggest(name.text(), names.chain([RECORDED]), "");
     let mut seen = context.loaded.visible_from(file);
-    if seen.any(|file| {
-        context
-            .loaded
-            .portable_name(file.id)
-            .ends_with("lib/materials.fab")
-    }) {
+    let library = "lib/materials.fab";
+    if seen.any(|file| context.loaded.portable_name(file.id).ends_with(library)) {
         return Err(context.error(diagnostic));
     }
     let help = "the shipped ones need `use \"lib/materials.fab\"` at the top of this file";
     Err(context.error(diagnostic.help(help)))
-}
-
-/// Warns of the materials of the first file that no cloth is made of. A file without tasks declares them for others.
-pub(crate) fn unused(loaded: &Loaded<'_>, report: &mut Report) {
-    let entry = loaded.entry();
-    if entry.tasks.is_empty() {
-        return;
-    }
-    for material in &entry.materials {
-        let name = material.name();
-        if !loaded.is_used(name.text()) {
-            let message = format!("nothing uses the material `{}`", name.text());
-            let diagnostic = Diagnostic::new(Code::UnusedName, name.span(), message);
-            let help = format!(
-                "remove it, or write it into a cloth: `square(340mm, material: {})`",
-                name.text()
-            );
-            report.remark(diagnostic.help(help));
-        }
-    }
 }

@@ -25,7 +25,6 @@ mod goal;
 mod horizon;
 mod keypoints;
 mod material;
-mod missing_action;
 mod names;
 mod picker;
 mod placeholders;
@@ -42,10 +41,10 @@ mod unused;
 mod variables;
 mod verify;
 
-use crate::diag::{Code, Diagnostic, Report, Reported};
+use crate::diag::{Code, Diagnostic, Report};
 use crate::load::{Loaded, LoadedFile};
 use crate::merge::{self, Bodies, Merged, Site, VariantChange};
-use context::{Context, Outside};
+use context::{Context, Outside, Result};
 use fab_grammar::Span;
 use fab_grammar::ast::{Body, Task};
 use fab_program::{Material, Program, SourceStamp, Test};
@@ -75,7 +74,7 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
         let wrong = seen.find_map(|seen| report.error_in(seen.id));
         (file, wrong.map_or(Ok(()), Err))
     });
-    let forms: Vec<(&LoadedFile<'_>, Result<(), Reported>)> = forms.collect();
+    let forms: Vec<(&LoadedFile<'_>, Result<()>)> = forms.collect();
     let bodies = Bodies::of(loaded, report);
     let mut tasks = Tasks {
         loaded,
@@ -109,13 +108,7 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
             report.remark(diagnostic);
         }
     }
-    if !loaded.is_malformed(loaded.entry().id) {
-        material::unused(loaded, report);
-    }
-    // Otherwise an error may be why.
-    if report.has_errors().is_ok() {
-        experts::unused(loaded, report);
-    }
+    unused::outside_of_tasks(loaded, report);
     checked
 }
 
@@ -135,7 +128,7 @@ fn outside_of_tasks(loaded: &Loaded<'_>, report: &mut Report) -> Outside {
         merge::unique(materials().map(|it| it.name()), "material", report),
     ];
     // The errors count against every task that sees the file.
-    let _: Result<(), Reported> = distinct.into_iter().collect();
+    let _: Result<()> = distinct.into_iter().collect();
     let names = tasks().map(|name| (name.text(), name.span()));
     differ_by_more_than_case("task", names, report);
     let nothing = Outside::default();
@@ -185,7 +178,7 @@ struct Tasks<'a, 'r> {
 
 impl<'a> Tasks<'a, '_> {
     /// Checks a task and, in the entry, its variants; those of other files are checked when these are compiled.
-    fn check(&mut self, task: Task<'a>, form: Result<(), Reported>) {
+    fn check(&mut self, task: Task<'a>, form: Result<()>) {
         let file = task.name().span().file;
         let whole = self.checked.programs.len();
         let Some(merged) = self.one(task, None, form) else {
@@ -217,7 +210,7 @@ impl<'a> Tasks<'a, '_> {
         &mut self,
         task: Task<'a>,
         variant: Option<(Site<'a, VariantChange<'a>>, Option<usize>)>,
-        form: Result<(), Reported>,
+        form: Result<()>,
     ) -> Option<Merged<'a>> {
         let (variant, whole) = variant.map_or((None, None), |(it, whole)| (Some(it), whole));
         // Each has its own report: an inherited error counts against every task that inherits it, but is shown once.

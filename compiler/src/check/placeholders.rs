@@ -4,23 +4,22 @@
 //! value that is already known is written into the template; one that is known only at run time becomes a variable. A
 //! `{` that Jinja would interpret is escaped.
 
-use super::context::Context;
-use super::expressions::{AsPercent, FramedLength, Operand, measure, operand, wrong_shape};
-use super::missing_action::{needs_action, needs_last};
+use super::context::{Context, Result};
+use super::expressions::{FramedLength, Operand, operand, wrong_kind};
 use super::names::Meaning;
 use super::quantity::size;
-use crate::diag::{Code, Diagnostic, Reported};
+use crate::diag::Code;
 use crate::lang::conditions::UNREACHABLE;
 use fab_grammar::Span;
 use fab_grammar::ast::{Expr, Name, Path, Piece, Text};
 use fab_program::Depends;
-use fab_program::measures::{MEASURES, Measure};
+use fab_program::measures::MEASURES;
 use fab_program::render::Jinja;
 use fab_program::space::{self, DECIMALS};
 use fab_program::units::{self, Dimension, Unit};
 use fab_program::{
-    Choices, Colour, Condition, Face, KeypointShape, Length, NumberFormat, OVERLAP, Placeholder,
-    Point, Template, Variable, exact,
+    Choices, Condition, Face, KeypointShape, Length, NumberFormat, OVERLAP, Placeholder, Template,
+    Variable, exact,
 };
 use std::collections::BTreeMap;
 
@@ -59,24 +58,32 @@ pub(crate) struct TextScope<'s> {
     pub guarded: &'s str,
 }
 
-impl TextScope<'_> {
+impl<'s> TextScope<'s> {
+    pub fn new(place: TextPlace, has_last: bool, guarded: &'s str) -> TextScope<'s> {
+        TextScope {
+            place,
+            has_last,
+            guarded,
+        }
+    }
+
     /// Reports a value that depends on the previous action, unless there always is one.
-    fn require_last(self, span: Span, context: &mut Context<'_, '_>) -> Result<(), Reported> {
+    fn require_last(self, span: Span, context: &mut Context<'_>) -> Result<()> {
         if self.has_last || self.place == TextPlace::Nowhere {
             return Ok(());
         }
-        Err(needs_last(span, self.guarded, context))
+        Err(context.needs_last(span, self.guarded))
     }
 }
 
 /// Builds the template of a text.
-pub(crate) fn template<'a>(
+pub(crate) fn template(
     name: &str,
-    text: Text<'a>,
+    text: Text<'_>,
     when: Option<Condition>,
     scope: TextScope<'_>,
-    context: &mut Context<'a, '_>,
-) -> Result<Template, Reported> {
+    context: &mut Context<'_>,
+) -> Result<Template> {
     let n_bytes = text.literal_bytes();
     if text.is_blank() {
         return Err(context.fault(Code::EmptyText, text.span(), "the text is empty"));
@@ -89,7 +96,6 @@ pub(crate) fn template<'a>(
     single_braces(text, context);
     let mut jinja = Jinja::default();
     let mut variables: BTreeMap<String, Placeholder> = BTreeMap::new();
-    let mut all = Ok(());
     for piece in text.pieces() {
         let expr = match piece {
             Piece::Literal(literal) => {
@@ -106,66 +112,57 @@ pub(crate) fn template<'a>(
                 jinja.variable(&name);
                 variables.insert(name, *value);
             }
-            Err(reported) => all = Err(reported),
+            // It was reported, so no program has this text.
+            Err(_) => {}
         }
     }
-    all?;
     let (declared_in, line) = context.loaded.place(text.span().file, text.start());
-    let variables = variables
-        .into_iter()
-        .map(|(name, value)| Variable { name, value })
-        .collect();
+    let variables = variables.into_iter();
+    let variables = variables.map(|(name, value)| Variable { name, value });
     Ok(Template {
         name: name.to_owned(),
         when,
         text: jinja.finish(),
-        variables,
+        variables: variables.collect(),
         declared_in,
         line,
     })
 }
 
 /// Warns about `{name}` and `{measure(…)}` if they have a value: the second brace was probably forgotten.
-fn single_braces(text: Text<'_>, context: &mut Context<'_, '_>) {
+fn single_braces(text: Text<'_>, context: &mut Context<'_>) {
     const LONGEST: usize = 64;
     let span = text.span();
     let source = context.loaded.written(span);
     for (at, _) in source.match_indices('{') {
         let inside = &source[at + 1..];
         // After two braces the quotes are wrong, or one is missing at the end, and that was reported already.
-        let (Some(length), false) = (inside.find(['}', '\n']), source[..at].ends_with('{')) else {
+        let Some(length) = inside.find(['}', '\n']).filter(|it| *it <= LONGEST) else {
             continue;
         };
-        let value = inside[..length].trim_matches(' ');
-        if !inside[length..].starts_with('}') || length > LONGEST || !is_value(value, context) {
+        let (value, rest) = (inside[..length].trim_matches(' '), &inside[length..]);
+        if source[..at].ends_with('{') || !rest.starts_with('}') || !is_value(value, context) {
             continue;
         }
-        let n_closing = if inside[length..].starts_with("}}") {
-            2
-        } else {
-            1
-        };
+        let n_closing = if rest.starts_with("}}") { 2 } else { 1 };
         let end = at + 1 + length + n_closing;
-        let message = format!(
-            "`{}` is literal text, not the value `{value}`",
-            &source[at..end]
-        );
+        let written = &source[at..end];
+        let message = format!("`{written}` is literal text, not the value `{value}`");
+        let help = format!("write `{{{{ {value} }}}}` for the value");
         let span = Span::new(span.file, span.start + at..span.start + end);
-        let diagnostic = Diagnostic::new(Code::SingleBraces, span, message);
-        context.remark(diagnostic.help(format!("write `{{{{ {value} }}}}` for the value")));
+        context.warn(Code::SingleBraces, span, message, help);
     }
 }
 
 /// Returns whether a text is a name that has a value, or a measure.
-fn is_value(text: &str, context: &Context<'_, '_>) -> bool {
+fn is_value(text: &str, context: &Context<'_>) -> bool {
     let text = text.split_once(" in ").map_or(text, |(value, _)| value);
     if let Some((word, _)) = text.split_once('(') {
         return MEASURES.iter().any(|row| row.signature.name == word);
     }
-    let is_field = |name: &str| context.names.get(name) == Some(Meaning::Field);
-    context.names.get(text).is_some()
-        || context.constants.contains_key(text)
-        || context.layers.contains_key(text)
+    let is_name = |name: &str| !matches!(context.names.get(name), Ok(None));
+    let is_field = |name: &str| matches!(context.names.get(name), Ok(Some(Meaning::Field)));
+    is_name(text)
         || [FORMAT, POINTS, UNREACHABLE, "step"].contains(&text)
         || FACES.iter().any(|(face, _)| *face == text)
         || text.strip_prefix("last.").is_some_and(is_field)
@@ -187,26 +184,16 @@ fn later(value: Placeholder) -> Resolved {
 }
 
 /// Finds the value of a placeholder, and reports one that is not known where the text is used.
-fn resolve<'a>(
-    expr: Expr<'a>,
-    scope: TextScope<'_>,
-    context: &mut Context<'a, '_>,
-) -> Result<Resolved, Reported> {
+fn resolve(expr: Expr<'_>, scope: TextScope<'_>, context: &mut Context<'_>) -> Result<Resolved> {
     let resolved = match expr {
-        Expr::Name(name) if !context.constants.contains_key(name.text()) => {
-            named(name, scope, context)?
-        }
-        Expr::Path(path) => dotted(path, context)?,
-        Expr::Call(call) => match measure(call, context)? {
-            Measure::Nearest { field, to } => later(Placeholder::Nearest { field, to }),
-            _ => written(expr, context)?,
-        },
-        _ => written(expr, context)?,
+        Expr::Name(name) => named(name, scope, context)?,
+        Expr::Path(path) => dotted(path, scope, context)?,
+        _ => written(expr, scope, context)?,
     };
     if let Resolved::Later(value) = &resolved {
         let uses = value.uses();
         if uses.action && matches!(scope.place, TextPlace::Stage(_) | TextPlace::Result) {
-            return Err(needs_action(expr.span(), context));
+            return Err(context.needs_action(expr.span()));
         }
         if uses.last {
             scope.require_last(expr.span(), context)?;
@@ -215,132 +202,78 @@ fn resolve<'a>(
     Ok(resolved)
 }
 
-fn named<'a>(
-    name: Name<'a>,
-    scope: TextScope<'_>,
-    context: &mut Context<'a, '_>,
-) -> Result<Resolved, Reported> {
+fn named(name: Name<'_>, scope: TextScope<'_>, context: &mut Context<'_>) -> Result<Resolved> {
     let text = name.text().to_owned();
-    if let Some(layer) = context.layers.get(name.text()) {
-        let layer = layer.as_ref().map_err(|reported| *reported)?;
-        let (words, uses_last) = (layer.words.clone(), layer.uses_last());
-        if uses_last {
-            scope.require_last(name.span(), context)?;
+    match context.names.get(name.text())? {
+        Some(Meaning::Field) if context.actions.get(name.text())?.is_some() => {
+            Ok(later(Placeholder::Field { field: text }))
         }
-        context.named_layers.push((text, name.span()));
-        return Ok(Resolved::Words(words));
-    }
-    Ok(later(match context.names.get(name.text()) {
-        Some(Meaning::Keypoint(Some(KeypointShape::Points))) => {
-            Placeholder::Points { keypoint: text }
-        }
-        Some(Meaning::Keypoint(Some(KeypointShape::Point))) => Placeholder::Point {
-            point: Point::Keypoint { name: text },
-        },
-        Some(Meaning::Keypoint(shape)) => {
-            let expected = "something that can be written as text";
-            return Err(wrong_shape(name, shape, expected, context));
-        }
-        Some(Meaning::Text { stage }) => {
-            let is_read = match scope.place {
-                TextPlace::Stage(here) => stage < here,
-                TextPlace::Message | TextPlace::Nowhere => true,
-                TextPlace::Result => false,
-            };
-            if !is_read {
-                let message = format!("`{text}` is not read before this stage");
-                let diagnostic = Diagnostic::new(Code::NotYetKnown, name.span(), message);
-                return Err(context.error(diagnostic.help(
-                    "stages run in order; a text is known to the stages after the one that reads it",
-                )));
-            }
-            Placeholder::Text { name: text }
-        }
-        Some(Meaning::DuplicateNames(reported)) => return Err(reported),
-        Some(Meaning::Field) => match context.actions.get(name.text())? {
-            Some(_) => Placeholder::Field { field: text },
-            // The place that results from a direction and a distance.
-            None => return written(Expr::Name(name), context),
-        },
         None if text == OVERLAP && scope.place == TextPlace::Result => {
-            Placeholder::Text { name: text }
+            Ok(later(Placeholder::Text { name: text }))
         }
-        None if text == UNREACHABLE => Placeholder::Unreachable,
-        None if text == "step" => return written(Expr::Name(name), context),
-        None => {
+        None if text == UNREACHABLE => Ok(later(Placeholder::Unreachable)),
+        None if text != "step" => {
             let candidates = candidates(scope.place, context);
-            return Err(context.unknown("value", name, candidates));
+            Err(context.unknown("value", name, candidates))
         }
-    }))
+        _ => written(Expr::Name(name), scope, context),
+    }
 }
 
 /// Returns the names that can be used in a text at this place.
-fn candidates<'a>(place: TextPlace, context: &Context<'a, '_>) -> Vec<&'a str> {
+fn candidates<'a>(place: TextPlace, context: &Context<'a>) -> Vec<&'a str> {
     let mut names = context.names.that(|meaning| match (meaning, place) {
-        (Meaning::Keypoint(shape), _) => {
+        (Meaning::Keypoint(shape, _), _) => {
             matches!(shape, Some(KeypointShape::Points | KeypointShape::Point))
         }
-        (Meaning::Text { stage }, TextPlace::Stage(here)) => stage < here,
+        (Meaning::Constant(_) | Meaning::Layer, _) => true,
+        (Meaning::Text(stage), TextPlace::Stage(here)) => stage < here,
         (Meaning::Field, TextPlace::Stage(_)) | (_, TextPlace::Result) => false,
-        (Meaning::DuplicateNames(_), _) => false,
         (_, TextPlace::Message | TextPlace::Nowhere) => true,
     });
-    names.extend(context.constants.keys());
-    names.extend(context.layers.keys());
     names.extend([FORMAT, POINTS, "step"]);
     names.extend((place == TextPlace::Result).then_some(OVERLAP));
     names
 }
 
 /// Finds the value of `actions.format`, `FIELD.choices`, `last.pick` and other names with dots.
-fn dotted<'a>(path: Path<'a>, context: &mut Context<'a, '_>) -> Result<Resolved, Reported> {
+fn dotted(path: Path<'_>, scope: TextScope<'_>, context: &mut Context<'_>) -> Result<Resolved> {
     let text = path.text();
     match text {
         FORMAT => return Ok(later(Placeholder::Format)),
         POINTS => return Ok(later(Placeholder::PointForm)),
-        "last.pick" | "last.place" => return written(Expr::Path(path), context),
+        "last.pick" | "last.place" => return written(Expr::Path(path), scope, context),
         _ => {}
     }
     if let Some((_, face)) = FACES.iter().find(|(name, _)| *name == text) {
-        let cloth = context.cloth.as_ref().map_err(|reported| *reported)?;
-        // A base without a cloth never becomes a program.
-        let colour = cloth
-            .as_ref()
-            .map_or_else(|| Colour::recorded(*face), |it| it.colour(*face));
-        return Ok(Resolved::Words(colour.name));
+        return Ok(Resolved::Words(context.colour(*face)?.name));
     }
     let of_choices = text.strip_suffix(".choices");
-    if let Some(name) = of_choices
-        && let Some(field) = context.actions.get(name)?
-    {
-        return Ok(match &field.choices {
-            Choices::Points { .. } => later(Placeholder::Choices {
-                field: name.to_owned(),
-            }),
-            Choices::Region { mask } => Resolved::Words(space::any_of(mask)),
-            _ => Resolved::Words(space::listed(field, &space::declared(field))),
-        });
-    }
     let of_last = text.strip_prefix("last.");
-    if let Some(name) = of_last
-        && context.actions.get(name)?.is_some()
+    if let Some(name) = of_choices.or(of_last)
+        && let Some(Meaning::Field) = context.names.get(name)?
     {
-        return Ok(later(Placeholder::LastField {
-            field: name.to_owned(),
-        }));
+        match (context.actions.get(name)?, of_choices) {
+            (Some(field), Some(_)) => {
+                return Ok(match &field.choices {
+                    Choices::Points { .. } => later(Placeholder::Choices {
+                        field: name.to_owned(),
+                    }),
+                    Choices::Region { mask } => Resolved::Words(space::any_of(mask)),
+                    _ => Resolved::Words(space::listed(field, &space::declared(field))),
+                });
+            }
+            (Some(_), None) => {
+                return Ok(later(Placeholder::LastField {
+                    field: name.to_owned(),
+                }));
+            }
+            // A field that the action lacks is reported at the action's declaration.
+            (None, _) => context.actions.complete?,
+        }
     }
-    // A field that the action lacks is reported at the action's declaration.
-    if of_choices
-        .or(of_last)
-        .and_then(|name| context.names.get(name))
-        == Some(Meaning::Field)
-    {
-        context.actions.complete?;
-    }
-    let choices = context
-        .actions
-        .right()
-        .map(|field| format!("{}.choices", field.name));
+    let fields = context.actions.right();
+    let choices = fields.map(|field| format!("{}.choices", field.name));
     let choices: Vec<String> = choices.collect();
     let candidates = [FORMAT, POINTS, "last.pick", "last.place"].into_iter();
     let candidates = candidates.chain(FACES.map(|(name, _)| name));
@@ -351,42 +284,57 @@ fn dotted<'a>(path: Path<'a>, context: &mut Context<'a, '_>) -> Result<Resolved,
 // ---- how values are written ----------------------------------------------------------------------
 
 /// Resolves a placeholder with any value.
-fn written<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Resolved, Reported> {
-    let plain = |factor, decimals, unit: &str| NumberFormat {
-        factor,
-        decimals,
-        unit: unit.to_owned(),
-    };
+fn written(expr: Expr<'_>, scope: TextScope<'_>, context: &mut Context<'_>) -> Result<Resolved> {
+    let unwritable = "something that can be written as text";
     Ok(match operand(expr, context)? {
         Operand::Length(length) => self::length(&length, context)?,
-        Operand::Angle { deg, unit } => Resolved::Words(number(deg, &of_degrees(unit))),
-        Operand::Between { a, b, unit } => later(Placeholder::Angle {
+        Operand::Angle(deg, unit) => Resolved::Words(number(deg, &of_degrees(unit))),
+        Operand::Between([a, b], unit) => later(Placeholder::Angle {
             a,
             b,
             written: of_degrees(unit),
         }),
         Operand::Number(value) => Resolved::Words(exact::written(value, DECIMALS)),
-        Operand::Counted { number, as_percent } => {
-            let written = match as_percent {
-                AsPercent::Yes => plain(100.0, 0, "%"),
-                AsPercent::No => plain(1.0, 3, ""),
-            };
-            later(Placeholder::Number { number, written })
-        }
+        Operand::Counted(number, written) => later(Placeholder::Number { number, written }),
         Operand::Point(point) => later(Placeholder::Point { point }),
         Operand::WordField(field) => later(Placeholder::Field { field }),
-        Operand::Quadrant { point, about } => later(Placeholder::Quadrant { point, about }),
+        Operand::Quadrant([point, about]) => later(Placeholder::Quadrant { point, about }),
         Operand::Word(word) => Resolved::Words(word),
-        Operand::Heading => {
-            let message = format!(
-                "the direction `{}` cannot be written as text",
-                context.written(expr.span())
-            );
-            let diagnostic = Diagnostic::new(Code::WrongExpression, expr.span(), message);
-            return Err(context.error(
-                diagnostic
-                    .help("write `nearest(direction, …)` for the choice that is nearest to it"),
-            ));
+        Operand::Nearest(field, to) => later(Placeholder::Nearest { field, to }),
+        Operand::Keypoint(name, KeypointShape::Points) => {
+            later(Placeholder::Points { keypoint: name })
+        }
+        Operand::Keypoint(_, shape) => match expr {
+            Expr::Name(name) => return Err(wrong_kind(name, unwritable, shape.words(), context)),
+            _ => return Err(context.wrong(Code::WrongExpression, expr, unwritable, None)),
+        },
+        Operand::Text(name, stage) => {
+            let is_read = match scope.place {
+                TextPlace::Stage(here) => stage < here,
+                TextPlace::Message | TextPlace::Nowhere => true,
+                TextPlace::Result => false,
+            };
+            if !is_read {
+                let message = format!("`{name}` is not read before this stage");
+                let help = "stages run in order; a text is known to the stages after the one that reads it";
+                return Err(context.refuse(Code::NotYetKnown, expr.span(), message, help));
+            }
+            later(Placeholder::Text { name })
+        }
+        Operand::Layer(name) => {
+            let layer = context.layer(&name)?.expect("every layer has been read");
+            let (words, uses_last) = (layer.words.clone(), layer.uses_last());
+            if uses_last {
+                scope.require_last(expr.span(), context)?;
+            }
+            context.named_layers.push((name, expr.span()));
+            Resolved::Words(words)
+        }
+        Operand::Heading(_) => {
+            let written = context.written(expr.span());
+            let message = format!("the direction `{written}` cannot be written as text");
+            let help = "write `nearest(direction, …)` for the choice that is nearest to it";
+            return Err(context.refuse(Code::WrongExpression, expr.span(), message, help));
         }
     })
 }
@@ -407,7 +355,7 @@ fn of_degrees(unit: &Unit) -> NumberFormat {
     in_unit(unit, units::DEG.size / unit.size)
 }
 
-fn length(length: &FramedLength, context: &Context<'_, '_>) -> Result<Resolved, Reported> {
+fn length(length: &FramedLength, context: &Context<'_>) -> Result<Resolved> {
     let frame = length.unit.dimension;
     // A measure of the picture stays in pixels, even if it is written as a length on the table.
     let base = match &length.length {

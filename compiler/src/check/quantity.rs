@@ -1,6 +1,7 @@
 //! Numbers with units: their dimension, their value in base units, and their range.
 
-use super::context::Context;
+use super::context::{Context, Result};
+use super::names::Meaning;
 use crate::diag::{Code, Diagnostic, Reported, among, nearest};
 use fab_grammar::ast::{Expr, Name, Quantity};
 use fab_program::exact::written;
@@ -26,15 +27,10 @@ impl Measured {
 
 /// Describes a dimension, with an example of how a number is written in it.
 fn example(dimension: Dimension) -> String {
-    let example = match dimension {
-        Dimension::Length => "40mm",
-        Dimension::Pixels => "10px",
-        Dimension::Angle => "45deg",
-        Dimension::Speed => "200mm/s",
-        Dimension::ArealDensity => "420g/m2",
-        Dimension::Number => return "a number without a unit".to_owned(),
-    };
-    format!("{} such as `{example}`", dimension.noun())
+    match dimension {
+        Dimension::Number => "a number without a unit".to_owned(),
+        _ => format!("{} such as `40{}`", dimension.noun(), usual_unit(dimension)),
+    }
 }
 
 /// Returns the unit that advice uses for a dimension.
@@ -47,45 +43,43 @@ pub(super) fn usual_unit(dimension: Dimension) -> &'static str {
 /// Returns the quantity of a number or of a named constant; `None` for any other expression.
 pub(crate) fn quantity_of<'a>(
     expr: Expr<'a>,
-    context: &Context<'a, '_>,
-) -> Result<Option<Quantity<'a>>, Reported> {
+    context: &Context<'a>,
+) -> Result<Option<Quantity<'a>>> {
     match expr {
         Expr::Quantity(quantity) => Ok(Some(quantity)),
-        Expr::Name(name) => match context.constants.get(name.text()) {
-            Some(Ok(quantity)) => Ok(Some(*quantity)),
-            Some(Err(reported)) => Err(*reported),
-            None => Ok(None),
-        },
-        _ => Ok(None),
+        _ => constant(expr, context),
     }
 }
 
+/// Returns the quantity of a named constant; `None` for any other expression.
+fn constant<'a>(expr: Expr<'a>, context: &Context<'a>) -> Result<Option<Quantity<'a>>> {
+    let Expr::Name(name) = expr else {
+        return Ok(None);
+    };
+    Ok(match context.names.get(name.text())? {
+        Some(Meaning::Constant(Expr::Quantity(quantity))) => Some(quantity),
+        _ => None,
+    })
+}
+
 /// Reads a number with its unit, or a constant; `None` for any other expression.
-pub(crate) fn measured<'a>(
-    expr: Expr<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<Option<Measured>, Reported> {
+pub(crate) fn measured(expr: Expr<'_>, context: &mut Context<'_>) -> Result<Option<Measured>> {
     let Some(quantity) = quantity_of(expr, context)? else {
         return Ok(None);
     };
     let number = quantity.value();
-    let Some(name) = quantity.unit() else {
-        return Ok(Some(Measured {
-            value: number,
-            number,
-            unit: None,
-        }));
-    };
-    let unit = unit(quantity, name, context)?;
+    let unit = quantity.unit().map(|name| unit(quantity, name, context));
+    let unit = unit.transpose()?;
+    let size = unit.map_or(Ok(1.0), |unit| size(unit, context))?;
     Ok(Some(Measured {
-        value: number * size(unit, context)?,
+        value: number * size,
         number,
-        unit: Some(unit),
+        unit,
     }))
 }
 
 /// Returns the size of a unit in base units.
-pub(super) fn size(unit: &Unit, context: &Context<'_, '_>) -> Result<f64, Reported> {
+pub(super) fn size(unit: &Unit, context: &Context<'_>) -> Result<f64> {
     if *unit == units::EDGE {
         return context.edge_m();
     }
@@ -93,54 +87,50 @@ pub(super) fn size(unit: &Unit, context: &Context<'_, '_>) -> Result<f64, Report
 }
 
 /// Reads a number in a range, in base units. NaN, for `edge` in a base without a cloth, passes every range.
-pub(crate) fn read<'a>(
-    expr: Expr<'a>,
-    range: &Range,
-    context: &mut Context<'a, '_>,
-) -> Result<f64, Reported> {
+pub(crate) fn read(expr: Expr<'_>, range: &Range, context: &mut Context<'_>) -> Result<f64> {
     let value = in_dimension(expr, range.dimension(), context)?;
+    in_range(value, expr, range, context)
+}
+
+/// Reads a whole number in a range.
+pub(crate) fn read_whole(expr: Expr<'_>, range: &Range, context: &mut Context<'_>) -> Result<f64> {
+    let value = in_dimension(expr, range.dimension(), context)?;
+    whole(value, expr, range, context)
+}
+
+/// Reports a number that is not whole, or not in a range.
+pub(super) fn whole(
+    value: f64,
+    expr: Expr<'_>,
+    range: &Range,
+    context: &mut Context<'_>,
+) -> Result<f64> {
+    if value.fract() != 0.0 {
+        let message = format!("`{}` is not a whole number", context.written(expr.span()));
+        let help = format!("expected {}", range.words());
+        return Err(context.refuse(Code::NotWhole, expr.span(), message, help));
+    }
+    in_range(value, expr, range, context)
+}
+
+fn in_range(value: f64, expr: Expr<'_>, range: &Range, context: &mut Context<'_>) -> Result<f64> {
     if range.contains(value) || value.is_nan() {
         return Ok(value);
     }
     Err(beyond(expr, range, context))
 }
 
-/// Reads a whole number in a range.
-pub(crate) fn read_whole<'a>(
-    expr: Expr<'a>,
-    range: &Range,
-    context: &mut Context<'a, '_>,
-) -> Result<f64, Reported> {
-    let value = in_dimension(expr, range.dimension(), context)?;
-    if value.fract() != 0.0 {
-        let help = format!("expected {}", range.words());
-        return Err(not_whole(expr, &help, context));
-    }
-    read(expr, range, context)
-}
-
-/// Reports a number that is not whole.
-pub(super) fn not_whole(expr: Expr<'_>, help: &str, context: &mut Context<'_, '_>) -> Reported {
-    let written = context.written(expr.span());
-    let message = format!("`{written}` is not a whole number");
-    context.error(Diagnostic::new(Code::NotWhole, expr.span(), message).help(help))
-}
-
 /// Reports a number outside of a range.
-pub(super) fn beyond(expr: Expr<'_>, range: &Range, context: &mut Context<'_, '_>) -> Reported {
+pub(super) fn beyond(expr: Expr<'_>, range: &Range, context: &mut Context<'_>) -> Reported {
     out_of_range(expr, &format!("expected {}", range.words()), context)
 }
 
 /// Reports a number that is too large or too small.
-pub(super) fn out_of_range(expr: Expr<'_>, help: &str, context: &mut Context<'_, '_>) -> Reported {
+pub(super) fn out_of_range(expr: Expr<'_>, help: &str, context: &mut Context<'_>) -> Reported {
     let written = context.written(expr.span());
-    let stated = match expr {
-        Expr::Name(name) => context.constants.get(name.text()),
-        _ => None,
-    };
-    let Some(Ok(stated)) = stated else {
+    let Ok(Some(stated)) = constant(expr, context) else {
         let message = format!("`{written}` is out of range");
-        return context.error(Diagnostic::new(Code::OutOfRange, expr.span(), message).help(help));
+        return context.refuse(Code::OutOfRange, expr.span(), message, help);
     };
     let place = stated.span();
     let message = format!("`{written}` is `{}`, out of range", context.written(place));
@@ -148,11 +138,7 @@ pub(super) fn out_of_range(expr: Expr<'_>, help: &str, context: &mut Context<'_,
     context.error(diagnostic.also(place, "stated here").help(help))
 }
 
-fn in_dimension<'a>(
-    expr: Expr<'a>,
-    expected: Dimension,
-    context: &mut Context<'a, '_>,
-) -> Result<f64, Reported> {
+fn in_dimension(expr: Expr<'_>, expected: Dimension, context: &mut Context<'_>) -> Result<f64> {
     let (stated, target) = match expr {
         Expr::Converted(converted) => (converted.value(), Some(converted.target())),
         _ => (expr, None),
@@ -202,8 +188,8 @@ fn in_dimension<'a>(
 fn converted(
     found: &Measured,
     target: Name<'_>,
-    context: &mut Context<'_, '_>,
-) -> Result<(f64, Dimension), Reported> {
+    context: &mut Context<'_>,
+) -> Result<(f64, Dimension)> {
     let from = found.dimension();
     match (from, units::find(target.text()).map(|unit| unit.dimension)) {
         (from, Some(to)) if from == to => Ok((found.value, to)),
@@ -223,17 +209,14 @@ fn converted(
 }
 
 /// Makes the diagnostic for a number without a unit. A constant is reported where it is declared, once for all uses.
-pub(super) fn no_unit(expr: Expr<'_>, expected: &str, context: &Context<'_, '_>) -> Diagnostic {
+pub(super) fn no_unit(expr: Expr<'_>, expected: &str, context: &Context<'_>) -> Diagnostic {
     let message = format!("`{}` has no unit", context.written(expr.span()));
-    let declared = match expr {
-        Expr::Name(name) => context.constants.get(name.text()),
-        _ => None,
-    };
-    match declared {
-        Some(Ok(number)) => Diagnostic::new(Code::MissingUnit, number.span(), message)
-            .also(expr.span(), format!("expected {expected}")),
-        _ => Diagnostic::new(Code::MissingUnit, expr.span(), message)
-            .label(format!("expected {expected}")),
+    let expected = format!("expected {expected}");
+    match constant(expr, context) {
+        Ok(Some(number)) => {
+            Diagnostic::new(Code::MissingUnit, number.span(), message).also(expr.span(), expected)
+        }
+        _ => Diagnostic::new(Code::MissingUnit, expr.span(), message).label(expected),
     }
 }
 
@@ -252,17 +235,15 @@ pub(super) fn no_conversion(
     target: Name<'_>,
     what: &str,
     fitting: Vec<&'static str>,
-    context: &mut Context<'_, '_>,
+    context: &mut Context<'_>,
 ) -> Reported {
     let word = target.text();
     let message = format!("{what} cannot be converted to `{word}`");
     let diagnostic = Diagnostic::new(Code::NoConversion, target.span(), message);
-    let spelled = UNITS.iter().find(|unit| unit.spellings.contains(&word));
-    let spelled = spelled
-        .map(|unit| unit.name)
-        .filter(|name| fitting.contains(name));
+    let meant = spelled(word).map(|unit| unit.name);
+    let meant = meant.filter(|name| fitting.contains(name));
     context.error(
-        match spelled.or_else(|| nearest(word, fitting.iter().copied())) {
+        match meant.or_else(|| nearest(word, fitting.iter().copied())) {
             Some(meant) if units::find(word).is_none() => diagnostic.meant(target.span(), meant),
             _ if fitting.is_empty() => diagnostic.help("remove the conversion"),
             _ => diagnostic.help(format!("after `in`, write {}", among(fitting))),
@@ -270,11 +251,17 @@ pub(super) fn no_conversion(
     )
 }
 
+/// Returns the unit that has a word as another spelling.
+fn spelled(word: &str) -> Option<&'static Unit> {
+    UNITS.iter().find(|unit| unit.spellings.contains(&word))
+}
+
+/// Returns the unit of a number; reports an unknown one.
 pub(super) fn unit(
     quantity: Quantity<'_>,
     name: Name<'_>,
-    context: &mut Context<'_, '_>,
-) -> Result<&'static Unit, Reported> {
+    context: &mut Context<'_>,
+) -> Result<&'static Unit> {
     let word = name.text();
     if let Some(unit) = units::find(word) {
         return Ok(unit);
@@ -282,24 +269,20 @@ pub(super) fn unit(
     let message = format!("there is no unit `{word}`");
     let diagnostic = Diagnostic::new(Code::UnknownUnit, name.span(), message);
     if word == "%" {
-        let fraction = written(quantity.value() / 100.0, 6);
+        let part = written(quantity.value() / 100.0, 6);
         return Err(context.error(diagnostic.help(format!(
-            "write `{fraction}` for a fraction, `{fraction}edge` for a part of the cloth's longer side"
+            "write `{part}` for a fraction, `{part}edge` for a part of the cloth's longer side"
         ))));
     }
-    let right = UNITS.iter().find(|unit| unit.spellings.contains(&word));
-    let mut names = UNITS.iter().map(|unit| unit.name);
+    let names = UNITS.iter().map(|unit| unit.name);
     // `167g` for `167g/m2`
-    let begun = names.find(|name| name.split_once('/').is_some_and(|(first, _)| first == word));
-    let near = begun.or_else(|| nearest(word, UNITS.iter().map(|unit| unit.name)));
-    Err(context.error(match (right, near) {
+    let is_begun = |name: &&str| name.split_once('/').is_some_and(|(first, _)| first == word);
+    let begun = names.clone().find(is_begun);
+    Err(context.error(match (spelled(word), begun) {
         (Some(right), _) => diagnostic
             .help(format!("write `{}`", right.name))
             .edit(name.span(), right.name),
         (None, Some(meant)) => diagnostic.meant(name.span(), meant),
-        (None, None) => {
-            let all = among(UNITS.iter().map(|unit| unit.name)).replace(" or ", " and ");
-            diagnostic.help(format!("units are {all}"))
-        }
+        (None, None) => diagnostic.suggest(word, names, ""),
     }))
 }

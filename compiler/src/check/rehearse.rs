@@ -1,57 +1,52 @@
 //! `rehearse plan { twin(…) choose most overlap … }`: what is tried on a twin of the cloth before the world moves.
 
-use super::context::{Context, Declared};
-use super::expressions::{Scope, call, material_name};
+use super::context::{Context, Declared, Result};
+use super::expressions::made;
 use super::material;
 use super::quantity::{read, read_whole};
-use super::stage::{Prompts, number_of};
-use crate::diag::{Code, Diagnostic, Reported, among};
+use super::stage::Prompts;
+use crate::diag::{Code, Diagnostic, Reported};
 use crate::lang::rehearse::{REVISIONS, TRUST, TWINS};
 use crate::merge::{Merged, once};
 use fab_grammar::ast::{self, Call, Choose, Expr, Name, Rehearse, Revise, Trust};
-use fab_program::vocabulary::Kind;
 use fab_program::{
     Cloth, Distrusted, Material, ModelRole, Read, Rehearsal, RehearsalMeasure, Stage, TwinRanges,
 };
 
 /// Builds the rehearsal of a stage; `None` in a base without stages.
-pub(crate) fn check<'a>(
-    part: Rehearse<'a>,
-    merged: &Merged<'a>,
+pub(crate) fn check(
+    part: Rehearse<'_>,
+    merged: &Merged<'_>,
     prompts: &Prompts,
-    context: &mut Context<'a, '_>,
+    context: &mut Context<'_>,
 ) -> Declared<Rehearsal> {
     let twins = once(part.twins(), "twin", Call::span, context.report);
     let choices = once(part.choices(), "choose", Choose::span, context.report);
     let revisions = once(part.revisions(), "revise", Revise::span, context.report);
     let trusts = once(part.trusts(), "trust", Trust::span, context.report);
-    let lines = [twins.alone, choices.alone, revisions.alone, trusts.alone];
-    let has_purpose = choices.first.is_some() || revisions.first.is_some();
-    let lacks = lacking(
-        part,
-        [twins.first.is_none(), !has_purpose, trusts.first.is_none()],
-        context,
-    );
+    let lines = [
+        ("twin", twins.is_some()),
+        ("choose", choices.is_some() || revisions.is_some()),
+        ("trust", trusts.is_some()),
+    ];
+    if lines.iter().any(|(_, is_there)| !is_there) {
+        let help = "state, for example, `twin(material: cotton, size: 0.95 to 1.05, friction: 0.4 to 0.9) choose most overlap trust overlap > 0.8`";
+        let block = format!("the rehearsal of `{}`", part.stage().text());
+        let block = (block.as_str(), part.stage().span());
+        context.lacking(Code::RehearsalIncomplete, block, &lines, help);
+    }
     let stage = stage(part, merged, prompts, context);
     let asked = stage.as_ref().ok().and_then(|it| it.as_ref());
-    let twin = twins.first.map(|it| twin(it, context));
-    let choose = choices
-        .first
-        .map(|it| choose(it, asked, merged, context))
-        .transpose();
-    let revisions = revisions
-        .first
-        .map(|it| revisions_of(it, asked, context))
-        .transpose();
-    let trust_above = trusts
-        .first
-        .map(|it| read(it.above(), &TRUST.range, context))
-        .transpose();
-    let refuses = trusts.first.and_then(Trust::else_refuse).is_some();
-    lines.into_iter().collect::<Result<(), _>>()?;
-    lacks?;
-    let (choose, revisions) = (choose?, revisions?);
-    let (Some(twin), Some(trust_above), Some(stage)) = (twin.transpose()?, trust_above?, stage?)
+    let twin = twins.map(|it| twin(it, context)).transpose();
+    let choose = choices.map(|it| choose(it, asked, merged, context));
+    let revisions = revisions.map(|it| revisions_of(it, asked, context));
+    let trust_above = trusts.map(|it| read(it.above(), &TRUST.range, context));
+    let distrusted = match trusts.and_then(Trust::else_refuse) {
+        Some(_) => Distrusted::Refuses,
+        None => Distrusted::StandsAside,
+    };
+    let (choose, revisions) = (choose.transpose()?, revisions.transpose()?);
+    let (Some(twin), Some(trust_above), Some(stage)) = (twin?, trust_above.transpose()?, stage?)
     else {
         return Ok(None);
     };
@@ -61,50 +56,8 @@ pub(crate) fn check<'a>(
         choose,
         revisions: revisions.unwrap_or(0),
         trust_above,
-        distrusted: if refuses {
-            Distrusted::Refuses
-        } else {
-            Distrusted::StandsAside
-        },
+        distrusted,
     }))
-}
-
-/// Reports the lines that a rehearsal must have and does not, all in one error.
-///
-/// - `is_missing`: its twin, what it is for, and how far the twin is trusted.
-fn lacking(
-    part: Rehearse<'_>,
-    is_missing: [bool; 3],
-    context: &mut Context<'_, '_>,
-) -> Result<(), Reported> {
-    const NEEDED: [(&str, &str); 3] = [
-        (
-            "twin",
-            "write `twin(material: cotton, size: 0.95 to 1.05, friction: 0.4 to 0.9)`",
-        ),
-        (
-            "choose",
-            "write `choose most overlap`, or `revise 1 with picture`",
-        ),
-        (
-            "trust",
-            "write `trust overlap > 0.8`: where twin and camera agree less, it is not rehearsed",
-        ),
-    ];
-    let lacks = NEEDED
-        .iter()
-        .zip(is_missing)
-        .filter(|(_, missing)| *missing);
-    let lacks: Vec<(&str, &str)> = lacks.map(|(row, _)| *row).collect();
-    if lacks.is_empty() {
-        return Ok(());
-    }
-    let words = among(lacks.iter().map(|(word, _)| *word));
-    let stage = part.stage();
-    let message = format!("the rehearsal of `{}` has no {words}", stage.text());
-    let diagnostic = Diagnostic::new(Code::RehearsalIncomplete, stage.span(), message);
-    let diagnostic = lacks.iter().fold(diagnostic, |it, (_, how)| it.help(*how));
-    Err(context.error(diagnostic))
 }
 
 /// Returns the stage that is rehearsed; `None` in a base without stages.
@@ -112,35 +65,26 @@ fn stage<'p>(
     part: Rehearse<'_>,
     merged: &Merged<'_>,
     prompts: &'p Prompts,
-    context: &mut Context<'_, '_>,
+    context: &mut Context<'_>,
 ) -> Declared<&'p Stage> {
     if merged.stages.is_empty() {
         return Ok(None);
     }
     let name = part.stage();
-    let number = number_of(name, merged, context)?;
-    let stage = prompts.stages[number].as_ref().map_err(|it| *it)?;
+    let (_, stage) = prompts.stage(name, merged, context)?;
     if stage.read != Read::Action {
         let message = format!("the stage `{}` does not read the action", stage.name);
-        let diagnostic = Diagnostic::new(Code::WrongForm, name.span(), message);
         let help = "only an action can be tried on a twin: name the last stage";
-        return Err(context.error(diagnostic.help(help)));
+        return Err(context.refuse(Code::WrongForm, name.span(), message, help));
     }
     Ok(Some(stage))
 }
 
 /// Reads what the twins are made of.
-fn twin<'a>(line: Call<'a>, context: &mut Context<'a, '_>) -> Result<TwinRanges, Reported> {
-    let signatures = TWINS.iter().map(|row| &row.signature);
-    let scope = Scope::Everywhere;
-    let (row, args, bound) = call("twin", Expr::Call(line), signatures, scope, context)?;
-    let mut twin = (TWINS[row].make)(&args);
-    if let Some((_, expr)) = bound
-        .iter()
-        .find(|(arg, _)| matches!(arg.kind, Kind::Material))
-    {
-        let name = material_name(*expr, context)?;
-        twin.material = material::named(name, context)?;
+fn twin(line: Call<'_>, context: &mut Context<'_>) -> Result<TwinRanges> {
+    let (mut twin, _, bound) = made("twin", Expr::Call(line), TWINS, context)?;
+    if let Some((name, material)) = material::of_call(&bound, context)? {
+        twin.material = material;
         if let Ok(Some(cloth)) = &context.cloth
             && is_own(&twin, cloth)
         {
@@ -171,37 +115,32 @@ fn is_own(twin: &TwinRanges, cloth: &Cloth) -> bool {
 }
 
 /// Warns of a twin that is made of what the judged cloth is made of.
-fn own_material(name: Name<'_>, context: &mut Context<'_, '_>) {
-    let message = format!(
-        "the twin is made of `{}`, as the task's cloth is",
-        name.text()
-    );
-    let diagnostic = Diagnostic::new(Code::TwinOfOwnMaterial, name.span(), message);
+fn own_material(name: Name<'_>, context: &mut Context<'_>) {
+    let material = name.text();
+    let message = format!("the twin is made of `{material}`, as the task's cloth is");
     let help = "a simulated cloth would be rehearsed on its own physics, and the gain would say nothing about a real one; name another material";
-    context.remark(diagnostic.help(help));
+    context.warn(Code::TwinOfOwnMaterial, name.span(), message, help);
 }
 
 /// Reports a twin that cannot differ from the judged cloth.
-fn judged_cloth(line: Call<'_>, friction: f64, context: &mut Context<'_, '_>) -> Reported {
+fn judged_cloth(line: Call<'_>, friction: f64, context: &mut Context<'_>) -> Reported {
     let message = format!(
         "the twin is the task's own cloth: the same material, of its size and with its friction of {friction}"
     );
-    let diagnostic = Diagnostic::new(Code::TwinIsJudgedCloth, line.span(), message);
     let help = "name another material, and for what is not known write ranges, such as `size: 0.95 to 1.05, friction: 0.4 to 0.9`";
-    context.error(diagnostic.help(help))
+    context.refuse(Code::TwinIsJudgedCloth, line.span(), message, help)
 }
 
 /// Reads the measure by which the best candidate is chosen.
-fn choose<'a>(
-    line: Choose<'a>,
+fn choose(
+    line: Choose<'_>,
     stage: Option<&&Stage>,
-    merged: &Merged<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<RehearsalMeasure, Reported> {
+    merged: &Merged<'_>,
+    context: &mut Context<'_>,
+) -> Result<RehearsalMeasure> {
     let name = line.measure();
-    let known = RehearsalMeasure::WORDS.iter().map(|word| word.name);
-    let measure = RehearsalMeasure::from_word(name.text())
-        .ok_or_else(|| context.unknown("rehearsal measure", name, known))?;
+    let word = context.word("rehearsal measure", name, RehearsalMeasure::WORDS)?;
+    let measure = RehearsalMeasure::from_word(word).expect("a word of the table");
     if measure == RehearsalMeasure::Overlap
         && merged.subgoals().is_none()
         // Without a cloth, the task is there for others to extend, which may have subgoals.
@@ -209,9 +148,8 @@ fn choose<'a>(
         && !merged.stages.is_empty()
     {
         let message = "`overlap` needs a subgoal to compare with, and the task has none";
-        let diagnostic = Diagnostic::new(Code::NotMeasuredOnTwin, name.span(), message);
         let help = "show `subgoals`, or write `choose most coverage`";
-        return Err(context.error(diagnostic.help(help)));
+        return Err(context.refuse(Code::NotMeasuredOnTwin, name.span(), message, help));
     }
     if let (RehearsalMeasure::Coverage, Some(subgoals)) = (measure, merged.subgoals()) {
         let message =
@@ -224,39 +162,27 @@ fn choose<'a>(
     }
     if let Some(stage) = stage.filter(|stage| stage.candidates() < 2) {
         let message = format!("the stage `{}` gives one answer to choose from", stage.name);
-        let diagnostic = Diagnostic::new(Code::RehearsalIncomplete, line.span(), message);
         let help = "write `candidates 4` and a temperature above 0 behind its `model`";
-        return Err(context.error(diagnostic.help(help)));
+        return Err(context.refuse(Code::RehearsalIncomplete, line.span(), message, help));
     }
     Ok(measure)
 }
 
 /// Reads how often an answer may be revised.
-fn revisions_of<'a>(
-    line: Revise<'a>,
+fn revisions_of(
+    line: Revise<'_>,
     stage: Option<&&Stage>,
-    context: &mut Context<'a, '_>,
-) -> Result<u32, Reported> {
+    context: &mut Context<'_>,
+) -> Result<u32> {
     let count = read_whole(line.count(), &REVISIONS.range, context)?;
     if let Some(stage) = stage.filter(|stage| stage.model == ModelRole::Text) {
-        let message = format!(
-            "`revise` shows a picture, but the stage `{}` asks a text model",
-            stage.name
-        );
-        let diagnostic = Diagnostic::new(Code::PicturesForTextModel, line.span(), message);
-        let help = "write `model vision` in that stage, or leave out `revise`";
-        return Err(context.error(diagnostic.help(help)));
+        return Err(context.text_model(line.span(), "`revise`", &stage.name));
     }
     Ok(count as u32)
 }
 
 /// Reports candidates that would all be alike.
-pub(crate) fn candidates(
-    merged: &Merged<'_>,
-    prompts: &Prompts,
-    context: &mut Context<'_, '_>,
-) -> Result<(), Reported> {
-    let mut all = Ok(());
+pub(crate) fn candidates(merged: &Merged<'_>, prompts: &Prompts, context: &mut Context<'_>) {
     for (declared, stage) in merged.stages.iter().zip(&prompts.stages) {
         let mut settings = declared.model().flat_map(ast::Model::settings);
         let (Ok(stage), Some(setting)) =
@@ -270,9 +196,7 @@ pub(crate) fn candidates(
             None => "without a temperature",
         };
         let message = format!("{} candidates are asked for {at}", stage.candidates());
-        let diagnostic = Diagnostic::new(Code::CandidatesAlike, setting.span(), message);
         let help = "write a temperature above 0, such as `temperature 0.7`: equal questions would get equal answers";
-        all = Err(context.error(diagnostic.help(help)));
+        context.refuse(Code::CandidatesAlike, setting.span(), message, help);
     }
-    all
 }

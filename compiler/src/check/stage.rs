@@ -4,18 +4,17 @@
 //! stage says. [`super::examples`] reads examples, [`super::placeholders`] the values in texts.
 
 use super::conditions;
-use super::context::{Context, Declared};
+use super::context::{Context, Declared, Result};
 use super::examples;
-use super::expressions::{Scope, argument};
-use super::missing_action::{needs_action, needs_last};
+use super::expressions::argument;
 use super::placeholders::{TextPlace, TextScope, template};
-use crate::diag::{Code, Diagnostic, Reported, among, nearest};
-use crate::lang::stage::{DRAWINGS, MODELS, PICTURE_ROWS, PICTURES, SETTINGS};
+use crate::diag::{Code, Diagnostic, Reported, among, every, nearest};
+use crate::lang::stage::{MODELS, PICTURE_ROWS, PICTURES, SETTINGS};
 use crate::merge::{Line, Merged, Said, once, unique};
 use fab_grammar::Span;
-use fab_grammar::ast::{self, ComponentOrText, Declares, Expr, Name, Sayings, Text};
+use fab_grammar::ast::{self, ComponentOrText, Declares, Name, Sayings, Text};
 use fab_program::Depends;
-use fab_program::vocabulary::{ArgValue, Kind};
+use fab_program::vocabulary::{ArgValue, Args, Kind};
 use fab_program::{
     self as program, Condition, Layers, ModelRole, Picture, Read, Reasoning, ReasoningLevel,
     Template,
@@ -36,120 +35,98 @@ const WITH_LAYERS: Picture = Picture::Scene {
 /// The stages, and every text that they say.
 pub(crate) struct Prompts {
     /// In the order of their declarations.
-    pub stages: Vec<Result<program::Stage, Reported>>,
-    pub templates: Vec<Result<Template, Reported>>,
-    /// The proof of an error that concerns several stages, if there is one.
-    pub joined: Result<(), Reported>,
+    pub stages: Vec<Result<program::Stage>>,
+    pub templates: Vec<Result<Template>>,
 }
 
 /// Builds the stages of a task and their texts.
-pub(crate) fn check<'a>(merged: &Merged<'a>, context: &mut Context<'a, '_>) -> Prompts {
-    let n_stages = merged.stages.len();
-    let beyond = merged.stages.iter().nth(MAX_STAGES);
-    let within = context.bounded(beyond.map(|stage| stage.name().span()), || {
-        format!("there are {n_stages} stages, at most {MAX_STAGES} are accepted")
-    });
+pub(crate) fn check(merged: &Merged<'_>, context: &mut Context<'_>) -> Prompts {
+    let places = merged.stages.iter().map(|stage| stage.name().span());
+    let within = context.at_most(MAX_STAGES, places, "a task", "stages");
     let mut builder = Builder {
         merged,
+        context,
         templates: BTreeMap::new(),
     };
     let stages = merged.stages.iter().enumerate();
-    let stages: Vec<Result<program::Stage, Reported>> = stages
-        .map(|(number, stage)| builder.stage(number, stage, context))
+    let stages: Vec<Result<program::Stage>> = stages
+        .map(|(number, stage)| within.and_then(|()| builder.stage(number, stage)))
         .collect();
-    let readers = action_readers(merged, context);
-    let shown = builder.named_layers_are_shown(&stages, context);
+    action_readers(merged, builder.context);
+    builder.named_layers_are_shown(&stages);
     // A stage that is wrong may say less than its author meant.
-    let says_all = !stages.is_empty() && stages.iter().all(Result::is_ok);
-    let mut named = Ok(());
-    if says_all {
-        named = builder.shown_layers_are_named(context);
+    if !stages.is_empty() && stages.iter().all(Result::is_ok) {
+        builder.shown_layers_are_named();
         if merged.variant.is_none() {
-            said_nowhere(merged, context);
+            said_nowhere(merged, builder.context);
         }
     }
-    builder.unsaid(context);
+    builder.unsaid();
     Prompts {
         stages,
         templates: builder.in_order(),
-        joined: within.and(readers).and(shown).and(named),
     }
 }
 
 /// Reports an error unless the last stage, and only that one, reads the action.
-fn action_readers(merged: &Merged<'_>, context: &mut Context<'_, '_>) -> Result<(), Reported> {
+fn action_readers(merged: &Merged<'_>, context: &mut Context<'_>) {
     let mut earlier = merged.stages.iter();
     let Some(last) = earlier.next_back() else {
-        return Ok(());
+        return;
     };
     let action = |stage: ast::Stage<'_>| {
         let read = stage.read().find(|read| read.name().text() == "action");
         read.map(|read| read.span())
     };
-    let name = last.name().text();
+    let name = last.name();
     let acting = earlier.find_map(|stage| Some((stage.name(), action(stage)?)));
     let new = |span, message| Diagnostic::new(Code::ActionReadElsewhere, span, message);
     let diagnostic = match (acting, action(last), last.read().next()) {
-        (None, None, Some(read)) => new(
-            read.span(),
-            format!("the last stage, `{name}`, does not read the action"),
-        )
-        .help("write `read action`"),
-        (Some((acting, _)), None, _) => new(
-            last.name().span(),
-            format!(
-                "the stage `{name}` comes after `{}`, which reads the action",
-                acting.text()
-            ),
-        )
-        .also(acting.span(), "reads the action")
-        .help(format!(
-            "a new stage comes last: state it above `{}`, in the same task; to add a text to `{}`, write `say NAME in {} after NAME`",
-            acting.text(),
-            acting.text(),
-            acting.text()
-        )),
-        (Some((acting, read)), Some(_), _) => new(
-            read,
-            format!(
-                "`{}` reads the action, but it is not the last stage",
-                acting.text()
-            ),
-        )
-        .also(last.name().span(), "this is the last stage")
-        .help("write `read NAME from \"…{NAME}\"`"),
-        (None, ..) => return Ok(()),
+        (None, None, Some(read)) => {
+            let name = name.text();
+            let message = format!("the last stage, `{name}`, does not read the action");
+            new(read.span(), message).help("write `read action`")
+        }
+        (Some((acting, _)), None, _) => {
+            let (name, span, acting, place) =
+                (name.text(), name.span(), acting.text(), acting.span());
+            let message =
+                format!("the stage `{name}` comes after `{acting}`, which reads the action");
+            new(span, message).also(place, "reads the action").help(format!(
+                "a new stage comes last: state it above `{acting}`, in the same task; to add a text to `{acting}`, write `say NAME in {acting} after NAME`"
+            ))
+        }
+        (Some((acting, read)), Some(_), _) => {
+            let acting = acting.text();
+            let message = format!("`{acting}` reads the action, but it is not the last stage");
+            new(read, message)
+                .also(name.span(), "this is the last stage")
+                .help("write `read NAME from \"…{NAME}\"`")
+        }
+        (None, ..) => return,
     };
-    Err(context.error(diagnostic))
+    context.error(diagnostic);
 }
 
-/// Builds the condition on which a component is used.
-pub(crate) fn guard<'a>(
-    expr: Expr<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<Condition, Reported> {
+/// Builds the condition on which a component is used, if it has one.
+fn guard(component: ast::Component<'_>, context: &mut Context<'_>) -> Declared<Condition> {
+    let Some(expr) = component.when() else {
+        return Ok(None);
+    };
     let when = conditions::check(expr, context)?;
     let uses = when.uses();
     if uses.action {
-        return Err(needs_action(expr.span(), context));
+        return Err(context.needs_action(expr.span()));
     }
     if uses.last && !when.implies_last() {
-        return Err(needs_last(expr.span(), "… when last and …", context));
+        return Err(context.needs_last(expr.span(), "… when last and …"));
     }
-    Ok(when)
+    Ok(Some(when))
 }
 
-/// Builds the condition of a component, if it has one.
-fn component_guard<'a>(
-    component: ast::Component<'a>,
-    context: &mut Context<'a, '_>,
-) -> Declared<Condition> {
-    let when = component.when().map(|expr| guard(expr, context));
-    when.transpose()
-}
-
-struct Builder<'m, 'a> {
+struct Builder<'m, 'a, 'c> {
     merged: &'m Merged<'a>,
+    context: &'m mut Context<'c>,
     /// By name.
     templates: BTreeMap<String, Built>,
 }
@@ -158,53 +135,48 @@ struct Builder<'m, 'a> {
 struct Built {
     /// Its place in the order in which they are built.
     number: usize,
-    template: Result<Template, Reported>,
+    template: Result<Template>,
     /// The layers that it names.
     layers: Vec<(String, Span)>,
 }
 
-impl<'a> Builder<'_, 'a> {
-    fn stage(
-        &mut self,
-        number: usize,
-        stage: ast::Stage<'a>,
-        context: &mut Context<'a, '_>,
-    ) -> Result<program::Stage, Reported> {
-        let model = once(stage.model(), "model", ast::Model::span, context.report);
-        let show = once(stage.show(), "show", ast::Show::span, context.report);
-        let say = once(stage.say(), "say", Sayings::span, context.report);
-        let system = once(stage.system(), "system", Sayings::span, context.report);
-        let read = once(stage.read(), "read", ast::Read::span, context.report);
-        let lines = [model.alone, show.alone, say.alone, system.alone, read.alone];
-        let (Some(model), Some(say), Some(read)) = (model.first, say.first, read.first) else {
-            return Err(self.incomplete(stage, context));
+impl<'a> Builder<'_, 'a, '_> {
+    fn stage(&mut self, number: usize, stage: ast::Stage<'a>) -> Result<program::Stage> {
+        let model = once(
+            stage.model(),
+            "model",
+            ast::Model::span,
+            self.context.report,
+        );
+        let show = once(stage.show(), "show", ast::Show::span, self.context.report);
+        let say = once(stage.say(), "say", Sayings::span, self.context.report);
+        let system = once(stage.system(), "system", Sayings::span, self.context.report);
+        let read = once(stage.read(), "read", ast::Read::span, self.context.report);
+        let (Some(model), Some(say), Some(read)) = (model, say, read) else {
+            let lines = [
+                ("model", model.is_some()),
+                ("say", say.is_some()),
+                ("read", read.is_some()),
+            ];
+            return Err(self.incomplete(stage.name(), &lines));
         };
-        let (role, settings) = self::model(model, context);
-        let pictures = show
-            .first
-            .map_or(Vec::new(), |line| self::pictures(line, context));
-        let showable = show.first.map_or(Ok(()), |line| {
-            self.showable(
-                stage,
-                line,
-                role.map(|role| (role, model)),
-                &pictures,
-                context,
-            )
-        });
+        let role = role(model, self.context);
+        let settings = settings(model, self.context);
+        let pictures = show.map_or(Ok(Vec::new()), |line| pictures(line, self.context));
+        if let Some(show) = show {
+            self.showable(stage, show, role, &pictures);
+        }
 
         let name = stage.name().text();
         let mut sayings = |line, part: Sayings<'a>| {
             let said = self.merged.said.get(name).into_iter();
             let list = said.flat_map(|said| said.line(line)).collect();
-            self.sayings(number, stage, line, part, list, context)
+            self.sayings(number, stage, line, part, list)
         };
-        let system = system.first.map(|part| sayings(Line::System, part));
+        let system = system.map(|part| sayings(Line::System, part));
         let say = sayings(Line::Say, say);
-        let read = self::read(read, context);
-        let examples = examples::check(stage, role, read.as_ref().map_err(|it| *it), context);
-        showable?;
-        lines.into_iter().collect::<Result<(), _>>()?;
+        let read = self::read(read, self.context);
+        let examples = examples::check(stage, role, read.as_ref().map_err(|it| *it), self.context);
         let settings = settings?;
         let number = |name: &str| match settings.get(name)? {
             ArgValue::Number(number) => Some(*number),
@@ -223,74 +195,51 @@ impl<'a> Builder<'_, 'a> {
             },
             candidates: number("candidates").map(|count| count as u32),
             system: system.transpose()?.unwrap_or_default(),
-            examples: examples.into_iter().collect::<Result<_, _>>()?,
+            examples: examples?,
             say: say?,
-            show: pictures.into_iter().collect::<Result<_, _>>()?,
+            show: pictures?,
             read: read?,
         })
     }
 
     /// Reports the lines that a stage must have and does not, all in one error.
-    fn incomplete(&self, stage: ast::Stage<'a>, context: &mut Context<'a, '_>) -> Reported {
-        let lacks_model = stage.model().next().is_none();
-        let lacks_read = stage.read().next().is_none();
-        let lines = [
-            ("model", lacks_model, "write `model vision` or `model text`"),
-            (
-                "say",
-                stage.say().next().is_none(),
-                "write `say` and components or a text",
-            ),
-            (
-                "read",
-                lacks_read,
-                "write `read action`, or `read NAME from \"…{NAME}\"`",
-            ),
-        ];
-        let lacks = || lines.iter().filter(|(_, is_missing, _)| *is_missing);
-        let name = stage.name();
-        let words = among(lacks().map(|(word, ..)| *word));
-        let message = format!("the stage `{}` has no {words}", name.text());
-        let diagnostic = Diagnostic::new(Code::StageIncomplete, name.span(), message);
+    fn incomplete(&mut self, stage: Name<'_>, lines: &[(&str, bool); 3]) -> Reported {
+        let name = stage.text();
+        let replaced = format!(
+            "this replaces the whole inherited stage; to add to what it says, write `say NAME in {name} after NAME`, outside of any stage"
+        );
         // Who states neither the model nor what is read means to add to the inherited stage.
-        let adds = lacks_model && lacks_read;
-        let diagnostic = if adds && self.merged.replaced_stages.contains(name.text()) {
-            diagnostic.help(format!(
-                "this replaces the whole inherited stage; to add to what it says, write `say NAME in {} after NAME`, outside of any stage",
-                name.text()
-            ))
-        } else {
-            lacks().fold(diagnostic, |it, (.., how)| it.help(*how))
+        let help = match lines {
+            [(_, false), _, (_, false)] if self.merged.replaced_stages.contains(name) => &replaced,
+            _ => {
+                "write `model vision`, `say` with components or a text, and `read action` or `read NAME from \"…{NAME}\"`"
+            }
         };
-        context.error(diagnostic)
+        let block = format!("the stage `{name}`");
+        let block = (block.as_str(), stage.span());
+        self.context
+            .lacking(Code::StageIncomplete, block, lines, help)
     }
 
     /// Reports pictures for a model that takes none, and annotations if no layers are declared.
     fn showable(
-        &self,
-        stage: ast::Stage<'a>,
-        show: ast::Show<'a>,
-        model: Result<(ModelRole, ast::Model<'a>), Reported>,
-        pictures: &[Result<Picture, Reported>],
-        context: &mut Context<'a, '_>,
-    ) -> Result<(), Reported> {
-        let mut all = Ok(());
-        if let Ok((ModelRole::Text, model)) = model {
-            let message = format!(
-                "the stage `{}` shows pictures to a text model",
-                stage.name().text()
-            );
-            let diagnostic = Diagnostic::new(Code::PicturesForTextModel, show.span(), message);
-            let diagnostic = diagnostic.help("write `model vision`, or remove `show`");
-            all = Err(context.error(diagnostic.also(model.span(), "asks a text model")));
+        &mut self,
+        stage: ast::Stage<'_>,
+        show: ast::Show<'_>,
+        role: Result<ModelRole>,
+        pictures: &Result<Vec<Picture>>,
+    ) {
+        if role == Ok(ModelRole::Text) {
+            self.context
+                .text_model(show.span(), "`show`", stage.name().text());
         }
-        if pictures.contains(&Ok(WITH_LAYERS)) && self.merged.annotate().is_none() {
+        let shows_layers = { pictures.iter().flatten() }.any(|it| *it == WITH_LAYERS);
+        if shows_layers && self.merged.annotate().is_none() {
             let message = "no annotations are declared";
-            let diagnostic = Diagnostic::new(Code::NothingToDraw, show.span(), message);
             let help = "add `annotate { … }`, or write `show scene`";
-            all = Err(context.error(diagnostic.help(help)));
+            self.context
+                .refuse(Code::NothingToDraw, show.span(), message, help);
         }
-        all
     }
 
     // ---- texts -----------------------------------------------------------------------------------
@@ -306,68 +255,58 @@ impl<'a> Builder<'_, 'a> {
         line: Line,
         part: Sayings<'a>,
         list: Vec<ComponentOrText<'a>>,
-        context: &mut Context<'a, '_>,
-    ) -> Result<Vec<String>, Reported> {
+    ) -> Result<Vec<String>> {
+        let word = match line {
+            Line::System => "system",
+            Line::Say => "say",
+        };
         let mut names = Vec::new();
         let mut n_texts = 0;
         let mut all = Ok(());
         for saying in list {
             match saying {
-                ComponentOrText::Component(name) => match self.component(number, name, context) {
+                ComponentOrText::Component(name) => match self.component(number, name) {
                     Ok(name) => names.extend(name),
                     Err(reported) => all = Err(reported),
                 },
                 ComponentOrText::Text(text) => {
                     n_texts += 1;
-                    let suffix = if n_texts == 1 {
-                        String::new()
-                    } else {
-                        format!(".{n_texts}")
-                    };
-                    let word = match line {
-                        Line::System => "system",
-                        Line::Say => "say",
-                    };
-                    let name = format!("{}.{word}{suffix}", stage.name().text());
-                    self.build(&name, "component NAME", text, Ok(None), number, context);
+                    let mut name = format!("{}.{}", stage.name().text(), word);
+                    if n_texts > 1 {
+                        name = format!("{name}.{n_texts}");
+                    }
+                    self.build(&name, "component NAME", text, Ok(None), number);
                     names.push(name);
                 }
             }
         }
         all?;
         if names.is_empty() && line == Line::Say {
-            let message = format!(
-                "the stage `{}` has no text left to say",
-                stage.name().text()
-            );
+            let name = stage.name().text();
+            let message = format!("the stage `{name}` has no text left to say");
             let span = self.merged.task.name().span();
-            let diagnostic = Diagnostic::new(Code::StageIncomplete, span, message);
-            let diagnostic = diagnostic.also(part.span(), "all of these components are left out");
-            return Err(context.error(diagnostic));
+            let diagnostic = Diagnostic::new(Code::StageIncomplete, span, message)
+                .also(part.span(), "all of these components are left out");
+            return Err(self.context.error(diagnostic));
         }
         Ok(names)
     }
 
     /// Returns the name of a component's template; `None` for a removed component.
-    fn component(
-        &mut self,
-        number: usize,
-        name: Name<'a>,
-        context: &mut Context<'a, '_>,
-    ) -> Result<Option<String>, Reported> {
+    fn component(&mut self, number: usize, name: Name<'a>) -> Result<Option<String>> {
         let text = name.text();
         let Some(component) = self.merged.components.get(text) else {
             if self.merged.components.is_removed(text) {
                 return Ok(None);
             }
             let all = self.merged.components.names();
-            return Err(context.unknown("component", name, all));
+            return Err(self.context.unknown("component", name, all));
         };
         // A later stage knows all that this one knows.
         if !self.templates.contains_key(text) {
-            let when = component_guard(component, context);
+            let when = guard(component, self.context);
             let guarded = format!("component {text}");
-            self.build(text, &guarded, component.text(), when, number, context);
+            self.build(text, &guarded, component.text(), when, number);
         }
         Ok(Some(text.to_owned()))
     }
@@ -380,34 +319,25 @@ impl<'a> Builder<'_, 'a> {
         name: &str,
         guarded: &str,
         text: Text<'a>,
-        when: Result<Option<Condition>, Reported>,
+        when: Result<Option<Condition>>,
         stage: usize,
-        context: &mut Context<'a, '_>,
     ) {
-        let has_last = match &when {
-            Ok(when) => when.as_ref().is_some_and(Condition::implies_last),
-            // Check the text as if the condition were right.
-            Err(_) => true,
-        };
-        let scope = TextScope {
-            place: TextPlace::Stage(stage),
-            has_last,
-            guarded,
-        };
-        let template = match when {
-            Ok(when) => template(name, text, when, scope, context),
-            Err(reported) => template(name, text, None, scope, context).and(Err(reported)),
-        };
+        // If the condition is wrong, check the text as if it were right.
+        let has_last = when.as_ref().map_or(true, |when| {
+            when.as_ref().is_some_and(Condition::implies_last)
+        });
+        let scope = TextScope::new(TextPlace::Stage(stage), has_last, guarded);
+        let template = template(name, text, when.unwrap_or_default(), scope, self.context);
         let built = Built {
             number: self.templates.len(),
             template,
-            layers: std::mem::take(&mut context.named_layers),
+            layers: std::mem::take(&mut self.context.named_layers),
         };
         self.templates.insert(name.to_owned(), built);
     }
 
     /// Returns the components in the order of their declarations, then the texts of the stages.
-    fn in_order(self) -> Vec<Result<Template, Reported>> {
+    fn in_order(self) -> Vec<Result<Template>> {
         let place = |name: &str| self.merged.components.place(name).unwrap_or(usize::MAX);
         let mut templates: Vec<(String, Built)> = self.templates.into_iter().collect();
         templates.sort_by_key(|(name, built)| (place(name), built.number));
@@ -417,37 +347,18 @@ impl<'a> Builder<'_, 'a> {
     // ---- all stages together ---------------------------------------------------------------------
 
     /// Checks the components that no stage says.
-    fn unsaid(&mut self, context: &mut Context<'a, '_>) {
-        for component in self.merged.components.iter() {
-            let name = component.name().text();
-            if self.templates.contains_key(name) {
-                continue;
-            }
-            let when = component_guard(component, context);
-            let scope = TextScope {
-                place: TextPlace::Nowhere,
-                has_last: true,
-                guarded: "",
-            };
-            let template = template(name, component.text(), None, scope, context);
-            if let Err(reported) = when.and(template) {
-                let built = Built {
-                    number: 0,
-                    template: Err(reported),
-                    layers: Vec::new(),
-                };
-                self.templates.insert(name.to_owned(), built);
-            }
+    fn unsaid(&mut self) {
+        let all = self.merged.components.iter();
+        for component in all.filter(|it| !self.templates.contains_key(it.name().text())) {
+            let scope = TextScope::new(TextPlace::Nowhere, true, "");
+            // What is wrong with them is reported; no prompt has them.
+            let _: Declared<Condition> = guard(component, self.context);
+            let _: Result<Template> = template("", component.text(), None, scope, self.context);
         }
     }
 
     /// Reports layers that a stage names and its pictures do not show.
-    fn named_layers_are_shown(
-        &self,
-        stages: &[Result<program::Stage, Reported>],
-        context: &mut Context<'a, '_>,
-    ) -> Result<(), Reported> {
-        let mut all = Ok(());
+    fn named_layers_are_shown(&mut self, stages: &[Result<program::Stage>]) {
         for stage in stages.iter().flatten() {
             let said = stage.system.iter().chain(&stage.say);
             let said = said.filter_map(|name| self.templates.get(name));
@@ -464,13 +375,12 @@ impl<'a> Builder<'_, 'a> {
             let others = others.iter().filter(|(other, _)| other != layer);
             let diagnostic =
                 others.fold(diagnostic, |it, (_, span)| it.also(*span, "nor this one"));
-            all = Err(context.error(diagnostic));
+            self.context.error(diagnostic);
         }
-        all
     }
 
     /// Reports layers that are drawn and that no stage names.
-    fn shown_layers_are_named(&self, context: &mut Context<'a, '_>) -> Result<(), Reported> {
+    fn shown_layers_are_named(&mut self) {
         let merged = self.merged;
         // A variant may remove the text that names a layer of its task; that is not a mistake.
         let own = merged.own_body().map(|body| body.span());
@@ -479,11 +389,11 @@ impl<'a> Builder<'_, 'a> {
         let named: BTreeSet<&str> = named.map(|(layer, _)| layer.as_str()).collect();
         let drawn = merged.annotate().into_iter().flat_map(|part| part.list());
         let mut unnamed = drawn.map(|layer| layer.name()).filter(|name| {
-            let is_right = matches!(context.layers.get(name.text()), Some(Ok(_)));
+            let is_right = matches!(self.context.layer(name.text()), Ok(Some(_)));
             is_right && !named.contains(name.text()) && is_own(name.span())
         });
         let Some(first) = unnamed.next() else {
-            return Ok(());
+            return;
         };
         let name = first.text();
         let message = format!("the layer `{name}` is drawn, but no prompt says what it is");
@@ -493,12 +403,12 @@ impl<'a> Builder<'_, 'a> {
                 "write `{{{{ {name} }}}}` in a text of a stage with `show scene with annotations`"
             ));
         let diagnostic = unnamed.fold(diagnostic, |it, name| it.also(name.span(), "nor this one"));
-        Err(context.error(diagnostic))
+        self.context.error(diagnostic);
     }
 }
 
 /// Warns of the components of a task and its variants that no stage of these says.
-fn said_nowhere(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
+fn said_nowhere(merged: &Merged<'_>, context: &mut Context<'_>) {
     let variants = || merged.task.variants().map(|variant| variant.body());
     let bodies = || variants().chain([merged.task.body()]);
     let inherited = merged.said.values().flat_map(Said::names);
@@ -511,93 +421,84 @@ fn said_nowhere(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
     let own = bodies().flat_map(ast::Body::components);
     let own = own.filter(|component| component.declares() == Declares::New);
     let own: Vec<Name<'_>> = own.map(|component| component.name()).collect();
-    for name in &own {
-        if said.contains(name.text()) || merged.components.is_removed(name.text()) {
+    for (name, span) in own.iter().map(|name| (name.text(), name.span())) {
+        if said.contains(name) || merged.components.is_removed(name) {
             continue;
         }
-        let message = format!("the component `{}` is never used", name.text());
-        let diagnostic = Diagnostic::new(Code::SaidNowhere, name.span(), message);
+        let message = format!("the component `{name}` is never used");
         // Perhaps the author meant to replace an inherited component.
         let declared_here = |other: &&str| own.iter().any(|own| own.text() == *other);
         let inherited = merged.components.names().filter(|it| !declared_here(it));
-        context.remark(diagnostic.help(match nearest(name.text(), inherited) {
+        let help = match nearest(name, inherited) {
             Some(meant) => format!("did you mean `override component {meant}`?"),
             None => format!(
-                "name it in a stage's `say` or `system`, write `say {} in STAGE after NAME`, or remove it",
-                name.text()
+                "name it in a stage's `say` or `system`, write `say {name} in STAGE after NAME`, or remove it"
             ),
-        }));
+        };
+        context.warn(Code::SaidNowhere, span, message, help);
     }
 }
 
-/// Returns which stage a name means; reports an unknown one.
-pub(super) fn number_of(
-    name: Name<'_>,
-    merged: &Merged<'_>,
-    context: &mut Context<'_, '_>,
-) -> Result<usize, Reported> {
-    let names = || merged.stages.iter().map(|stage| stage.name().text());
-    names()
-        .position(|known| known == name.text())
-        .ok_or_else(|| context.unknown("stage", name, names()))
+impl Prompts {
+    /// Finds the stage of this name, with its index.
+    pub fn stage(
+        &self,
+        name: Name<'_>,
+        merged: &Merged<'_>,
+        context: &mut Context<'_>,
+    ) -> Result<(usize, &program::Stage)> {
+        let names = || merged.stages.iter().map(|stage| stage.name().text());
+        let Some(number) = names().position(|known| known == name.text()) else {
+            return Err(context.unknown("stage", name, names()));
+        };
+        let stage = self.stages[number].as_ref();
+        stage.map(|stage| (number, stage)).map_err(|it| *it)
+    }
 }
 
 // ---- model ---------------------------------------------------------------------------------------
 
-/// The values of a model's settings, by their names.
-type Settings = BTreeMap<&'static str, ArgValue>;
-
-/// Reads `model text, temperature 0, tokens 769`: the model that is asked, and its settings.
-fn model<'a>(
-    line: ast::Model<'a>,
-    context: &mut Context<'a, '_>,
-) -> (Result<ModelRole, Reported>, Result<Settings, Reported>) {
-    let names = line.settings().map(|setting| setting.name());
-    let twice = unique(names, "setting", context.report);
-    let mut list = line.settings();
-    let Some(kind) = list.next() else {
-        let diagnostic = Diagnostic::new(Code::WrongForm, line.span(), "expected a kind of model");
-        let reported = context.error(diagnostic);
-        return (Err(reported), Err(reported));
+/// Reads which kind of model is asked.
+fn role(line: ast::Model<'_>, context: &mut Context<'_>) -> Result<ModelRole> {
+    let Some(kind) = line.settings().next() else {
+        return Err(context.fault(Code::WrongForm, line.span(), "expected a kind of model"));
     };
     let word = kind.name().text();
-    let role = match MODELS.iter().find(|row| row.name == word) {
-        Some(row) if row.name == "vision" => Ok(ModelRole::Vision),
-        Some(_) => Ok(ModelRole::Text),
-        None => {
+    match word {
+        "vision" => Ok(ModelRole::Vision),
+        "text" => Ok(ModelRole::Text),
+        _ => {
             let message = format!("there is no kind of model `{word}`");
-            let diagnostic = Diagnostic::new(Code::UnknownName, kind.name().span(), message);
-            Err(context.error(match nearest(word, MODELS.iter().map(|row| row.name)) {
-                Some(meant) => diagnostic.meant(kind.name().span(), meant),
-                None => diagnostic.help("write `model vision` or `model text`; which model is asked is said on the command line, with `--model`"),
-            }))
-        }
-    };
-    let mut settings = twice.map(|()| Settings::new());
-    if let (Some(value), Ok(_)) = (kind.value(), role) {
-        let message = format!("`{}` takes no number", kind.name().text());
-        settings = Err(context.fault(Code::WrongForm, value.span(), message));
-    }
-    for setting in list {
-        match (self::setting(setting, context), &mut settings) {
-            (Ok((name, value)), Ok(settings)) => {
-                settings.insert(name, value);
-            }
-            (Err(reported), _) => settings = Err(reported),
-            (Ok(_), Err(_)) => {}
+            let diagnostic = Diagnostic::new(Code::UnknownName, kind.name().span(), message)
+                .suggest(word, MODELS.iter().map(|row| row.name), "")
+                .help("which model is asked is said on the command line, with `--model`");
+            Err(context.error(diagnostic))
         }
     }
-    (role, settings)
 }
 
-fn setting<'a>(
-    setting: ast::Setting<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<(&'static str, ArgValue), Reported> {
+/// Reads what follows the kind of model: `temperature 0, tokens 769`.
+fn settings(line: ast::Model<'_>, context: &mut Context<'_>) -> Result<Args> {
+    let names = line.settings().map(|setting| setting.name());
+    let all = unique(names, "setting", context.report);
+    let mut list = line.settings();
+    if let Some(kind) = list.next()
+        && let Some(value) = kind.value()
+        && let Some(row) = MODELS.iter().find(|row| row.name == kind.name().text())
+    {
+        let message = format!("`{}` takes no number", row.name);
+        context.fault(Code::WrongForm, value.span(), message);
+    }
+    let settings = every(list.map(|setting| self::setting(setting, context)));
+    all.and(settings).map(Args)
+}
+
+fn setting(
+    setting: ast::Setting<'_>,
+    context: &mut Context<'_>,
+) -> Result<(&'static str, ArgValue)> {
     let name = setting.name();
-    let Some(row) = SETTINGS.iter().find(|row| row.name == name.text()) else {
-        return Err(context.unknown("setting", name, SETTINGS.iter().map(|row| row.name)));
-    };
+    let row = context.row("setting", name, SETTINGS, |row| row.name)?;
     let (needs, example) = match row.kind {
         Kind::Quantity(range) | Kind::Whole(range) => ("number", range.from.0.to_string()),
         Kind::WordOrCount { noun, words, .. } => (noun, words[0].name.to_owned()),
@@ -605,78 +506,46 @@ fn setting<'a>(
     };
     let Some(value) = setting.value() else {
         let message = format!("`{}` needs a {needs}", row.name);
-        let diagnostic = Diagnostic::new(Code::WrongForm, name.span(), message);
         let help = format!("write `{} {example}`", row.name);
-        return Err(context.error(diagnostic.help(help)));
+        return Err(context.refuse(Code::WrongForm, name.span(), message, help));
     };
-    let value = argument(value, row.kind, Scope::Everywhere, context)?;
+    let value = argument(value, row.kind, context)?;
     Ok((row.name, value))
 }
 
 // ---- show ----------------------------------------------------------------------------------------
 
 /// Reads `show subgoal(now) with arrow, subgoal(next)`: the pictures of a question.
-fn pictures<'a>(
-    line: ast::Show<'a>,
-    context: &mut Context<'a, '_>,
-) -> Vec<Result<Picture, Reported>> {
-    let beyond = line
-        .pictures()
-        .nth(MAX_PICTURES)
-        .map(|picture| picture.value().span());
-    let within = context.bounded(beyond, || {
-        format!("at most {MAX_PICTURES} pictures are shown at once")
-    });
-    match within {
-        Ok(()) => line
-            .pictures()
-            .map(|picture| self::picture(picture, context))
-            .collect(),
-        Err(reported) => vec![Err(reported)],
-    }
+fn pictures(line: ast::Show<'_>, context: &mut Context<'_>) -> Result<Vec<Picture>> {
+    let places = line.pictures().map(|picture| picture.value().span());
+    context.at_most(MAX_PICTURES, places, "a question", "pictures")?;
+    every(line.pictures().map(|it| picture(it, context)))
 }
 
-fn picture<'a>(
-    picture: ast::Picture<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<Picture, Reported> {
+fn picture(picture: ast::Picture<'_>, context: &mut Context<'_>) -> Result<Picture> {
     let written = context.loaded.written(picture.value().span());
     let written: String = written.split_whitespace().collect();
-    let row = PICTURE_ROWS
-        .iter()
-        .find(|row| row.word.name == written)
-        .ok_or_else(|| {
-            let diagnostic = context.unexpected(Code::WrongForm, picture.value(), "a picture");
-            let known = among(PICTURES.iter().map(|word| word.name));
-            context.error(diagnostic.help(format!("write {known}")))
-        });
-    let drawings = row.map_or(DRAWINGS, |row| row.drawings);
-    let drawing = picture
-        .with()
-        .map(|name| context.word("drawing", name, drawings))
-        .transpose()?;
-    row.map(|row| {
-        if drawing.is_some() {
-            row.drawn
-        } else {
-            row.bare
-        }
-    })
+    let Some(row) = PICTURE_ROWS.iter().find(|row| row.word.name == written) else {
+        let known = among(PICTURES.iter().map(|word| word.name));
+        let help = format!("write {known}");
+        return Err(context.wrong(Code::WrongForm, picture.value(), "a picture", Some(&help)));
+    };
+    let Some(drawing) = picture.with() else {
+        return Ok(row.bare);
+    };
+    context.word("drawing", drawing, row.drawings)?;
+    Ok(row.drawn)
 }
 
 // ---- read ----------------------------------------------------------------------------------------
 
 /// Reads `read action` or `read NAME from "…{NAME}"`: the part of an answer that is read.
-fn read(line: ast::Read<'_>, context: &mut Context<'_, '_>) -> Result<Read, Reported> {
+fn read(line: ast::Read<'_>, context: &mut Context<'_>) -> Result<Read> {
     let name = line.name().text();
     let hole = format!("{{{name}}}");
     let help = match name {
         "action" => "write `read action` alone".to_owned(),
         _ => format!("write `read {name} from \"Instructions: {hole}\"`"),
-    };
-    let mut refuse = |span, message: String| {
-        let diagnostic = Diagnostic::new(Code::BadPattern, span, message);
-        Err(context.error(diagnostic.help(help.as_str())))
     };
     let Some(pattern) = line.pattern() else {
         if name == "action" {
@@ -684,31 +553,24 @@ fn read(line: ast::Read<'_>, context: &mut Context<'_, '_>) -> Result<Read, Repo
         }
         let message =
             format!("the pattern is missing: nothing says where `{name}` begins in the answer");
-        return refuse(line.span(), message);
+        return Err(context.refuse(Code::BadPattern, line.span(), message, help));
     };
     let written = pattern.plain();
     let parts = { written.iter() }.flat_map(|written| written.splitn(3, hole.as_str()));
     let parts: Vec<&str> = parts.map(str::trim).collect();
-    let (before, after) = match parts.as_slice() {
-        _ if name == "action" => {
-            let message = "`action` is read in its own format";
-            return refuse(pattern.span(), message.to_owned());
+    let message = match parts.as_slice() {
+        _ if name == "action" => "`action` is read in its own format".to_owned(),
+        [] => "a pattern cannot contain `{{ … }}`".to_owned(),
+        [_] => format!("the pattern has no `{hole}`"),
+        ["", ..] => format!("the pattern has no words before `{hole}`"),
+        [before, after] => {
+            return Ok(Read::Text {
+                name: name.to_owned(),
+                before: (*before).to_owned(),
+                after: (*after).to_owned(),
+            });
         }
-        [] => {
-            let message = "a pattern cannot contain `{{ … }}`";
-            return refuse(pattern.span(), message.to_owned());
-        }
-        [_] => return refuse(pattern.span(), format!("the pattern has no `{hole}`")),
-        ["", ..] => {
-            let message = format!("the pattern has no words before `{hole}`");
-            return refuse(pattern.span(), message);
-        }
-        [before, after] => (*before, *after),
-        _ => return refuse(pattern.span(), format!("the pattern has `{hole}` twice")),
+        _ => format!("the pattern has `{hole}` twice"),
     };
-    Ok(Read::Text {
-        name: name.to_owned(),
-        before: before.to_owned(),
-        after: after.to_owned(),
-    })
+    Err(context.refuse(Code::BadPattern, pattern.span(), message, help))
 }

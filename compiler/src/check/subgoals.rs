@@ -1,9 +1,9 @@
 //! `subgoals { demonstrate { … } }` or `subgoals { image "…" … }`: the pictures that show what to do.
 
-use super::context::Context;
-use super::expressions::pixel;
+use super::context::{Context, Result};
+use super::expressions::pixel_of;
 use super::{files, folds};
-use crate::diag::{Code, Diagnostic, Reported, every};
+use crate::diag::{Code, Diagnostic, every};
 use crate::loader::Wanted;
 use crate::merge::once;
 use fab_grammar::ast::{FoldBlock, Image};
@@ -13,13 +13,13 @@ use fab_program::{SubgoalImage, Subgoals};
 const MAX_IMAGES: usize = 101;
 
 /// Builds the subgoals: folds for the simulator to draw, or the author's pictures.
-pub(crate) fn check<'a>(
-    part: fab_grammar::ast::Subgoals<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<Subgoals, Reported> {
+pub(crate) fn check(
+    part: fab_grammar::ast::Subgoals<'_>,
+    context: &mut Context<'_>,
+) -> Result<Subgoals> {
     let head = |block: FoldBlock<'_>| block.head_span();
     let demonstrated = once(part.demonstrations(), "demonstrate", head, context.report);
-    let subgoals = match (demonstrated.first, part.images().next()) {
+    match (demonstrated, part.images().next()) {
         (Some(block), Some(image)) => {
             let message = "the subgoals are both demonstrated and listed as images";
             let diagnostic = Diagnostic::new(Code::MixedSubgoals, image.span(), message);
@@ -34,42 +34,31 @@ pub(crate) fn check<'a>(
         }),
         (None, Some(_)) => images(part, context),
         (None, None) => {
-            let span = part.head_span();
-            let diagnostic = Diagnostic::new(Code::NoFolds, span, "there are no subgoals here")
-                .help("write `demonstrate { fold … }`, or list images");
-            Err(context.error(diagnostic))
+            let help = "write `demonstrate { fold … }`, or list images";
+            let message = "there are no subgoals here";
+            Err(context.refuse(Code::NoFolds, part.head_span(), message, help))
         }
-    };
-    demonstrated.alone.and(subgoals)
+    }
 }
 
-fn images<'a>(
-    part: fab_grammar::ast::Subgoals<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<Subgoals, Reported> {
+fn images(part: fab_grammar::ast::Subgoals<'_>, context: &mut Context<'_>) -> Result<Subgoals> {
     let images: Vec<Image<'_>> = part.images().collect();
     if let [only] = images.as_slice() {
-        let diagnostic = Diagnostic::new(
-            Code::TooFewImages,
-            only.span(),
-            "one image does not show a step",
-        )
-        .help("add the picture after the step");
-        return Err(context.error(diagnostic));
+        let message = "one image does not show a step";
+        let help = "add the picture after the step";
+        return Err(context.refuse(Code::TooFewImages, only.span(), message, help));
     }
-    context.bounded(images.get(MAX_IMAGES).map(|beyond| beyond.span()), || {
-        format!(
-            "there are {} images, at most {MAX_IMAGES} are accepted",
-            images.len()
-        )
-    })?;
+    let places = images.iter().map(|image| image.span());
+    context.at_most(MAX_IMAGES, places, "a task", "images")?;
     let images = every(images.into_iter().map(|part| image(part, context)))?;
     Ok(Subgoals::Images { images })
 }
 
-fn image<'a>(part: Image<'a>, context: &mut Context<'a, '_>) -> Result<SubgoalImage, Reported> {
+fn image(part: Image<'_>, context: &mut Context<'_>) -> Result<SubgoalImage> {
     let file = files::named(part.path(), "an image", Wanted::CameraPicture, context);
-    let ends = part.arrow().map(|ends| ends.map(|end| pixel(end, context)));
+    let ends = part
+        .arrow()
+        .map(|ends| ends.map(|end| pixel_of(end, context)));
     let arrow = match ends {
         Some([tail, tip]) => Some([tail?, tip?]),
         None => None,

@@ -3,18 +3,19 @@
 //! Every part of the program under construction is present, absent, or replaced by the proof of its error. A
 //! [`Program`] is built only if no part has an error, so no part of it can be missing.
 
-use super::context::{Context, Declared};
+use super::context::{Context, Declared, Result, declared};
 use super::names::Names;
+use super::short_text::short;
 use super::{
     actions, annotate, camera, choices, cloth, demos, effect, experts, goal, horizon, keypoints,
     picker, rehearse, stage, subgoals, test, unspoken, unused, verify,
 };
-use crate::diag::{Code, Diagnostic, Report, Reported, among};
+use crate::diag::{Code, among};
 use crate::lang::sections::{RequiredFor, SECTIONS};
 use crate::load::Loaded;
 use crate::merge::Merged;
 use fab_grammar::ast::{Expr, Statement};
-use fab_program::{ActionField, PROGRAM_FORMAT, Program, SourceStamp, Test, hex};
+use fab_program::{PROGRAM_FORMAT, Program, SourceStamp, Test, hex};
 use sha2::{Digest, Sha256};
 
 /// A task's program and its tests; `None` for a base, which cannot run by itself.
@@ -26,26 +27,22 @@ pub(super) type Built = Declared<(Program, Vec<Test>)>;
 pub(super) fn check<'a>(
     merged: &Merged<'a>,
     stamps: &[SourceStamp],
-    form: Result<(), Reported>,
-    context: &mut Context<'a, '_>,
+    form: Result<()>,
+    context: &mut Context<'a>,
 ) -> Built {
-    let loaded = context.loaded;
     context.names = Names::of(merged, context.report);
     keypoints::constants(merged, context);
-    let about = merged.statement("about").map(|it| about(it, context));
+    let about = declared(merged.statement("about"), |it| about(it, context));
     let statement = |word| merged.statement(word);
-    context.cloth = statement("cloth")
-        .map(|it| cloth::check(it, context))
-        .transpose();
-    context.camera = statement("camera")
-        .map(|it| camera::check(it, context))
-        .transpose();
+    context.cloth = declared(statement("cloth"), |it| cloth::check(it, context));
+    context.camera = declared(statement("camera"), |it| camera::check(it, context));
     if let (Some(laid), Some(seen)) = (statement("cloth"), statement("camera")) {
         camera::fits_cloth(laid, seen, context);
     }
-    let picker = statement("picker")
-        .map(|it| picker::check(it, context))
-        .transpose();
+    let picker = declared(statement("picker"), |it| picker::check(it, context));
+    if let Ok(Some((_, manner))) = &picker {
+        picker::stated_once(manner, merged, context);
+    }
     let keypoints = keypoints::check(merged, context);
     if let (Some(seen), Ok(keypoints)) = (statement("camera"), &keypoints) {
         camera::masks_see_cloth(seen, keypoints, merged, context);
@@ -56,66 +53,51 @@ pub(super) fn check<'a>(
     if let Some(part) = merged.actions() {
         context.actions = actions::check(part, context);
     }
-    let layers = annotate::check(merged, context);
-    context.layers = layers
-        .iter()
-        .map(|(name, layer)| (*name, layer.clone()))
-        .collect();
-    let subgoals = merged
-        .subgoals()
-        .map(|part| subgoals::check(part, context))
-        .transpose();
+    context.layers = annotate::check(merged, context);
+    let subgoals = declared(merged.subgoals(), |it| subgoals::check(it, context));
     let experts = experts::sequences(merged, &subgoals, context);
     let horizon = horizon::check(merged, &subgoals, context);
-    let goal = statement("goal")
-        .map(|it| goal::check(it, merged, &experts, context))
-        .transpose();
+    let goal = declared(statement("goal"), |it| {
+        goal::check(it, merged, &experts, context)
+    });
     let mut prompts = stage::check(merged, context);
     let demos = merged
         .demos()
-        .map(|part| demos::check(part, merged, &prompts.stages, context));
+        .map(|part| demos::check(part, merged, &prompts, context));
     let verify = verify::check(merged, &mut prompts, context);
     let rehearsal = merged
         .rehearse()
         .map(|part| rehearse::check(part, merged, &prompts, context));
-    let candidates = rehearse::candidates(merged, &prompts, context);
+    rehearse::candidates(merged, &prompts, context);
     let bounds = test::Bounds {
         keypoints: keypoints.as_deref().unwrap_or_default(),
         horizon: horizon.unwrap_or_default(),
     };
     let tests = test::check(merged, &prompts, &bounds, context);
+    let layers = std::mem::take(&mut context.layers).into_iter();
     let actions = std::mem::take(&mut context.actions.list);
     let complete = context.actions.complete;
-    let joined = prompts.joined.and(merged.joined);
     let (cloth, camera) = (context.cloth.clone(), context.camera.clone());
-    let whole = completeness(merged, form, loaded, context.report)?;
+    let is_whole = is_whole(merged, form, context);
     // Any reported error counts, in whichever part.
     context.report.has_errors()?;
-    joined?;
-    candidates?;
+    merged.joined?;
     form?;
     // Only now, because a check that did not parse would seem to be dropped.
     verify::dropped(merged, context.report);
-    let (Some(cloth), Some(camera), Some(horizon), true) = (cloth?, camera?, horizon?, whole)
+    let (Some(cloth), Some(camera), Some(horizon), true) = (cloth?, camera?, horizon?, is_whole)
     else {
         return Ok(None);
     };
     complete?;
     let (picker, manner) = picker?.unwrap_or_else(Default::default);
-    let actions: Vec<ActionField> = actions
-        .into_iter()
-        .map(|(_, field)| field)
-        .collect::<Result<_, _>>()?;
-    picker::stated_once(&manner, &actions, merged, context)?;
+    let actions = actions.into_iter().map(|(_, field)| field);
     let program = Program {
         format: PROGRAM_FORMAT,
         compiler: env!("CARGO_PKG_VERSION").to_owned(),
         task: merged.task.name().text().to_owned(),
-        variant: merged
-            .variant
-            .as_ref()
-            .map(|variant| variant.name.to_string()),
-        about: about.transpose()?,
+        variant: merged.variant.as_ref().map(|it| it.name.to_string()),
+        about: about?,
         sources: stamps.to_vec(),
         cloth,
         camera,
@@ -124,13 +106,10 @@ pub(super) fn check<'a>(
         subgoals: subgoals?,
         experts: experts?,
         keypoints: keypoints?,
-        layers: layers
-            .into_iter()
-            .map(|(_, layer)| layer)
-            .collect::<Result<_, _>>()?,
-        actions,
-        templates: prompts.templates.into_iter().collect::<Result<_, _>>()?,
-        stages: prompts.stages.into_iter().collect::<Result<_, _>>()?,
+        layers: layers.map(|(_, layer)| layer).collect::<Result<_>>()?,
+        actions: actions.collect::<Result<_>>()?,
+        templates: prompts.templates.into_iter().collect::<Result<_>>()?,
+        stages: prompts.stages.into_iter().collect::<Result<_>>()?,
         demos: demos.transpose()?.flatten(),
         verify: verify?,
         horizon,
@@ -139,7 +118,7 @@ pub(super) fn check<'a>(
     };
     choices::check(&program.actions, merged, context.report)?;
     effect::check(&program, merged, context);
-    let unsaid = |context: &mut Context<'_, '_>| {
+    let unsaid = |context: &mut Context<'_>| {
         unspoken::check(&program, merged, context);
         unused::fields(&program, merged, context);
     };
@@ -149,37 +128,20 @@ pub(super) fn check<'a>(
         (Some(_), Some(own)) => context.within(own.span(), unsaid),
         (Some(_), None) => {}
     }
-    Ok(Some((
-        program,
-        tests.into_iter().collect::<Result<_, _>>()?,
-    )))
+    Ok(Some((program, tests?)))
 }
 
 /// The most characters of `about`: about two lines.
 const MAX_ABOUT_CHARS: usize = 200;
 
 /// Reads what a task is for: one line in quotes.
-fn about(statement: Statement<'_>, context: &mut Context<'_, '_>) -> Result<String, Reported> {
-    let span = statement.value().span();
+fn about(statement: Statement<'_>, context: &mut Context<'_>) -> Result<String> {
     let Expr::Text(text) = statement.value() else {
-        let diagnostic = context.unexpected(Code::WrongForm, statement.value(), "a text in quotes");
-        return Err(context.error(diagnostic.help("write `about \"what the task is for\"`")));
+        let help = Some("write `about \"what the task is for\"`");
+        let expr = statement.value();
+        return Err(context.wrong(Code::WrongForm, expr, "a text in quotes", help));
     };
-    let Some(about) = text.plain() else {
-        let message = "`about` cannot have a placeholder";
-        let diagnostic = Diagnostic::new(Code::WrongForm, span, message);
-        return Err(context.error(diagnostic.help("write plain text")));
-    };
-    let n_chars = about.chars().count();
-    if about.trim().is_empty() {
-        return Err(context.fault(Code::EmptyText, span, "the text is empty"));
-    }
-    if n_chars > MAX_ABOUT_CHARS {
-        let message =
-            format!("`about` has {n_chars} characters, at most {MAX_ABOUT_CHARS} are accepted");
-        return Err(context.fault(Code::TextTooLong, span, message));
-    }
-    Ok(about)
+    short(text, "`about`", MAX_ABOUT_CHARS, context)
 }
 
 /// Returns the name and hash of every source.
@@ -195,12 +157,7 @@ pub(super) fn stamps(loaded: &Loaded<'_>) -> Vec<SourceStamp> {
 ///
 /// A task with a cloth, subgoals or a horizon, and stages is meant to run, so a missing section is an error. Without
 /// these it may be a base.
-fn completeness(
-    merged: &Merged<'_>,
-    form: Result<(), Reported>,
-    loaded: &Loaded<'_>,
-    report: &mut Report,
-) -> Result<bool, Reported> {
+fn is_whole(merged: &Merged<'_>, form: Result<()>, context: &mut Context<'_>) -> bool {
     let lacking = |needed: RequiredFor| -> Vec<&'static str> {
         let rows = SECTIONS.iter().filter(|row| row.needed == needed);
         let lacks = rows.filter(|row| !is_there(row.word, merged));
@@ -211,32 +168,26 @@ fn completeness(
         lacking(RequiredFor::Run),
     );
     if own.is_empty() && shared.is_empty() {
-        return Ok(true);
+        return true;
     }
     let name = merged.task.name();
     if own.is_empty() {
-        let mut all = Ok(false);
         for section in shared {
             let message = format!("`{}` has no `{section}`", name.text());
-            let diagnostic = Diagnostic::new(Code::MissingSection, name.span(), message);
-            all =
-                Err(report
-                    .error(diagnostic.help("write the section, or extend a task that has it")));
+            let help = "write the section, or extend a task that has it";
+            context.refuse(Code::MissingSection, name.span(), message, help);
         }
-        return all;
+        return false;
     }
-    let is_base = loaded.is_extended(merged.task);
-    if !is_base && form.is_ok() && name.span().file == loaded.entry().id {
-        let lacking: Vec<&str> = own.into_iter().chain(shared).collect();
-        let message = format!(
-            "`{}` cannot run by itself: it has no {}",
-            name.text(),
-            among(lacking)
-        );
-        let diagnostic = Diagnostic::new(Code::BaseOnly, name.span(), message);
-        report.remark(diagnostic.help("this is fine for a task that others extend"));
+    let is_base = context.loaded.is_extended(merged.task);
+    if !is_base && form.is_ok() && name.span().file == context.loaded.entry().id {
+        let lacking = among(own.into_iter().chain(shared));
+        let task = name.text();
+        let message = format!("`{task}` cannot run by itself: it has no {lacking}");
+        let help = "this is fine for a task that others extend";
+        context.warn(Code::BaseOnly, name.span(), message, help);
     }
-    Ok(false)
+    false
 }
 
 /// Returns whether a task has a section that it needs.

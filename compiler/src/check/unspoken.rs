@@ -4,16 +4,15 @@
 //! model cannot read points or a format from it.
 
 use super::context::Context;
-use crate::diag::{Code, Diagnostic};
+use crate::diag::Code;
 use crate::merge::Merged;
-use fab_grammar::Span;
 use fab_grammar::ast;
 use fab_program::space;
 use fab_program::{Choices, Depends, Layers, Picture, Placeholder, Program, Read, Stage, Template};
 use std::collections::BTreeSet;
 
 /// Warns of everything that the prompts of a task leave unspoken.
-pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Context<'_, '_>) {
+pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Context<'_>) {
     for stage in &program.stages {
         let Some(part) = merged.stages.get(&stage.name) else {
             continue;
@@ -32,16 +31,20 @@ pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Contex
     points(program, merged, context);
 }
 
-fn warn(code: Code, span: Span, message: String, help: String, context: &mut Context<'_, '_>) {
-    context.remark(Diagnostic::new(code, span, message).help(help));
-}
-
 // ---- texts ---------------------------------------------------------------------------------------
 
 /// Returns the texts that a stage says.
 fn texts<'p>(program: &'p Program, stage: &'p Stage) -> impl Iterator<Item = &'p Template> {
     let names = stage.system.iter().chain(&stage.say);
     names.filter_map(|name| program.template(name))
+}
+
+/// Returns what a stage says, and how the answers of its examples are written.
+fn written<'p>(program: &'p Program, stage: &'p Stage) -> impl Iterator<Item = &'p str> {
+    let examples = { stage.examples.iter() }.map(|example| example.reply.text.as_str());
+    { texts(program, stage) }
+        .map(|text| text.text.as_str())
+        .chain(examples)
 }
 
 /// Returns the values that the texts of all stages show.
@@ -54,17 +57,15 @@ fn shown(program: &Program) -> impl Iterator<Item = &Placeholder> {
 // ---- what is read --------------------------------------------------------------------------------
 
 /// Warns if no prompt says in which format the action is to be answered.
-fn format(program: &Program, stage: &Stage, line: ast::Read<'_>, context: &mut Context<'_, '_>) {
+fn format(program: &Program, stage: &Stage, line: ast::Read<'_>, context: &mut Context<'_>) {
     let demos = program.demos.as_ref();
     if demos.is_some_and(|demos| demos.stage == stage.name) || has_format(program, stage) {
         return;
     }
-    let message = format!(
-        "no text of the stage `{}` says in which format to answer",
-        stage.name
-    );
-    let help = "write `{{ actions.format }}` in one of them".to_owned();
-    warn(Code::FormatNeverSaid, line.span(), message, help, context);
+    let name = &stage.name;
+    let message = format!("no text of the stage `{name}` says in which format to answer");
+    let help = "write `{{ actions.format }}` in one of them";
+    context.warn(Code::FormatNeverSaid, line.span(), message, help);
 }
 
 /// Returns whether a stage's texts or examples say in which format the action is to be answered.
@@ -73,9 +74,8 @@ fn has_format(program: &Program, stage: &Stage) -> bool {
     // The author may write the lines of the format by hand.
     values.any(|variable| variable.value == Placeholder::Format)
         || program.actions.iter().all(|field| {
-            let examples = stage.examples.iter().map(|example| &example.reply.text);
-            let mut all = texts(program, stage).map(|text| &text.text).chain(examples);
-            all.any(|text| states(text, &space::spoken(field)))
+            let field = space::spoken(field);
+            written(program, stage).any(|text| states(text, &field))
         })
 }
 
@@ -91,7 +91,7 @@ fn states(text: &str, field: &str) -> bool {
 }
 
 /// Warns if a text that a stage reads is in no later text.
-fn instruction(program: &Program, name: &str, line: ast::Read<'_>, context: &mut Context<'_, '_>) {
+fn instruction(program: &Program, name: &str, line: ast::Read<'_>, context: &mut Context<'_>) {
     let templates = program.templates.iter();
     let mut values = templates.flat_map(|template| &template.variables);
     let is_used = values.any(
@@ -100,13 +100,7 @@ fn instruction(program: &Program, name: &str, line: ast::Read<'_>, context: &mut
     if !is_used {
         let message = format!("`{name}` is read here, and no text uses it");
         let help = format!("write `{{{{ {name} }}}}` in a text of a later stage");
-        warn(
-            Code::TextNeverUsed,
-            line.name().span(),
-            message,
-            help,
-            context,
-        );
+        context.warn(Code::TextNeverUsed, line.name().span(), message, help);
     }
 }
 
@@ -116,31 +110,21 @@ fn prefix(
     stage: &Stage,
     before: &str,
     line: ast::Read<'_>,
-    context: &mut Context<'_, '_>,
+    context: &mut Context<'_>,
 ) {
     let Some(pattern) = line.pattern() else {
         return;
     };
-    let examples = stage.examples.iter().map(|example| &example.reply.text);
-    let mut all = texts(program, stage).map(|text| &text.text).chain(examples);
     // A prefix of signs alone, such as `>>`, is in no sentence.
     if !before.contains(char::is_alphanumeric)
-        || all.any(|text| plain(text).contains(&plain(before)))
+        || written(program, stage).any(|text| plain(text).contains(&plain(before)))
     {
         return;
     }
-    let message = format!(
-        "no text of the stage `{}` asks for an answer with `{before}`",
-        stage.name
-    );
+    let name = &stage.name;
+    let message = format!("no text of the stage `{name}` asks for an answer with `{before}`");
     let help = format!("write, for example, `Answer in one line: {before} …`");
-    warn(
-        Code::PrefixNeverNamed,
-        pattern.span(),
-        message,
-        help,
-        context,
-    );
+    context.warn(Code::PrefixNeverNamed, pattern.span(), message, help);
 }
 
 /// Returns a text in lower case, with one blank between its words and without quotes and emphasis.
@@ -152,7 +136,7 @@ fn plain(text: &str) -> String {
 // ---- points --------------------------------------------------------------------------------------
 
 /// Warns of keypoints that a field offers and that no text and no picture shows.
-fn points(program: &Program, merged: &Merged<'_>, context: &mut Context<'_, '_>) {
+fn points(program: &Program, merged: &Merged<'_>, context: &mut Context<'_>) {
     let mut known = BTreeSet::new();
     for value in shown(program) {
         known.extend(value.uses().keypoints);
@@ -166,30 +150,24 @@ fn points(program: &Program, merged: &Merged<'_>, context: &mut Context<'_, '_>)
     let drawn = Picture::Scene {
         layers: Layers::Drawn,
     };
-    if program
-        .stages
-        .iter()
-        .any(|stage| stage.show.contains(&drawn))
-    {
+    let mut stages = program.stages.iter();
+    if stages.any(|stage| stage.show.contains(&drawn)) {
         for layer in &program.layers {
             known.extend(layer.mark.uses().keypoints);
         }
     }
     for field in merged.actions().into_iter().flat_map(|part| part.fields()) {
         for choice in field.one_of() {
-            let ast::Expr::Name(name) = choice else {
+            let ast::Expr::Name(choice) = choice else {
                 continue;
             };
+            let (field, name) = (field.name().text(), choice.text());
             // Once is enough for a keypoint that several fields offer.
-            let is_first = known.insert(name.text().to_owned());
-            if program.keypoint(name.text()).is_some() && is_first {
-                let message = format!(
-                    "`{}` offers `{}`, and no prompt shows it",
-                    field.name().text(),
-                    name.text()
-                );
-                let help = format!("write `{{{{ {} }}}}` in a text of a stage", name.text());
-                warn(Code::PointsNeverShown, name.span(), message, help, context);
+            let is_first = known.insert(name.to_owned());
+            if program.keypoint(name).is_some() && is_first {
+                let message = format!("`{field}` offers `{name}`, and no prompt shows it");
+                let help = format!("write `{{{{ {name} }}}}` in a text of a stage");
+                context.warn(Code::PointsNeverShown, choice.span(), message, help);
             }
         }
     }

@@ -38,46 +38,72 @@ fn own_names(
     running: &BTreeSet<Span>,
     report: &mut Report,
 ) {
-    for (kind, names) in [
-        ("constant", constants as fn(Body<'_>) -> Vec<Name<'_>>),
-        ("keypoint", keypoints),
-    ] {
-        let inherited: BTreeSet<&str> = { above.iter() }
-            .flat_map(|body| names(*body))
-            .map(|name| name.text())
-            .collect();
-        let own = names(body);
-        for name in &own {
-            let word = name.text();
-            if inherited.contains(word) || loaded.is_used(word) {
-                continue;
-            }
-            let new = |message: String| Diagnostic::new(Code::UnusedName, name.span(), message);
-            if let Some(meant) = nearest(word, inherited.iter().copied()) {
-                let message = format!(
-                    "the {kind} `{word}` is new, and nothing uses it; there is an inherited {kind} `{meant}`"
-                );
-                report.remark(new(message).meant(name.span(), meant));
-            } else if running.contains(&body.span()) {
-                report.remark(
-                    new(format!("nothing uses the {kind} `{word}`"))
-                        .help("remove it, or use it in a check, a text or another keypoint"),
-                );
-            }
+    let inherited = above.iter().flat_map(|body| declared(*body));
+    let inherited = inherited.map(|(kind, name)| (kind, name.text()));
+    let inherited: BTreeSet<(&str, &str)> = inherited.collect();
+    for (kind, name) in declared(body) {
+        let word = name.text();
+        if inherited.contains(&(kind, word)) || loaded.is_used(word) {
+            continue;
+        }
+        let new = |message: String| Diagnostic::new(Code::UnusedName, name.span(), message);
+        let alike = inherited.iter().filter(|(other, _)| *other == kind);
+        if let Some(meant) = nearest(word, alike.map(|(_, word)| *word)) {
+            let message = format!(
+                "the {kind} `{word}` is new, and nothing uses it; there is an inherited {kind} `{meant}`"
+            );
+            report.remark(new(message).meant(name.span(), meant));
+        } else if running.contains(&body.span()) {
+            let help = "remove it, or use it in a check, a text or another keypoint";
+            report.remark(new(format!("nothing uses the {kind} `{word}`")).help(help));
         }
     }
 }
 
-fn constants(body: Body<'_>) -> Vec<Name<'_>> {
-    body.constants().map(|constant| constant.name()).collect()
+/// Returns the constants and keypoints that a body declares, each with its kind.
+fn declared(body: Body<'_>) -> impl Iterator<Item = (&'static str, Name<'_>)> {
+    let constants = body.constants().map(|it| ("constant", it.name()));
+    let keypoints = body.keypoints().flat_map(|part| part.list());
+    constants.chain(keypoints.map(|it| ("keypoint", it.name())))
 }
 
-fn keypoints(body: Body<'_>) -> Vec<Name<'_>> {
-    let parts = body.keypoints();
-    parts
-        .flat_map(|part| part.list())
-        .map(|keypoint| keypoint.name())
-        .collect()
+/// Warns of the materials and lists of experts of the first file that nothing uses. A file without tasks declares them
+/// for others.
+pub(crate) fn outside_of_tasks(loaded: &Loaded<'_>, report: &mut Report) {
+    let entry = loaded.entry();
+    if entry.tasks.is_empty() || loaded.is_malformed(entry.id) {
+        return;
+    }
+    for name in entry.materials.iter().map(|material| material.name()) {
+        let word = name.text();
+        if !loaded.is_used(word) {
+            let message = format!("nothing uses the material `{word}`");
+            let help =
+                format!("remove it, or write it into a cloth: `square(340mm, material: {word})`");
+            let diagnostic = Diagnostic::new(Code::UnusedName, name.span(), message);
+            report.remark(diagnostic.help(help));
+        }
+    }
+    // Otherwise an error may be why.
+    if report.has_errors().is_err() {
+        return;
+    }
+    let tasks = loaded.files.iter().flat_map(|file| &file.tasks);
+    let bodies = tasks.flat_map(|task| {
+        let variants = task.variants().map(|variant| variant.body());
+        variants.chain([task.body()])
+    });
+    let named = bodies.flat_map(|body| body.experts());
+    let named: BTreeSet<&str> = named.map(|it| it.name().text()).collect();
+    for name in entry.experts.iter().map(|list| list.name()) {
+        let word = name.text();
+        if !named.contains(word) {
+            let message = format!("no task names the experts `{word}`");
+            let help = format!("remove them, or write `experts {word}` into a task");
+            let diagnostic = Diagnostic::new(Code::UnusedName, name.span(), message);
+            report.remark(diagnostic.help(help));
+        }
+    }
 }
 
 /// Returns the tasks that a task extends, nearest first.
@@ -93,7 +119,7 @@ fn bases<'a>(task: Task<'a>, loaded: &Loaded<'a>) -> impl Iterator<Item = Task<'
 // ---- fields --------------------------------------------------------------------------------------
 
 /// Notes the fields that neither act on the gripper nor decide a check.
-pub(crate) fn fields(program: &Program, merged: &Merged<'_>, context: &mut Context<'_, '_>) {
+pub(crate) fn fields(program: &Program, merged: &Merged<'_>, context: &mut Context<'_>) {
     let mut read = Uses::default();
     for check in &program.verify.checks {
         let conditions = check.when.iter().chain([&check.holds]);

@@ -1,8 +1,7 @@
 //! `verify { check NAME { … } else "…" … attempts 3 }`: which answers are rejected, and the messages to the model.
 
 use super::conditions;
-use super::context::Context;
-use super::missing_action::needs_last;
+use super::context::{Context, Result, declared};
 use super::placeholders::{TextPlace, TextScope, template};
 use super::quantity::{read, read_whole};
 use super::stage::Prompts;
@@ -13,54 +12,36 @@ use fab_grammar::ast::{self, Attempts, Expr, Name, Phrase};
 use fab_program::Depends;
 use fab_program::{Check, Condition, Exhausted, ModelRole, Read, ResultCheck, Verify};
 
-/// The most checks of one task.
-const MAX_CHECKS: usize = 100;
-
 /// The name of the template for the message about a result.
 const RESULT: &str = "result";
 
 /// Builds the checks, and adds their messages to the prompts' templates.
-pub(crate) fn check<'a>(
-    merged: &Merged<'a>,
+pub(crate) fn check(
+    merged: &Merged<'_>,
     prompts: &mut Prompts,
-    context: &mut Context<'a, '_>,
-) -> Result<Verify, Reported> {
+    context: &mut Context<'_>,
+) -> Result<Verify> {
     let part = merged.verify();
-    let mut beyond = merged.checks.iter().skip(MAX_CHECKS);
-    context.bounded(beyond.next().map(|check| check.name().span()), || {
-        format!(
-            "there are {} checks, at most {MAX_CHECKS} are accepted",
-            merged.checks.iter().count()
-        )
-    })?;
-    let checks = merged
-        .checks
-        .iter()
-        .map(|check| self::declared(check, prompts, context));
-    let checks = every(checks);
+    let checks = merged.checks.iter();
+    let checks = every(checks.map(|check| of_answer(check, prompts, context)));
     let attempts = part.into_iter().flat_map(|part| part.attempts());
-    let stated = once(attempts, "attempts", |it| it.span(), context.report);
-    let attempts = stated.first;
+    let attempts = once(attempts, "attempts", |it| it.span(), context.report);
     let count = attempts.map_or(Ok(DEFAULT_ATTEMPTS), |it| {
         read_whole(it.count(), &ATTEMPTS.range, context)
     });
     let relaxed = attempts.map_or(Ok(Vec::new()), |it| relaxed(it, merged, context));
     let picture = attempts.and_then(|it| it.with_picture());
-    let picture = picture
-        .map(|it| shows_refused(it, prompts, context))
-        .transpose();
+    if let Some(picture) = picture {
+        shows_refused(picture, prompts, context);
+    }
     let results = part.into_iter().flat_map(|part| part.results());
     let results = once(results, "result", |it| it.span(), context.report);
-    let result = results
-        .first
-        .map(|it| self::result(it, prompts, context))
-        .transpose();
-    stated.alone.and(results.alone)?;
+    let result = declared(results, |it| self::result(it, prompts, context));
     Ok(Verify {
         checks: checks?,
         attempts: count? as u32,
         relaxed: relaxed?,
-        with_picture: picture?.is_some(),
+        with_picture: picture.is_some(),
         exhausted: match attempts.and_then(|it| it.else_skip()) {
             Some(_) => Exhausted::Skips,
             None => Exhausted::Ends,
@@ -71,66 +52,52 @@ pub(crate) fn check<'a>(
 
 // ---- checks of an answer -------------------------------------------------------------------------
 
-fn declared<'a>(
-    check: ast::Check<'a>,
+fn of_answer(
+    check: ast::Check<'_>,
     prompts: &mut Prompts,
-    context: &mut Context<'a, '_>,
-) -> Result<Check, Reported> {
+    context: &mut Context<'_>,
+) -> Result<Check> {
     let name = check.name();
-    let is_free = match given(name.text()) {
-        None => Ok(()),
-        Some(row) => {
-            let message = format!("every task has a check `{}` already", row.name);
-            let diagnostic = Diagnostic::new(Code::DuplicateName, name.span(), message);
-            let help = format!("it refuses {}; choose another name", row.refuses);
-            Err(context.error(diagnostic.help(help)))
-        }
-    };
-    let when = check.when().map(|expr| (expr, condition(expr, context)));
+    if let Some(row) = given(name.text()) {
+        let message = format!("every task has a check `{}` already", row.name);
+        let help = format!("it refuses {}; choose another name", row.refuses);
+        context.refuse(Code::DuplicateName, name.span(), message, help);
+    }
+    let guarded = format!("check {}", name.text());
+    let lacks = |what: &str| format!("the check `{}` does not say {what}", name.text());
+    let when = declared(check.when(), |expr| condition(expr, context));
     // If the guard has an error, check the rest as if there was a previous action.
     let implies_last =
-        |when: &Result<Condition, _>| when.as_ref().map_or(true, |it| it.implies_last());
-    let has_last = when.as_ref().is_some_and(|(_, when)| implies_last(when));
-    let allowed =
-        |condition: Condition, expr: Expr<'a>, guarded: &str, context: &mut Context<'a, '_>| {
-            if condition.uses().last && !has_last {
-                Err(needs_last(expr.span(), guarded, context))
-            } else {
-                Ok(condition)
-            }
-        };
-    let when = when
-        .map(|(expr, when)| allowed(when?, expr, "… when last and …", context))
-        .transpose();
-    let guarded = format!("check {}", name.text());
-    let lacks = |code, what: &str| {
-        let message = format!("the check `{}` does not say {what}", name.text());
-        Diagnostic::new(code, check.head_span(), message)
-    };
+        |when: &Option<Condition>| when.as_ref().is_some_and(Condition::implies_last);
+    let has_last = when.as_ref().map_or(true, implies_last);
+    if let (Ok(Some(when)), Some(expr)) = (&when, check.when()) {
+        needs_guard(when, has_last, expr, "… when last and …", context);
+    }
     let holds = match check.condition() {
         Some(expr) => {
-            condition(expr, context).and_then(|holds| allowed(holds, expr, &guarded, context))
+            let holds = condition(expr, context);
+            if let Ok(holds) = &holds {
+                needs_guard(holds, has_last, expr, &guarded, context);
+            }
+            holds
         }
         None => {
-            let diagnostic = lacks(Code::WrongExpression, "what must hold");
-            Err(context.error(diagnostic))
+            let message = lacks("what must hold");
+            Err(context.fault(Code::WrongExpression, check.head_span(), message))
         }
     };
     let message = format!("check.{}", name.text());
     let Some(text) = check.message() else {
-        let diagnostic = lacks(Code::MissingMessage, "why it refuses");
-        let diagnostic = diagnostic.help("add `else \"…\"` after the condition");
-        return Err(context.error(diagnostic));
+        let (lacks, help) = (
+            lacks("why it refuses"),
+            "add `else \"…\"` after the condition",
+        );
+        return Err(context.refuse(Code::MissingMessage, check.head_span(), lacks, help));
     };
-    let scope = TextScope {
-        place: TextPlace::Message,
-        has_last,
-        guarded: &guarded,
-    };
+    let scope = TextScope::new(TextPlace::Message, has_last, &guarded);
     prompts
         .templates
         .push(template(&message, text, None, scope, context));
-    is_free?;
     Ok(Check {
         name: name.text().to_owned(),
         when: when?,
@@ -139,18 +106,29 @@ fn declared<'a>(
     })
 }
 
+/// Reports a condition that depends on the previous action, unless there always is one.
+fn needs_guard(
+    condition: &Condition,
+    has_last: bool,
+    expr: Expr<'_>,
+    guarded: &str,
+    context: &mut Context<'_>,
+) {
+    if condition.uses().last && !has_last {
+        context.needs_last(expr.span(), guarded);
+    }
+}
+
 /// Builds a condition of a check. Emitted verifiers evaluate it too, and they do not know which points are
 /// unreachable.
-fn condition<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Condition, Reported> {
+fn condition(expr: Expr<'_>, context: &mut Context<'_>) -> Result<Condition> {
     let condition = conditions::check(expr, context)?;
     if !condition.uses().reach {
         return Ok(condition);
     }
     let message = "`unreachable` cannot be a condition of a check";
-    let diagnostic = Diagnostic::new(Code::WrongExpression, expr.span(), message);
-    Err(context.error(diagnostic.help(
-        "such points are never offered; a component can mention them: `component NAME when unreachable`",
-    )))
+    let help = "such points are never offered; a component can mention them: `component NAME when unreachable`";
+    Err(context.refuse(Code::WrongExpression, expr.span(), message, help))
 }
 
 /// Warns of inherited checks that the task's own `verify` drops without a word. A variant may drop them: it is there to
@@ -162,23 +140,14 @@ pub(crate) fn dropped(merged: &Merged<'_>, report: &mut Report) {
     else {
         return;
     };
-    let names: Vec<&str> = { dropped.checks.iter() }
-        .map(|(name, _)| name.as_str())
-        .collect();
-    let plural = if names.len() == 1 { "" } else { "s" };
-    let result = if dropped.has_result {
-        " and the inherited `result`"
-    } else {
-        ""
-    };
-    let message = format!(
-        "this `verify` drops the inherited check{plural} `{}`{result}",
-        names.join("`, `")
-    );
-    let drop = format!(
-        "to drop them on purpose, write `without check {}` beside this `verify`",
-        names.join(", ")
-    );
+    let names = dropped.checks.iter().map(|(name, _)| name.as_str());
+    let names: Vec<&str> = names.collect();
+    let result = dropped.has_result.then_some("result");
+    let parts: Vec<&str> = names.iter().copied().chain(result).collect();
+    let message = format!("this `verify` drops the inherited `{}`", parts.join("`, `"));
+    let list = names.join(", ");
+    let drop =
+        format!("to drop checks on purpose, write `without check {list}` beside this `verify`");
     let diagnostic = Diagnostic::new(Code::ChecksDropped, verify.head_span(), message)
         .also(*first, "declared here")
         .help("to keep them, state them in this `verify` too, or write `check` or `override check` in the task itself, without `verify`")
@@ -189,34 +158,21 @@ pub(crate) fn dropped(merged: &Merged<'_>, report: &mut Report) {
 // ---- attempts ------------------------------------------------------------------------------------
 
 /// Reports `with picture` if the stage that reads the action asks a model that takes no pictures.
-fn shows_refused(
-    with_picture: Phrase<'_>,
-    prompts: &Prompts,
-    context: &mut Context<'_, '_>,
-) -> Result<(), Reported> {
-    let mut acting = prompts
-        .stages
-        .iter()
-        .flatten()
-        .filter(|stage| matches!(stage.read, Read::Action));
-    let Some(stage) = acting.next().filter(|stage| stage.model == ModelRole::Text) else {
-        return Ok(());
-    };
-    let message = format!(
-        "`with picture` needs a vision model, but the stage `{}` asks a text model",
-        stage.name
-    );
-    let diagnostic = Diagnostic::new(Code::PicturesForTextModel, with_picture.span(), message);
-    Err(context
-        .error(diagnostic.help("write `model vision` in that stage, or leave out `with picture`")))
+fn shows_refused(with_picture: Phrase<'_>, prompts: &Prompts, context: &mut Context<'_>) {
+    let mut stages = prompts.stages.iter().flatten();
+    if let Some(stage) = stages.find(|stage| stage.read == Read::Action)
+        && stage.model == ModelRole::Text
+    {
+        context.text_model(with_picture.span(), "`with picture`", &stage.name);
+    }
 }
 
 /// Returns the checks that `then without` removes.
-fn relaxed<'a>(
-    attempts: Attempts<'a>,
-    merged: &Merged<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<Vec<String>, Reported> {
+fn relaxed(
+    attempts: Attempts<'_>,
+    merged: &Merged<'_>,
+    context: &mut Context<'_>,
+) -> Result<Vec<String>> {
     let twice = unique(attempts.relaxed(), "check", context.report);
     // `then without` may name a check that was already removed.
     let there = attempts
@@ -231,7 +187,7 @@ fn relaxed<'a>(
 }
 
 /// Reports a name that no check has, or a check that cannot be removed.
-fn not_relaxed<'a>(name: Name<'a>, merged: &Merged<'a>, context: &mut Context<'a, '_>) -> Reported {
+fn not_relaxed(name: Name<'_>, merged: &Merged<'_>, context: &mut Context<'_>) -> Reported {
     let new = |message: String| {
         Diagnostic::new(Code::NothingToRemove, name.span(), message).about(name.text())
     };
@@ -246,11 +202,11 @@ fn not_relaxed<'a>(name: Name<'a>, merged: &Merged<'a>, context: &mut Context<'a
 
 // ---- the result of a step ------------------------------------------------------------------------
 
-fn result<'a>(
-    part: ast::ResultCheck<'a>,
+fn result(
+    part: ast::ResultCheck<'_>,
     prompts: &mut Prompts,
-    context: &mut Context<'a, '_>,
-) -> Result<ResultCheck, Reported> {
+    context: &mut Context<'_>,
+) -> Result<ResultCheck> {
     let overlap_above = read(part.above(), &OVERLAP.range, context);
     let retries = part.retries();
     let retries = retries.map_or(Ok(DEFAULT_RETRIES), |it| {
@@ -258,15 +214,10 @@ fn result<'a>(
     });
     let Some(text) = part.message() else {
         let message = "`result` has no message for the model";
-        let diagnostic = Diagnostic::new(Code::MissingMessage, part.span(), message);
-        let diagnostic = diagnostic.help("add `else \"…\"` at its end");
-        return Err(context.error(diagnostic));
+        let help = "add `else \"…\"` at its end";
+        return Err(context.refuse(Code::MissingMessage, part.span(), message, help));
     };
-    let scope = TextScope {
-        place: TextPlace::Result,
-        has_last: true,
-        guarded: RESULT,
-    };
+    let scope = TextScope::new(TextPlace::Result, true, RESULT);
     prompts
         .templates
         .push(template(RESULT, text, None, scope, context));

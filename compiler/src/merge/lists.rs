@@ -5,28 +5,19 @@ use fab_grammar::Span;
 use fab_grammar::ast::Name;
 use std::collections::BTreeMap;
 
-/// The first of some statements, and the proof of an error if there are more.
-///
-/// The first is still checked, so its own errors are reported in the same run.
-pub(crate) struct FirstStatement<T> {
-    pub first: Option<T>,
-    pub alone: Result<(), Reported>,
-}
-
 /// Returns the first statement, and reports any others.
 pub(crate) fn once<T: Copy>(
     list: impl IntoIterator<Item = T>,
     what: &str,
     span: impl Fn(T) -> Span,
     report: &mut Report,
-) -> FirstStatement<T> {
+) -> Option<T> {
     let mut list = list.into_iter();
-    let first = list.next();
-    let mut alone = Ok(());
-    for (first, again) in first.into_iter().cycle().zip(list) {
-        alone = Err(report.error(repeated(what, span(first), span(again))));
+    let first = list.next()?;
+    for again in list {
+        report.error(repeated(what, span(first), span(again)));
     }
-    FirstStatement { first, alone }
+    Some(first)
 }
 
 /// Makes the diagnostic for a statement that is repeated.

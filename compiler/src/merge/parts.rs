@@ -84,10 +84,6 @@ impl<'a, T: Copy> Parts<'a, T> {
         self.sites().map(|site| site.name.as_ref())
     }
 
-    pub fn len(&self) -> usize {
-        self.places.len()
-    }
-
     pub fn is_empty(&self) -> bool {
         self.places.is_empty()
     }
