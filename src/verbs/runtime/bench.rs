@@ -15,7 +15,7 @@ use crate::verbs::runtime::operator::TerminalOperator;
 use crate::verbs::runtime::setting;
 use crate::verbs::runtime::setting::arm::{ArmArguments, ArmMode};
 use crate::verbs::runtime::setting::model_arguments::{
-    ModelArguments, OmitArgument, PolicyArguments, SpendArguments,
+    ModelArguments, PolicyArguments, SpendArguments,
 };
 use crate::verbs::runtime::setting::models::{self, Answering};
 use crate::verbs::runtime::setting::policies::Deciding;
@@ -30,6 +30,7 @@ use fab_model::calls::Budget;
 use fab_program::Program;
 use fab_providers::catalogue::Profile;
 use fab_providers::estimate::{Estimate, Fresh};
+use fab_providers::remote::settings::Parameter;
 use fab_world::{About, ExternalWorld, World};
 use prepare::{DecidingBy, named_by};
 use report::BenchReport;
@@ -120,7 +121,11 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
     arguments.arm.check_world(&arguments.world)?;
     let found = suites::find(&arguments.suite)?;
     let mut suite = suites::narrowed(found.suite, arguments.variant.as_deref());
-    suite.structured &= !arguments.model.reach.omit.contains(&OmitArgument::Schema);
+    suite.structured &= !arguments
+        .model
+        .reach
+        .omitted()
+        .any(|it| it == Parameter::Schema);
     if suite.vary.is_some() && arguments.world != WorldChoice::Sim {
         return Err(Failure::environment(format!(
             "the suite varies its worlds (`[vary]`), which only the bundled simulator can, not `--world {}`: leave the option out, or run a suite without that table",
@@ -158,17 +163,14 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         Some(jobs) => usize::from(jobs),
         None => usual_jobs(&deciding),
     };
-    let prepared = prepare::prepare(&suite, &found.folder, arguments, threads, io)?;
+    let prepared = prepare::prepare(&suite, &found.folder, arguments, io)?;
     let out = if arguments.spend.estimate {
         PathBuf::from("runs")
     } else {
         setting::out_folder(arguments.out.as_deref(), &format!("bench-{}", found.name))?
     };
     let cache = setting::cache_or_beside(&out, io);
-    let Some(entries) = prepare::entries(&suite, &prepared, &deciding, arguments, &interrupt, io)?
-    else {
-        return Err(Failure::interrupted());
-    };
+    let entries = prepare::entries(&suite, &prepared, &deciding, arguments, &interrupt, io)?;
     let make_arm_world = |program: &Program, folder: &Path| {
         setting::arm::world(
             program,

@@ -23,15 +23,11 @@ use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
 use fab_agent::policy::MakePolicy;
 use fab_agent::rollout::{self, Job, RunError};
-use fab_agent::subgoals::{Origin, SubgoalError, SubgoalSet};
+use fab_agent::subgoals::{Origin, SubgoalSet};
 use fab_arm::settings::DriverKind;
-use fab_base::interrupt::Interrupt;
 use fab_model::calls::{Spent, ledger};
-use fab_program::Program;
 use fab_providers::estimate::Fresh;
 use fab_world::WorldError;
-use fab_world::expert::MakeWorld;
-use fab_world::start::Start;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -164,7 +160,9 @@ pub fn play(
     let shown = program;
     let program = setting::fitted(&arguments.task, &shown, &start, io)?.with_reasoning(reasoning);
     let make_expert_world = || setting::world(&program);
-    let subgoals = prepare(&shown, &start, &beside, &make_expert_world, &interrupt)?;
+    let mut world = make_expert_world()?;
+    world.reset(&start)?;
+    let subgoals = setting::subgoals(&shown, &beside, world.as_mut(), &interrupt)?;
     // The path of the arm's journal; nothing moves before it is known.
     let journal = OnceLock::new();
     // The film; the run folder, where it is written, is made later.
@@ -187,7 +185,6 @@ pub fn play(
         || arm
             .as_ref()
             .is_some_and(|settings| setting::arm::has_operator(&arguments.arm, settings, io));
-    let subgoals = subgoals.ok_or_else(Failure::interrupted)?;
     say_pictures(&subgoals, &examples, &arguments.task.file, io);
     let who = deciding.make().description();
     let stand_in = if who.is_stand_in() {
@@ -343,22 +340,6 @@ fn again(steps: u32, spent: &Spent) -> String {
         ));
     }
     text
-}
-
-/// Tries the start and gets the pictures; `None` if the user interrupted it.
-pub fn prepare(
-    program: &Program,
-    start: &Start,
-    beside: &Path,
-    make_world: &MakeWorld<'_>,
-    interrupt: &Interrupt,
-) -> Result<Option<SubgoalSet>, Failure> {
-    let mut world = make_world()?;
-    world.reset(start)?;
-    match SubgoalSet::obtain(program, beside, world.as_mut(), interrupt) {
-        Err(SubgoalError::World(WorldError::Interrupted)) => Ok(None),
-        obtained => Ok(Some(obtained?)),
-    }
 }
 
 /// Reports the origin of subgoal pictures if it is unusual, and pictures that were changed to be shown.

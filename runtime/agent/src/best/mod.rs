@@ -35,8 +35,6 @@ use journal::TrialJournal;
 use serde::Serialize;
 use tree::Tree;
 
-pub use aim::Aim;
-
 /// Makes a fresh simulated world, equal to every other one that it makes.
 pub type MakeSimulated<'a> = dyn Fn() -> Result<SimulatedWorld, WorldError> + Sync + 'a;
 

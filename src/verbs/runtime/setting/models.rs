@@ -1,7 +1,7 @@
 //! Finds models by their names on the command line.
 
 use super::catalogue;
-use super::remote::Providers;
+use super::remote::{self, Providers};
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::verbs::render::camera::TargetModelArguments;
@@ -11,7 +11,7 @@ use crate::verbs::runtime::setting::model_arguments::{
 use fab_agent::rollout::FirstQuestion;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{Budget, Spent};
-use fab_model::lowering::{Lowering, Points};
+use fab_model::lowering::Lowering;
 use fab_model::recording::{Recorder, Replay};
 use fab_model::{Model, ModelError, ModelRole, Models, Request};
 use fab_providers::catalogue::{Facts, Profile, Wire};
@@ -287,44 +287,29 @@ impl TargetModel {
                 }
             },
         };
-        let lowering = match shown.marks {
-            true => Lowering {
-                points: Points::Marks,
-                ..known
-            },
-            false => known,
-        };
+        let lowering = remote::lowering(known, shown.marks);
         Ok(TargetModel { lowering, profile })
     }
 }
 
 /// Parses `X`, or `vision=X` and `text=Y`; returns the values for vision and for text.
 fn by_role(flag: &str, values: &[String]) -> Result<[String; 2], Failure> {
-    let wrong = |why: &str| {
-        Failure::usage(format!(
-            "`{flag}` {why}; write `{flag} X` for both roles, or `{flag} vision=X {flag} text=Y`"
-        ))
-    };
     let (mut both, mut vision, mut text) = (None, None, None);
+    let mut is_twice = false;
     for value in values {
         let (place, value) = match value.split_once('=') {
             Some(("vision", value)) => (&mut vision, value),
             Some(("text", value)) => (&mut text, value),
             _ => (&mut both, value.as_str()),
         };
-        if place.replace(value.to_owned()).is_some() {
-            return Err(wrong("says the same role twice"));
-        }
+        is_twice |= place.replace(value).is_some();
     }
-    if both.is_some() && vision.is_some() && text.is_some() {
-        return Err(wrong("names both roles and a third for neither"));
+    match (vision.or(both), text.or(both)) {
+        (Some(vision), Some(text)) if !is_twice => Ok([vision, text].map(str::to_owned)),
+        _ => Err(Failure::usage(format!(
+            "`{flag}` names one thing for each role: write `{flag} X` for both, or `{flag} vision=X {flag} text=Y`"
+        ))),
     }
-    let vision = vision.or(both.clone());
-    let vision = vision.ok_or_else(|| wrong("names nothing for `vision`"))?;
-    let text = text
-        .or(both)
-        .ok_or_else(|| wrong("names nothing for `text`"))?;
-    Ok([vision, text])
 }
 
 /// Finds a model that needs no provider; `None` for any other name.

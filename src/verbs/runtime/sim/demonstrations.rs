@@ -4,13 +4,17 @@
 //! positions in the world frame. Recorded points are y-up: world = (x, -z, y).
 
 use crate::exit::Failure;
-use crate::sources;
-use fab_sim::{Params, Simulator};
-use fab_world::start::{Grid, Start, StartFrame, Up};
+use fab_base::files;
+use fab_base::wording::quoted;
+use fab_sim::{Grid, Params, Simulator};
+use fab_world::start::{self, Start, StartFrame, Up};
 use serde::Deserialize;
 use std::collections::BTreeSet;
-use std::fmt;
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
+
+/// The largest manifest accepted, bytes.
+const MAX_BYTES: u64 = 64 << 20;
 
 /// One recorded demonstration; its positions stay on disk until needed.
 pub struct Demonstration {
@@ -20,7 +24,7 @@ pub struct Demonstration {
     pub id: u64,
     /// The picks and places, in order.
     pub picks: Vec<Pick>,
-    grid: fab_sim::Grid,
+    grid: Grid,
     frame: StartFrame,
     folder: PathBuf,
 }
@@ -35,17 +39,9 @@ pub struct Pick {
     pub particle: usize,
 }
 
-/// Cloth states: `[particles]` points in grid order, world frame, metres.
-pub struct Positions {
-    /// Before the first pick.
-    pub start: Vec<[f32; 3]>,
-    /// After the last place.
-    pub end: Vec<[f32; 3]>,
-}
-
 #[derive(Deserialize)]
 struct Manifest {
-    entries: Vec<serde_json::Value>,
+    entries: Vec<Entry>,
 }
 
 #[derive(Deserialize)]
@@ -53,9 +49,8 @@ struct Entry {
     task: String,
     id: u64,
     dir: PathBuf,
-    dimx: u32,
-    dimy: u32,
-    spacing_m: f64,
+    #[serde(flatten)]
+    grid: start::Grid,
     steps: Vec<Step>,
 }
 
@@ -68,72 +63,40 @@ struct Step {
 
 /// Reads the manifest, and selects by task and by ids.
 ///
-/// Fails on the first error and names its entry; [`Demonstration::positions`] checks the positions.
+/// [`Demonstration::laid`] reads and checks the positions.
 pub fn read(
     folder: &Path,
     task: Option<&str>,
     ids: Option<&[u64]>,
 ) -> Result<Vec<Demonstration>, Failure> {
     let path = folder.join("manifest.json");
-    let shown = path.display();
-    let wrong =
-        |why: String| Failure::environment(format!("the manifest `{shown}` is wrong: {why}"));
-    let text = sources::read_text(&path).map_err(|why| {
+    let wrong = |why: String| {
         Failure::environment(format!(
-            "cannot read `{shown}`: {why}; expected a folder of recorded demonstrations with a manifest.json"
+            "`{}` lists no recorded demonstrations: {why}",
+            path.display()
         ))
-    })?;
-    let manifest: Manifest =
-        serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
-    if manifest.entries.is_empty() {
-        return Err(wrong("its `entries` are empty".to_owned()));
-    }
-    let mut found = Vec::new();
-    for (number, value) in manifest.entries.into_iter().enumerate() {
-        let entry = serde_json::from_value(value).map_err(|error| error.to_string());
-        let read = entry.and_then(|entry| demonstration(entry, folder));
-        let at = |why| wrong(format!("entry {number} (counted from 0): {why}"));
-        found.push(read.map_err(at)?);
-    }
-    if let Some(task) = task {
-        let there = listed(found.iter().map(|it| it.task.clone()));
-        found.retain(|it| it.task == task);
-        if found.is_empty() {
-            return Err(Failure::usage(format!(
-                "`--task {task}`: there is no such task; there are {there}"
-            )));
-        }
-    }
-    if let Some(ids) = ids {
-        if let Some(absent) = ids.iter().find(|id| found.iter().all(|it| it.id != **id)) {
-            return Err(Failure::usage(format!(
-                "no demonstration has the id {absent}; there are {}",
-                listed(found.iter().map(|it| it.id))
-            )));
-        }
-        found.retain(|it| ids.contains(&it.id));
+    };
+    let manifest: Manifest = files::read_json(&path, MAX_BYTES).map_err(wrong)?;
+    let read = { manifest.entries.into_iter() }.map(|entry| demonstration(entry, folder));
+    let all: Vec<Demonstration> = read.collect::<Result<_, String>>().map_err(wrong)?;
+    let tasks: BTreeSet<String> = all.iter().map(|it| it.task.clone()).collect();
+    let is_wanted = |it: &Demonstration| {
+        task.is_none_or(|task| task == it.task) && ids.is_none_or(|ids| ids.contains(&it.id))
+    };
+    let found: Vec<Demonstration> = all.into_iter().filter(is_wanted).collect();
+    if found.is_empty() {
+        let tasks = quoted(tasks);
+        return Err(Failure::usage(format!(
+            "no demonstration has that task and id; there are those of {tasks}"
+        )));
     }
     Ok(found)
 }
 
-/// Lists the available values for a message, sorted and without duplicates; a very long list is cut.
-pub fn listed<T: Ord + fmt::Display>(values: impl Iterator<Item = T>) -> String {
-    const MOST: usize = 50;
-    let values: BTreeSet<T> = values.collect();
-    let mut names: Vec<String> = values.iter().take(MOST).map(T::to_string).collect();
-    if values.len() > MOST {
-        names.push(format!("and {} more", values.len() - MOST));
-    }
-    names.join(", ")
-}
-
 fn demonstration(entry: Entry, folder: &Path) -> Result<Demonstration, String> {
-    let (dimx, dimy, spacing_m) = (entry.dimx, entry.dimy, entry.spacing_m);
-    let grid = fab_sim::Grid::new(dimx as usize, dimy as usize, spacing_m as f32)
-        .map_err(|error| error.to_string())?;
-    if entry.steps.is_empty() {
-        return Err("it has no `steps`".to_owned());
-    }
+    let (dimx, dimy) = (entry.grid.dimx as usize, entry.grid.dimy as usize);
+    let grid = Grid::new(dimx, dimy, entry.grid.spacing_m as f32)
+        .map_err(|error| format!("`{}` {}: {error}", entry.task, entry.id))?;
     let keypoints = keypoints(grid.dimx, grid.dimy);
     let on_table = |[x, _, z]: [f64; 3]| [x as f32, -z as f32];
     let picks = entry.steps.iter().map(|step| {
@@ -147,15 +110,10 @@ fn demonstration(entry: Entry, folder: &Path) -> Result<Demonstration, String> {
             })?,
         })
     });
-    let declared = Grid {
-        dimx,
-        dimy,
-        spacing_m,
-    };
     Ok(Demonstration {
         picks: picks.collect::<Result<_, String>>()?,
         frame: StartFrame {
-            grid: declared,
+            grid: entry.grid,
             up: Up::Y,
         },
         folder: folder.join("..").join(&entry.dir),
@@ -181,25 +139,18 @@ fn keypoints(dimx: usize, dimy: usize) -> [usize; 8] {
 }
 
 impl Demonstration {
-    /// Reads and checks the positions before and after.
-    pub fn positions(&self) -> Result<Positions, Failure> {
+    /// Lays the cloth as it lay before the first pick; returns it, and its `[particles]` positions after the last place,
+    /// world frame, metres.
+    pub fn laid(&self, params: &Params) -> Result<(Simulator, Vec<[f32; 3]>), Failure> {
         let load = |name| Start::load(&self.folder.join(name), Some(self.frame));
-        Ok(Positions {
-            start: load("init_pos.npy")?.positions,
-            end: load("final_pos.npy")?.positions,
-        })
+        let (start, end) = (load("init_pos.npy")?, load("final_pos.npy")?);
+        let cloth = Simulator::from_positions(self.grid, &start.positions, params);
+        let cloth = cloth.map_err(|error| self.failure(error))?;
+        Ok((cloth, end.positions))
     }
 
-    /// Lays the cloth at recorded positions.
-    pub fn lay(&self, start: &[[f32; 3]], params: &Params) -> Result<Simulator, Failure> {
-        Simulator::from_positions(self.grid, start, params).map_err(|error| {
-            Failure::environment(format!("the start of {self} is no cloth's: {error}"))
-        })
-    }
-}
-
-impl fmt::Display for Demonstration {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "`{}` {}", self.task, self.id)
+    /// Returns an error in simulating this demonstration.
+    pub fn failure(&self, error: impl Display) -> Failure {
+        Failure::environment(format!("`{}` {}: {error}", self.task, self.id))
     }
 }

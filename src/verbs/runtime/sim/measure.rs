@@ -11,7 +11,7 @@ use fab_program::SmallestFold;
 use fab_sim::measure::{Reading, textile_table};
 use fab_sim::{Grid, Material, Params};
 use fab_world::corner_fold::{CARRIED_MM, CornerFold};
-use fab_world::{WorldError, simulated};
+use fab_world::simulated;
 use serde::Serialize;
 
 /// What `--help` says at its end.
@@ -62,70 +62,47 @@ struct Corner {
 
 /// Measures the material and reports.
 pub fn run(arguments: &MeasureArguments, io: &Io) -> Result<Exit, Failure> {
-    if arguments.material == "pyflex" {
-        return Err(Failure::usage(
-            "`pyflex` is the recorded scene's cloth of springs: it declares no value of a textile, and has no bending length, since each overhang shows another",
-        ));
-    }
+    let interrupt = io.interrupt()?;
     let material = simulated::material(&materials::find(&arguments.material, io)?);
-    let spacing_m = (0.001 * arguments.spacing) as f32;
-    Grid::new(2, 2, spacing_m)
-        .map_err(|error| Failure::usage(format!("`--spacing {}`: {error}", arguments.spacing)))?;
-    let warnings = material
-        .check(spacing_m)
-        .map_err(|error| Failure::environment(format!("`{}`: {error}", arguments.material)))?;
+    let spacing_m = 0.001 * arguments.spacing;
+    let grid = Grid::new(2, 2, spacing_m as f32);
+    let spacing = arguments.spacing;
+    grid.map_err(|error| Failure::usage(format!("`--spacing {spacing}`: {error}")))?;
+    let warnings = material.check(spacing_m as f32)?;
     io.progress("measuring");
-    let readings = textile_table(&material, spacing_m)?;
+    let readings = textile_table(&material, spacing_m as f32)?;
     let params = Params {
         material: Some(material.clone()),
         ..Params::default()
     };
+    let hash = params.hash();
+    let mut fold = CornerFold::new(params, spacing_m)?;
+    let search = arguments.smallest_fold;
     let measured = Measured {
-        params: params.hash(),
+        params: hash,
         material,
-        spacing_mm: arguments.spacing,
+        spacing_mm: spacing,
         readings,
-        corner: corner(arguments, params, io).map_err(|error| match error {
-            WorldError::Interrupted => Failure::interrupted(),
-            error => Failure::environment(error),
-        })?,
+        corner: Corner {
+            carried_mm: CARRIED_MM,
+            stays_mm: fold.stays_mm(&interrupt)?,
+            smallest_fold: search.then(|| fold.smallest(&interrupt)).transpose()?,
+        },
         warnings: warnings.iter().map(ToString::to_string).collect(),
     };
     io.progress("");
     io.result(arguments.json, &measured);
-    for reading in measured
-        .readings
-        .iter()
-        .filter(|it| !it.measured.is_finite())
-    {
-        let what = reading.what;
+    let unread = { measured.readings.iter() }.filter(|it| !it.measured.is_finite());
+    for Reading { what, .. } in unread {
         io.talk(&format!(
             "{what} has no reading at this spacing; choose a smaller `--spacing`"
         ));
     }
-    if !arguments.json {
-        measured
-            .warnings
-            .iter()
-            .for_each(|warning| io.talk(warning));
-    }
+    measured
+        .warnings
+        .iter()
+        .for_each(|warning| io.talk(warning));
     Ok(Exit::Done)
-}
-
-fn corner(arguments: &MeasureArguments, params: Params, io: &Io) -> Result<Corner, WorldError> {
-    let interrupt = io.interrupt().map_err(|why| WorldError::Motion {
-        why: why.to_string(),
-    })?;
-    let mut fold = CornerFold::new(params, 0.001 * arguments.spacing)?;
-    Ok(Corner {
-        carried_mm: CARRIED_MM,
-        stays_mm: fold.stays_mm(&interrupt)?,
-        smallest_fold: if arguments.smallest_fold {
-            Some(fold.smallest(&interrupt)?)
-        } else {
-            None
-        },
-    })
 }
 
 impl Report for Measured {
@@ -136,30 +113,30 @@ impl Report for Measured {
         ];
         let mut table = vec![titles.map(str::to_owned)];
         table.extend(self.readings.iter().map(cells));
-        let Corner {
-            carried_mm,
-            stays_mm,
-            smallest_fold,
-        } = &self.corner;
-        let stays = stays_mm.map_or("-".to_owned(), |mm| format!("{mm:.1}"));
-        let (smallest, how) = match smallest_fold {
+        table.extend(self.corner.cells());
+        aligned(&[Left, Right, Right, Right], &table).join("\n") + "\n"
+    }
+}
+
+impl Corner {
+    fn cells(&self) -> [[String; 7]; 2] {
+        let carried = format!("corner carried {} mm", self.carried_mm);
+        let stays = self.stays_mm.map(|mm| format!("{mm:.1}"));
+        let (smallest, how) = match self.smallest_fold {
             Some(SmallestFold::From { mm }) => {
-                (mm.to_string(), "carried so far, it stays".to_owned())
+                (Some(mm.to_string()), "carried so far, it stays".to_owned())
             }
-            Some(SmallestFold::NoneUpTo { mm }) => {
-                ("-".to_owned(), format!("none up to {mm} mm stays"))
-            }
-            None => ("-".to_owned(), "`--smallest-fold` searches it".to_owned()),
+            Some(SmallestFold::NoneUpTo { mm }) => (None, format!("none up to {mm} mm stays")),
+            None => (None, "`--smallest-fold` searches it".to_owned()),
         };
-        let carried = format!("corner carried {carried_mm} mm");
-        for (what, measured, method) in [
-            (carried.as_str(), stays, "how far away it stays"),
-            ("smallest corner fold", smallest, &how),
-        ] {
-            table.push([what, "-", "-", &measured, "mm", "-", method].map(str::to_owned));
-        }
-        let columns = [Left, Right, Right, Right, Left, Left, Left];
-        aligned(&columns, &table).join("\n") + "\n"
+        let row = |what: &str, measured: Option<String>, method: &str| {
+            let measured = measured.unwrap_or("-".to_owned());
+            [what, "-", "-", &measured, "mm", "-", method].map(str::to_owned)
+        };
+        [
+            row(&carried, stays, "how far away it stays"),
+            row("smallest corner fold", smallest, &how),
+        ]
     }
 }
 
@@ -169,13 +146,11 @@ fn cells(reading: &Reading) -> [String; 7] {
         ("mm", Some(declared)) if declared < 1.0 => 2,
         _ => 1,
     };
-    let value = |value: Option<f64>| match value {
-        Some(value) => format!("{value:.digits$}"),
-        None => "-".to_owned(),
-    };
-    let mark = match reading.is_within() {
-        Some(false) => "off: ",
-        _ => "",
+    let value = |value: Option<f64>| value.map_or("-".to_owned(), |it| format!("{it:.digits$}"));
+    let mark = if reading.is_within() == Some(false) {
+        "off: "
+    } else {
+        ""
     };
     let within = reading.within.map(|[least, most]| {
         // The bounds of small shares differ in one digit more.
