@@ -43,7 +43,7 @@ fn numbers_that_no_cloth_or_machine_has() {
             "replay set --set picker_travel_m=0",
             &["`picker_travel_m`", "`0`"],
         ),
-        ("replay set --set gravity_m_s2=9.8", &["gravity_m_s2=9.8"]),
+        ("replay set --set gravity_m_s2=9.8", &["`--set`", "9.8"]),
         ("crumple --dims 0x8", &["`--dims 0x8`", "at least 2"]),
         (
             "crumple --dims 4000000000x8",

@@ -6,7 +6,7 @@ use super::support::project;
 use fab_sim::{Grid, Mask, mesh};
 use fab_world::metrics;
 use fab_world::start::{Outline, Start};
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::fs;
 use std::path::Path;
 

@@ -2,7 +2,6 @@
 
 use super::bad_starts::write_npy;
 use super::sim_verbs::told;
-use super::support::fabc;
 use crate::recorded_data::recorded_data;
 use serde_json::{Value, json};
 use std::fs;

@@ -12,6 +12,7 @@ use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::verbs::runtime::estimate::{self, Asking};
 use crate::verbs::runtime::operator::TerminalOperator;
+use crate::verbs::runtime::run::exit_of as exit_of_rollout;
 use crate::verbs::runtime::setting;
 use crate::verbs::runtime::setting::arm::{ArmArguments, ArmMode};
 use crate::verbs::runtime::setting::model_arguments::{
@@ -21,10 +22,9 @@ use crate::verbs::runtime::setting::models::{self, Answering};
 use crate::verbs::runtime::setting::policies::Deciding;
 use crate::verbs::runtime::setting::worlds::{self, WorldChoice};
 use clap::{Args, ValueHint};
-use fab_agent::outcome::Outcome;
 use fab_agent::rollout::FirstQuestion;
 use fab_bench::on_arm::{Cloths, OnArm};
-use fab_bench::play::{self, Phase, Results, StopReason};
+use fab_bench::play::{self, Phase, Played, Results, StopReason};
 use fab_bench::{Answers, Bench, Entry, OtherWorld, first_questions_of, rows};
 use fab_model::calls::Budget;
 use fab_program::Program;
@@ -152,11 +152,7 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
             "the recording holds one answer for all starts, and not one for each: `--share-answers` replays it so, and the table says so",
         ));
     }
-    let recorder = if arguments.spend.estimate {
-        None
-    } else {
-        models::recorder(&arguments.spend)?
-    };
+    let recorder = models::recorder(&arguments.spend)?;
     let budget = models::budget(&arguments.spend, &interrupt);
     let threads = match arguments.jobs {
         _ if arguments.operator => 1,
@@ -396,12 +392,6 @@ fn show(phase: Phase, done: usize, of: usize, budget: &Budget, io: &Io) {
 /// A suite succeeds when its rollouts have ended, whatever their outcomes; the environment failed only if no rollout
 /// could be played.
 fn exit_of(results: &Results) -> Exit {
-    let failed = |outcome: Outcome| {
-        matches!(
-            outcome,
-            Outcome::ModelFailed | Outcome::PolicyFailed | Outcome::WorldFailed
-        )
-    };
     match results.stopped {
         Some(StopReason::Interrupted) => return Exit::Interrupted,
         Some(StopReason::Capped) => return Exit::Unreached,
@@ -410,11 +400,9 @@ fn exit_of(results: &Results) -> Exit {
         None if !results.cut_off.is_empty() => return Exit::Unreached,
         None => {}
     }
-    let mut outcomes = results
-        .rollouts
-        .iter()
-        .map(|played| played.rollout.report.outcome);
-    if !results.rollouts.is_empty() && outcomes.all(failed) {
+    let has_failed =
+        |it: &Played| exit_of_rollout(it.rollout.report.outcome, None, None) == Exit::Environment;
+    if !results.rollouts.is_empty() && results.rollouts.iter().all(has_failed) {
         return Exit::Environment;
     }
     Exit::Done

@@ -13,7 +13,7 @@ use crate::verbs::runtime::setting::arm::{ArmArguments, ArmMode};
 use crate::verbs::runtime::setting::model_arguments::{
     ModelArguments, PolicyArguments, SpendArguments,
 };
-use crate::verbs::runtime::setting::policies::Deciding;
+use crate::verbs::runtime::setting::policies::{self, Deciding};
 use crate::verbs::runtime::setting::worlds::{self, WorldChoice};
 use crate::verbs::runtime::setting::{self, StartArguments, models};
 use crate::verbs::runtime::video::{self, VideoArguments};
@@ -186,27 +186,14 @@ pub fn play(
             .as_ref()
             .is_some_and(|settings| setting::arm::has_operator(&arguments.arm, settings, io));
     say_pictures(&subgoals, &examples, &arguments.task.file, io);
-    let who = deciding.make().description();
-    let stand_in = if who.is_stand_in() {
-        " (a stand-in, no vision-language model)"
-    } else {
-        ""
-    };
-    let asked = match who.models {
-        Some(_) => format!("model {}{stand_in}", who.name),
-        None => who.title(),
-    };
+    let policy = policies::in_words(&deciding.make().description());
     io.talk(&format!(
-        "{}: start {}, {asked}",
+        "{}: start {}, {policy}",
         program.title(),
         start.name
     ));
     let budget = models::budget(&arguments.spend, &interrupt);
-    let recorder = if arguments.spend.estimate {
-        None
-    } else {
-        models::recorder(&arguments.spend)?
-    };
+    let recorder = models::recorder(&arguments.spend)?;
     let terminal = TerminalOperator(io);
     let job = Job {
         program: &program,
@@ -228,16 +215,15 @@ pub fn play(
     };
     if let Some(answering) = deciding.answering() {
         let asks = answering.asks_a_provider() || arguments.spend.estimate;
-        let questions = match asks {
+        let questions = if asks {
             // An estimate neither lays a cloth nor connects to anything.
-            true => {
-                let look = Job {
-                    make_world: &make_look,
-                    ..job
-                };
-                rollout::first_questions(&look, answering.models())?
-            }
-            false => Vec::new(),
+            let look = Job {
+                make_world: &make_look,
+                ..job
+            };
+            rollout::first_questions(&look, answering.models())?
+        } else {
+            Vec::new()
         };
         answering.check(&questions)?;
         if arguments.spend.estimate {

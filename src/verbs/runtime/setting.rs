@@ -96,12 +96,7 @@ pub fn start(
     io: &Io,
 ) -> Result<Start, Failure> {
     let text = arguments.start.as_deref();
-    let is_seed = |text: &&str| text.bytes().all(|byte| byte.is_ascii_digit()) && !text.is_empty();
-    let seed = text.filter(is_seed).map(|text| {
-        text.parse()
-            .map_err(|_| Failure::usage(format!("the seed `{text}` is larger than {}", u64::MAX)))
-    });
-    let seed: Option<u64> = seed.transpose()?;
+    let seed: Option<u64> = text.and_then(|text| text.parse().ok());
     if arguments.frame.dims.is_some() && (text.is_none() || seed.is_some()) {
         return Err(Failure::usage(
             "`--dims` and `--up` describe a start file; name it with `--start FILE.npy`",

@@ -136,8 +136,8 @@ pub fn prepare(
             by_grid,
         });
     }
-    let is_known = |name: &&String| !tasks.iter().any(|it| it.task.name == **name);
-    if let Some(unknown) = suite.own_starts.keys().find(is_known) {
+    let is_unknown = |name: &&String| !tasks.iter().any(|it| it.task.name == **name);
+    if let Some(unknown) = suite.own_starts.keys().find(is_unknown) {
         return Err(Failure::environment(format!(
             "the suite states starts of a task `{unknown}`, and has {}",
             quoted(tasks.iter().map(|it| &it.task.name))
@@ -212,13 +212,11 @@ pub fn entries<'a>(
                     1
                 },
             };
-            let varied = suite.variations().into_iter().map(|variation| Entry {
+            entries.push(own.clone());
+            entries.extend(suite.variations().into_iter().map(|variation| Entry {
                 variation,
                 ..own.clone()
-            });
-            let varied: Vec<_> = varied.collect();
-            entries.push(own);
-            entries.extend(varied);
+            }));
         }
     }
     if entries.is_empty() {

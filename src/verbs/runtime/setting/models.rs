@@ -354,8 +354,10 @@ pub fn budget(arguments: &SpendArguments, interrupt: &Interrupt) -> Budget {
     Budget::new(arguments.caps.caps(), Spent::default()).interrupted_by(interrupt)
 }
 
-/// Opens the recording that the command line names.
+/// Opens the recording that the command line names; an estimate records nothing.
 pub fn recorder(arguments: &SpendArguments) -> Result<Option<Recorder>, Failure> {
-    let opened = arguments.record.as_deref().map(Recorder::open);
-    opened.transpose().map_err(Failure::environment)
+    let file = arguments.record.as_deref().filter(|_| !arguments.estimate);
+    file.map(Recorder::open)
+        .transpose()
+        .map_err(Failure::environment)
 }

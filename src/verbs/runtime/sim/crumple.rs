@@ -74,6 +74,7 @@ pub fn run(arguments: &CrumpleArguments, io: &Io) -> Result<Exit, Failure> {
         fs::create_dir_all(folder).map_err(|error| Failure::unwritable(folder, error))?;
     }
     let (flat, interrupt, cache) = (flat(&mask), io.interrupt()?, setting::cache(io));
+    let (triangles, flat_m2) = (mesh::triangles(&mask), mesh::flat_area_m2(&mask));
     let count = arguments.count as usize;
     let starts = each(count, &arguments.threads, "crumpled", io, |index| {
         let seed = arguments.seed.wrapping_add(index as u64);
@@ -85,7 +86,14 @@ pub fn run(arguments: &CrumpleArguments, io: &Io) -> Result<Exit, Failure> {
         if let Some(file) = &file {
             files::write_state(file, &start)?;
         }
-        Ok(Crumpled::of(seed, file, &start, &mask))
+        let (positions, outline) = (&start.positions, start.outline.as_ref());
+        Ok(Crumpled {
+            seed,
+            file,
+            coverage: metrics::outlined_coverage(positions, &start.grid, outline),
+            true_coverage: metrics::true_coverage(positions, &triangles, flat_m2),
+            digest: start.digest(),
+        })
     })?;
     let params = Params::default().hash();
     io.result(arguments.json, &CrumpledCloths { params, starts });
@@ -128,20 +136,6 @@ fn flat(mask: &Mask) -> Start {
     Start {
         outline: (!mask.is_full()).then(|| Outline::new(&mask.to_string())),
         ..Start::flat(&declared)
-    }
-}
-
-impl Crumpled {
-    fn of(seed: u64, file: Option<PathBuf>, start: &Start, mask: &Mask) -> Crumpled {
-        let (positions, outline) = (&start.positions, start.outline.as_ref());
-        let (triangles, flat_m2) = (mesh::triangles(mask), mesh::flat_area_m2(mask));
-        Crumpled {
-            seed,
-            file,
-            coverage: metrics::outlined_coverage(positions, &start.grid, outline),
-            true_coverage: metrics::true_coverage(positions, &triangles, flat_m2),
-            digest: start.digest(),
-        }
     }
 }
 

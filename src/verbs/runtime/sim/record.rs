@@ -103,7 +103,7 @@ pub fn run(arguments: &RecordArguments, io: &Io) -> Result<Exit, Failure> {
         path: arguments.out.clone(),
         view: ViewArgument::film(arguments.view),
         camera: render::camera(CameraArgument::Folding, None)?,
-        motions: u32::try_from(arguments.moves.len()).unwrap_or(u32::MAX),
+        motions: arguments.moves.len() as u32,
         max_bytes: film::MAX_BYTES,
     });
     recorder.begin(&cloth, &simulated::look(material.as_ref()));

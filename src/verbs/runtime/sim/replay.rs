@@ -111,15 +111,14 @@ fn params(changes: &[String]) -> Result<Params, Failure> {
     for change in changes {
         let parts = change.split_once('=');
         let parts = parts.and_then(|(name, text)| Some((name, text.parse::<Value>().ok()?)));
-        let (name, value) = parts.ok_or_else(|| {
-            Failure::usage(format!(
+        let Some((name, value)) = parts else {
+            return Err(Failure::usage(format!(
                 "`--set {change}`: write a name and a number, such as `substeps=8`"
-            ))
-        })?;
+            )));
+        };
         values[name] = value;
     }
-    serde_json::from_value(values)
-        .map_err(|error| Failure::usage(format!("`--set {}`: {error}", changes.join(" --set "))))
+    serde_json::from_value(values).map_err(|error| Failure::usage(format!("`--set`: {error}")))
 }
 
 /// Replays one demonstration.
