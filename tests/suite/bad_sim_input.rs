@@ -108,11 +108,6 @@ fn a_damaged_manifest() {
         ),
         (
             "steps",
-            step("pick_keypoint", json!(8)),
-            &["`pick_keypoint` 8", "0 to 7"],
-        ),
-        (
-            "steps",
             step("pick_world_m", json!([0.0, 0.0])),
             &["invalid length 2"],
         ),

@@ -3,6 +3,7 @@
 use super::bad_starts::write_npy;
 use super::sim_replay::flat;
 use super::support::{Captured, fabc, finish, project};
+use fab_world::corner_fold::CARRIED_MM;
 use fab_world::metrics;
 use fab_world::start::Start;
 use serde_json::{Value, json};
@@ -281,9 +282,9 @@ fn a_material_is_measured_by_its_name() {
         assert_ne!(value["params"], fab_sim::Params::default().hash());
         // The bounds hold at another spacing.
         assert!(readings.iter().all(|it| it["within"].is_null()), "{value}");
-        assert_eq!(value["corner"]["carried_mm"], 40);
-        assert!(value["corner"]["stays_mm"].is_f64(), "{value}");
-        assert_eq!(value["corner"]["smallest_fold"], Value::Null);
+        let last = readings.last().unwrap();
+        assert_eq!(last["what"], format!("corner carried {CARRIED_MM} mm"));
+        assert!(last["measured"].is_f64(), "{value}");
         // What so few particles cannot show is null, and said.
         let without = readings.iter().filter(|it| it["measured"].is_null());
         let names: Vec<&str> = without.map(|it| it["what"].as_str().unwrap()).collect();
@@ -320,8 +321,9 @@ fn a_smallest_fold_is_searched_only_if_asked_for() {
     let said = said(folder.path(), &call);
     assert_eq!(said.code, 0, "{}", said.stderr);
     let value: Value = serde_json::from_str(&said.stdout).unwrap();
-    let smallest = &value["corner"]["smallest_fold"]["from"]["mm"];
-    assert!(smallest.as_u64().is_some_and(|mm| mm > 40), "{value}");
+    let smallest = value["readings"].as_array().unwrap().last().unwrap();
+    assert_eq!(smallest["what"], "smallest corner fold");
+    assert!(smallest["measured"].as_f64().unwrap() > 40.0, "{value}");
 }
 
 #[test]

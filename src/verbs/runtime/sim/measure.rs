@@ -10,20 +10,12 @@ use fab_base::table::{Align, aligned};
 use fab_program::SmallestFold;
 use fab_sim::measure::{Reading, textile_table};
 use fab_sim::{Grid, Material, Params};
-use fab_world::corner_fold::{CARRIED_MM, CornerFold};
+use fab_world::corner_fold::CornerFold;
 use fab_world::simulated;
 use serde::Serialize;
 
-/// What `--help` says at its end.
-const EXAMPLES: &str = "Examples:
-  fabc sim measure cotton
-  fabc sim measure tasks/dishcloth.fab:dishcloth --smallest-fold
-
-docs/materials.md says how a cloth is measured on a desk, and what each line means.";
-
 /// Arguments of `sim measure`.
 #[derive(Args)]
-#[command(after_help = EXAMPLES)]
 pub struct MeasureArguments {
     /// The material: a shipped one (`cotton`, `towel`, `denim`, `silk`), or `FILE.fab:NAME` for one of a file.
     #[arg(value_name = "MATERIAL", value_hint = ValueHint::FilePath)]
@@ -46,18 +38,7 @@ struct Measured {
     material: Material,
     spacing_mm: f64,
     readings: Vec<Reading>,
-    corner: Corner,
     warnings: Vec<String>,
-}
-
-/// What becomes of a corner of a square of 340 mm that is carried along the diagonal.
-#[derive(Serialize)]
-struct Corner {
-    carried_mm: u32,
-    /// How far from its place it comes to rest; null if nothing was held.
-    stays_mm: Option<f64>,
-    /// Null if it was not asked for.
-    smallest_fold: Option<SmallestFold>,
 }
 
 /// Measures the material and reports.
@@ -70,39 +51,64 @@ pub fn run(arguments: &MeasureArguments, io: &Io) -> Result<Exit, Failure> {
     grid.map_err(|error| Failure::usage(format!("`--spacing {spacing}`: {error}")))?;
     let warnings = material.check(spacing_m as f32)?;
     io.progress("measuring");
-    let readings = textile_table(&material, spacing_m as f32)?;
+    let mut readings = textile_table(&material, spacing_m as f32)?;
     let params = Params {
         material: Some(material.clone()),
         ..Params::default()
     };
     let hash = params.hash();
+    for Reading { what, .. } in readings.iter().filter(|it| !it.measured.is_finite()) {
+        io.talk(&format!(
+            "{what} has no reading at this spacing; choose a smaller `--spacing`"
+        ));
+    }
     let mut fold = CornerFold::new(params, spacing_m)?;
-    let search = arguments.smallest_fold;
+    let stays_mm = fold.stays_mm(&interrupt)?;
+    readings.push(of_corner(
+        "corner carried 40 mm",
+        "how far away it stays",
+        stays_mm,
+    ));
+    if arguments.smallest_fold {
+        readings.push(match fold.smallest(&interrupt)? {
+            SmallestFold::From { mm } => of_corner(
+                "smallest corner fold",
+                "carried so far, it stays",
+                Some(mm.into()),
+            ),
+            SmallestFold::NoneUpTo { .. } => of_corner(
+                "smallest corner fold",
+                "none that the cloth has room for stays",
+                None,
+            ),
+        });
+    }
+    io.progress("");
     let measured = Measured {
         params: hash,
         material,
         spacing_mm: spacing,
         readings,
-        corner: Corner {
-            carried_mm: CARRIED_MM,
-            stays_mm: fold.stays_mm(&interrupt)?,
-            smallest_fold: search.then(|| fold.smallest(&interrupt)).transpose()?,
-        },
         warnings: warnings.iter().map(ToString::to_string).collect(),
     };
-    io.progress("");
     io.result(arguments.json, &measured);
-    let unread = { measured.readings.iter() }.filter(|it| !it.measured.is_finite());
-    for Reading { what, .. } in unread {
-        io.talk(&format!(
-            "{what} has no reading at this spacing; choose a smaller `--spacing`"
-        ));
+    for warning in &measured.warnings {
+        io.talk(warning);
     }
-    measured
-        .warnings
-        .iter()
-        .for_each(|warning| io.talk(warning));
     Ok(Exit::Done)
+}
+
+/// Returns what becomes of a corner of a square of 340 mm that is carried along the diagonal.
+fn of_corner(what: &'static str, method: &'static str, mm: Option<f64>) -> Reading {
+    Reading {
+        what,
+        method,
+        unit: "mm",
+        declared: None,
+        expected: None,
+        measured: mm.unwrap_or(f64::NAN),
+        within: None,
+    }
 }
 
 impl Report for Measured {
@@ -113,30 +119,7 @@ impl Report for Measured {
         ];
         let mut table = vec![titles.map(str::to_owned)];
         table.extend(self.readings.iter().map(cells));
-        table.extend(self.corner.cells());
         aligned(&[Left, Right, Right, Right], &table).join("\n") + "\n"
-    }
-}
-
-impl Corner {
-    fn cells(&self) -> [[String; 7]; 2] {
-        let carried = format!("corner carried {} mm", self.carried_mm);
-        let stays = self.stays_mm.map(|mm| format!("{mm:.1}"));
-        let (smallest, how) = match self.smallest_fold {
-            Some(SmallestFold::From { mm }) => {
-                (Some(mm.to_string()), "carried so far, it stays".to_owned())
-            }
-            Some(SmallestFold::NoneUpTo { mm }) => (None, format!("none up to {mm} mm stays")),
-            None => (None, "`--smallest-fold` searches it".to_owned()),
-        };
-        let row = |what: &str, measured: Option<String>, method: &str| {
-            let measured = measured.unwrap_or("-".to_owned());
-            [what, "-", "-", &measured, "mm", "-", method].map(str::to_owned)
-        };
-        [
-            row(&carried, stays, "how far away it stays"),
-            row("smallest corner fold", smallest, &how),
-        ]
     }
 }
 

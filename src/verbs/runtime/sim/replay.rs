@@ -125,9 +125,10 @@ fn params(changes: &[String]) -> Result<Params, Failure> {
 fn replay(it: &Demonstration, params: &Params, interrupt: &Interrupt) -> Result<Replayed, Failure> {
     let (mut cloth, end) = it.laid(params)?;
     let mut picks_as_recorded = 0;
-    for pick in &it.picks {
-        match cloth.pick_and_place(pick.pick, pick.place, &|| interrupt.is_raised()) {
-            Ok(done) => picks_as_recorded += usize::from(done.grasped == Some(pick.particle)),
+    for step in &it.steps {
+        let [pick, place] = step.ends_m();
+        match cloth.pick_and_place(pick, place, &|| interrupt.is_raised()) {
+            Ok(done) => picks_as_recorded += usize::from(done.grasped == it.held(step)),
             Err(SimError::Interrupted { .. }) => return Err(Failure::interrupted()),
             Err(error) => return Err(it.failure(error)),
         }
@@ -138,8 +139,8 @@ fn replay(it: &Demonstration, params: &Params, interrupt: &Interrupt) -> Result<
         task: it.task.clone(),
         id: it.id,
         error_mm: 1000.0 * error_m,
-        grasped_as_recorded: picks_as_recorded == it.picks.len(),
-        picks: it.picks.len(),
+        grasped_as_recorded: picks_as_recorded == it.steps.len(),
+        picks: it.steps.len(),
         picks_as_recorded,
         steps: cloth.steps(),
         digest: cloth.digest(),
