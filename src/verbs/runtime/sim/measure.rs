@@ -50,7 +50,6 @@ pub fn run(arguments: &MeasureArguments, io: &Io) -> Result<Exit, Failure> {
     let spacing = arguments.spacing;
     grid.map_err(|error| Failure::usage(format!("`--spacing {spacing}`: {error}")))?;
     let warnings = material.check(spacing_m as f32)?;
-    io.progress("measuring");
     let mut readings = textile_table(&material, spacing_m as f32)?;
     let params = Params {
         material: Some(material.clone()),
@@ -62,26 +61,16 @@ pub fn run(arguments: &MeasureArguments, io: &Io) -> Result<Exit, Failure> {
             "{what} has no reading at this spacing; choose a smaller `--spacing`"
         ));
     }
+    io.progress("folding corners");
     let mut fold = CornerFold::new(params, spacing_m)?;
-    let stays_mm = fold.stays_mm(&interrupt)?;
-    readings.push(of_corner(
-        "corner carried 40 mm",
-        "how far away it stays",
-        stays_mm,
-    ));
+    let (what, method) = ("corner carried 40 mm", "how far away it stays");
+    readings.push(of_corner(what, method, fold.stays_mm(&interrupt)?));
     if arguments.smallest_fold {
-        readings.push(match fold.smallest(&interrupt)? {
-            SmallestFold::From { mm } => of_corner(
-                "smallest corner fold",
-                "carried so far, it stays",
-                Some(mm.into()),
-            ),
-            SmallestFold::NoneUpTo { .. } => of_corner(
-                "smallest corner fold",
-                "none that the cloth has room for stays",
-                None,
-            ),
-        });
+        let (method, mm) = match fold.smallest(&interrupt)? {
+            SmallestFold::From { mm } => ("carried so far, it stays", Some(mm.into())),
+            SmallestFold::NoneUpTo { .. } => ("none that the cloth has room for stays", None),
+        };
+        readings.push(of_corner("smallest corner fold", method, mm));
     }
     io.progress("");
     let measured = Measured {

@@ -9,12 +9,11 @@ use crate::verbs::runtime::setting::FrameArguments;
 use crate::verbs::runtime::setting::materials::MaterialArguments;
 use crate::verbs::runtime::video::{self, ViewArgument};
 use clap::{Args, ValueHint};
-use fab_sim::{Manner, Mask, Params, SimError, Simulator};
+use fab_sim::{Manner, Params, SimError, Simulator};
 use fab_world::film::{self, Film, FilmPlan, Recorder};
 use fab_world::simulated;
 use serde::Serialize;
 use std::path::PathBuf;
-use std::str::FromStr;
 
 /// Arguments of `sim record`.
 #[derive(Args)]
@@ -30,12 +29,7 @@ pub struct RecordArguments {
     #[command(flatten)]
     pub cloth: MaterialArguments,
     /// Pick at the first point and place at the second: metres from the table's centre. One for each motion, in order.
-    #[arg(
-        long = "move",
-        value_name = "X,Y:X,Y",
-        allow_hyphen_values = true,
-        required = true
-    )]
+    #[arg(long = "move", value_name = "X,Y:X,Y", value_parser = parse_move, allow_hyphen_values = true, required = true)]
     pub moves: Vec<Move>,
     /// From where the film is taken; default: slanted.
     #[arg(long, value_enum)]
@@ -55,22 +49,17 @@ pub struct Move {
     place: [f32; 2],
 }
 
-impl FromStr for Move {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Move, String> {
-        let numbers = text.split([',', ':']).map(|number| number.trim().parse());
-        let numbers: Option<Vec<f32>> = numbers.collect::<Result<_, _>>().ok();
-        match numbers.as_deref() {
-            Some(&[x, y, to_x, to_y]) => Ok(Move {
-                pick: [x, y],
-                place: [to_x, to_y],
-            }),
-            _ => Err(
-                "write the pick and the place in metres from the table's centre, such as `-0.12,0.12:0.1,-0.1`"
-                    .to_owned(),
-            ),
-        }
+/// Parses `--move`.
+fn parse_move(text: &str) -> Result<Move, &'static str> {
+    let numbers = text.split([',', ':']).map(|number| number.trim().parse());
+    match numbers.collect::<Result<Vec<f32>, _>>().as_deref() {
+        Ok(&[x, y, to_x, to_y]) => Ok(Move {
+            pick: [x, y],
+            place: [to_x, to_y],
+        }),
+        _ => Err(
+            "write the pick and the place in metres from the table's centre, such as `-0.12,0.12:0.1,-0.1`",
+        ),
     }
 }
 
@@ -140,17 +129,11 @@ pub fn run(arguments: &RecordArguments, io: &Io) -> Result<Exit, Failure> {
 
 /// Lays the cloth.
 fn cloth(arguments: &RecordArguments, params: &Params) -> Result<Simulator, Failure> {
-    let (mask, positions) = match &arguments.from {
-        None => {
-            let grid = super::square(arguments.size)?;
-            (Mask::full(grid), grid.flat_positions(params))
-        }
-        Some(file) => {
-            let (state, mask) = files::read_state(file, &arguments.frame)?;
-            (mask, state.positions)
-        }
+    let Some(file) = &arguments.from else {
+        return Ok(Simulator::flat(super::square(arguments.size)?, params));
     };
-    Ok(Simulator::from_positions(mask, &positions, params)?)
+    let (state, mask) = files::read_state(file, &arguments.frame)?;
+    Ok(Simulator::from_positions(mask, &state.positions, params)?)
 }
 
 impl Report for Recorded {

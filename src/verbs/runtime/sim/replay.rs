@@ -84,13 +84,10 @@ pub fn run(arguments: &ReplayArguments, io: &Io) -> Result<Exit, Failure> {
     let params = params(&arguments.changes)?;
     let ids = arguments.ids.as_deref();
     let selected = demonstrations::read(&arguments.folder, arguments.task.as_deref(), ids)?;
-    let entries = each(
-        selected.len(),
-        &arguments.threads,
-        "replayed",
-        io,
-        |index| replay(&selected[index], &params, &interrupt),
-    )?;
+    let (count, threads) = (selected.len(), &arguments.threads);
+    let entries = each(count, threads, "replayed", io, |index| {
+        replay(&selected[index], &params, &interrupt)
+    })?;
     let mut by_task: BTreeMap<&str, Vec<&Replayed>> = BTreeMap::new();
     for entry in &entries {
         by_task.entry(&entry.task).or_default().push(entry);
@@ -127,8 +124,9 @@ fn replay(it: &Demonstration, params: &Params, interrupt: &Interrupt) -> Result<
     let mut picks_as_recorded = 0;
     for step in &it.steps {
         let [pick, place] = step.ends_m();
+        let as_recorded = |particle| Some(particle) == it.held(step);
         match cloth.pick_and_place(pick, place, &|| interrupt.is_raised()) {
-            Ok(done) => picks_as_recorded += usize::from(done.grasped == it.held(step)),
+            Ok(done) => picks_as_recorded += usize::from(done.grasped.is_some_and(as_recorded)),
             Err(SimError::Interrupted { .. }) => return Err(Failure::interrupted()),
             Err(error) => return Err(it.failure(error)),
         }
