@@ -13,6 +13,7 @@ use crate::io::Io;
 use crate::verbs::runtime::estimate::{self, Asking};
 use crate::verbs::runtime::operator::TerminalOperator;
 use crate::verbs::runtime::run::exit_of as exit_of_rollout;
+use crate::verbs::runtime::run::report::so_far;
 use crate::verbs::runtime::setting;
 use crate::verbs::runtime::setting::arm::{ArmArguments, ArmMode};
 use crate::verbs::runtime::setting::model_arguments::{
@@ -381,11 +382,7 @@ fn show(phase: Phase, done: usize, of: usize, budget: &Budget, io: &Io) {
         Phase::Experts => "expert ends known",
         Phase::Rollouts => "rollouts finished",
     };
-    let spent = budget.spent();
-    let spent = match spent.calls {
-        0 => String::new(),
-        calls => format!(", {calls} calls, {}", spent.in_words()),
-    };
+    let spent = so_far(&budget.spent());
     io.progress(&format!("{done} of {of} {what}{spent}"));
 }
 

@@ -1,7 +1,7 @@
 //! `fabc run`: one rollout, with a line of progress per step.
 
 mod planned;
-mod report;
+pub mod report;
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
@@ -25,7 +25,7 @@ use fab_agent::policy::MakePolicy;
 use fab_agent::rollout::{self, Job, RunError};
 use fab_agent::subgoals::{Origin, SubgoalSet};
 use fab_arm::settings::DriverKind;
-use fab_model::calls::{Spent, ledger};
+use fab_model::calls::ledger;
 use fab_providers::estimate::Fresh;
 use fab_world::WorldError;
 use serde::{Deserialize, Serialize};
@@ -260,7 +260,8 @@ pub fn play(
     keep_beginning(&folder, arguments, &destination)?;
     let earlier = folder.earlier_steps();
     if let Destination::Existing(_) = destination {
-        io.talk(&again(earlier, &spent));
+        let so_far = report::so_far(&spent);
+        io.talk(&format!("resuming after step {earlier}{so_far}"));
     }
     let done = rollout::run(&job, folder, &mut |event| report::show(event, earlier, io));
     if let (Some(_), Some(run)) = (&arm, journal.get()) {
@@ -313,19 +314,6 @@ fn keep_beginning(
     let text = serde_json::to_vec_pretty(&begun)?;
     let kept = folder.keep(RUN_FILE, &text);
     kept.map(drop).map_err(Failure::environment)
-}
-
-/// Reports what a resumed run already has.
-fn again(steps: u32, spent: &Spent) -> String {
-    let mut text = format!("resuming after step {steps}");
-    if spent.calls > 0 {
-        text.push_str(&format!(
-            ", {} calls so far, {}",
-            spent.calls,
-            spent.in_words()
-        ));
-    }
-    text
 }
 
 /// Reports the origin of subgoal pictures if it is unusual, and pictures that were changed to be shown.

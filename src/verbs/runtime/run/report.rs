@@ -159,16 +159,11 @@ fn cloth(moved: &ClothMoved) -> String {
     }
 }
 
-/// Reports the cost of calls so far, if there were any.
-fn so_far(spent: &Spent) -> String {
-    let cost = match (spent.known_cost(), spent.priced_at_most()) {
-        (_, None) => String::new(),
-        (Some(cost), Some(at_most)) if cost == at_most => format!(", {cost}"),
-        (_, Some(at_most)) => format!(", at most {at_most}"),
-    };
+/// Reports the calls so far and their cost, if there were any, as the end of a sentence.
+pub fn so_far(spent: &Spent) -> String {
     match spent.calls {
         0 => String::new(),
-        calls => format!(", {calls} calls{cost}"),
+        calls => format!(", {calls} calls, {}", spent.in_words()),
     }
 }
 

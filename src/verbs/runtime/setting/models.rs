@@ -121,29 +121,36 @@ pub fn models(
     interrupt: &Interrupt,
     io: &Io,
 ) -> Result<Answering, Failure> {
-    let mut finder = Finder {
-        arguments,
-        purpose,
-        interrupt,
-        providers: None,
+    let [vision, text] = by_role("--model", &arguments.model)?;
+    let [vision, text] = [vision, text].map(|name| name.unwrap_or(DEFAULT_MODEL));
+    let [vision_url, text_url] = by_role("--base-url", &arguments.reach.base_url)?;
+    // The catalogue is read when the first provider is named.
+    let mut providers = None;
+    let mut find = |name: &str, base_url: Option<&str>, role: ModelRole| {
+        if let Some(model) = embedded(name, role)? {
+            return Ok::<_, Failure>(Answerer {
+                model: Arc::from(model),
+                provided: None,
+            });
+        }
+        let providers = match &mut providers {
+            Some(providers) => providers,
+            absent => absent.insert(Providers::new(&arguments.reach, interrupt, io)?),
+        };
+        let profile = providers.profile(name)?;
+        let remote = Arc::new(providers.model(&profile, base_url, purpose)?);
+        Ok(Answerer {
+            model: remote.clone(),
+            provided: Some(Provided { profile, remote }),
+        })
     };
-    let [vision, text] = if arguments.model.is_empty() {
-        [DEFAULT_MODEL; 2].map(str::to_owned)
-    } else {
-        by_role("--model", &arguments.model)?
-    };
-    let [vision_url, text_url] = if arguments.reach.base_url.is_empty() {
-        [None, None]
-    } else {
-        by_role("--base-url", &arguments.reach.base_url)?.map(Some)
-    };
-    let model = finder.model(&vision, vision_url.as_deref(), ModelRole::Vision, io)?;
+    let model = find(vision, vision_url, ModelRole::Vision)?;
     let is_shared = vision == text && vision_url == text_url && !vision.starts_with(REPLAY);
     Ok(Answering {
         text: if is_shared {
             model.clone()
         } else {
-            finder.model(&text, text_url.as_deref(), ModelRole::Text, io)?
+            find(text, text_url, ModelRole::Text)?
         },
         vision: model,
     })
@@ -168,18 +175,14 @@ pub fn varied(
             "`{name}` has no interface to find out about: name a provider's model, `PROVIDER:NAME`"
         )));
     }
-    let base_url = if reach.base_url.is_empty() {
-        None
-    } else {
-        Some(by_role("--base-url", &reach.base_url)?[0].clone())
-    };
+    let [base_url, _] = by_role("--base-url", &reach.base_url)?;
     let mut providers = Providers::new(reach, interrupt, io)?;
     let profile = providers.profile(name)?;
     // Fails here rather than between questions if there is no key or no address.
-    providers.model(&profile, base_url.as_deref(), Purpose::Asking)?;
+    providers.model(&profile, base_url, Purpose::Asking)?;
     Ok(Varied {
         profile,
-        base_url,
+        base_url: base_url.map(str::to_owned),
         providers: RefCell::new(providers),
     })
 }
@@ -212,41 +215,6 @@ impl Subject for Varied {
             why: failure.to_string(),
         })?;
         Ok(Arc::new(remote))
-    }
-}
-
-/// Finds models one by one; the provider catalogue is read when the first provider is named.
-struct Finder<'a> {
-    arguments: &'a ModelArguments,
-    purpose: Purpose,
-    interrupt: &'a Interrupt,
-    providers: Option<Providers>,
-}
-
-impl Finder<'_> {
-    fn model(
-        &mut self,
-        name: &str,
-        base_url: Option<&str>,
-        role: ModelRole,
-        io: &Io,
-    ) -> Result<Answerer, Failure> {
-        if let Some(model) = embedded(name, role)? {
-            return Ok(Answerer {
-                model: Arc::from(model),
-                provided: None,
-            });
-        }
-        let providers = match &mut self.providers {
-            Some(providers) => providers,
-            absent => absent.insert(Providers::new(&self.arguments.reach, self.interrupt, io)?),
-        };
-        let profile = providers.profile(name)?;
-        let remote = Arc::new(providers.model(&profile, base_url, self.purpose)?);
-        Ok(Answerer {
-            model: remote.clone(),
-            provided: Some(Provided { profile, remote }),
-        })
     }
 }
 
@@ -292,8 +260,8 @@ impl TargetModel {
     }
 }
 
-/// Parses `X`, or `vision=X` and `text=Y`; returns the values for vision and for text.
-fn by_role(flag: &str, values: &[String]) -> Result<[String; 2], Failure> {
+/// Parses `X`, or `vision=X` and `text=Y`; returns the values for vision and for text, if there are any.
+fn by_role<'v>(flag: &str, values: &'v [String]) -> Result<[Option<&'v str>; 2], Failure> {
     let (mut both, mut vision, mut text) = (None, None, None);
     let mut is_twice = false;
     for value in values {
@@ -304,12 +272,13 @@ fn by_role(flag: &str, values: &[String]) -> Result<[String; 2], Failure> {
         };
         is_twice |= place.replace(value).is_some();
     }
-    match (vision.or(both), text.or(both)) {
-        (Some(vision), Some(text)) if !is_twice => Ok([vision, text].map(str::to_owned)),
-        _ => Err(Failure::usage(format!(
+    let (vision, text) = (vision.or(both), text.or(both));
+    if is_twice || vision.is_some() != text.is_some() {
+        return Err(Failure::usage(format!(
             "`{flag}` names one thing for each role: write `{flag} X` for both, or `{flag} vision=X {flag} text=Y`"
-        ))),
+        )));
     }
+    Ok([vision, text])
 }
 
 /// Finds a model that needs no provider; `None` for any other name.
