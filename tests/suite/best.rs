@@ -592,13 +592,15 @@ fn what_cannot_be_searched_is_told() {
 }
 
 #[test]
-fn a_rollout_without_a_score_has_no_value_and_says_why() {
+fn a_rollout_without_a_score_is_measured_where_it_ended() {
     let folder = tempfile::tempdir().unwrap();
     let (_, found) = run(folder.path(), TWICE, "--trials 12");
     let rows = found["rows"].as_array().unwrap();
     let stand_in = rows.iter().find(|row| row["row"] == "stand-in").unwrap();
+    // It moved nothing.
+    assert_eq!(stand_in["values"][0], found["untouched"]);
     assert_eq!(stand_in["unscored"], serde_json::json!(["malformed_reply"]));
-    assert_eq!(stand_in["values"], serde_json::json!([]));
+    assert_eq!(stand_in["reached"], serde_json::json!([false]));
 }
 
 /// Each pull leads away from the experts' end, and a rollout whose steps are all skipped has no score.

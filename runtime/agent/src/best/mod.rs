@@ -20,6 +20,8 @@ mod aim;
 mod offers;
 mod tree;
 
+pub use aim::Aim;
+
 use crate::action::Action;
 use crate::policy::Finding;
 use crate::record;

@@ -4,18 +4,18 @@
 
 use crate::exit::Failure;
 use crate::io::Io;
-use fab_agent::best::{Choice, Found, Measure, Search};
+use fab_agent::best::{Aim, Choice, Found, Search, unless_stopped};
 use fab_agent::examples::Examples;
 use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
 use fab_agent::policy::{Expert, MakePolicy, Prompted, Random};
-use fab_agent::record::{RECORD_FILE, Report};
+use fab_agent::record::RECORD_FILE;
 use fab_agent::rollout::{self, Job, RunError};
 use fab_base::parallel::in_parallel;
 use fab_bench::record::{self, FolderContents, Identity, Rollout};
 use fab_model::Models;
 use fab_model::calls::Budget;
-use fab_program::{Goal, Metric};
+use fab_program::Goal;
 use fab_standins::Geometric;
 use fab_world::{World, WorldError};
 use serde::Serialize;
@@ -31,11 +31,11 @@ pub struct Row {
     pub name: &'static str,
     /// Whether it may look at the true state of the cloth, which no camera shows.
     pub oracle: bool,
-    /// The measure at the end of each rollout that has a score.
+    /// The measure at the end of each rollout, however it ended.
     pub values: Vec<f64>,
     /// Whether each of these reached the goal; empty without one.
     pub reached: Vec<bool>,
-    /// Why each of the other rollouts has no score.
+    /// Why each rollout without a score has none.
     pub unscored: Vec<String>,
 }
 
@@ -62,21 +62,24 @@ impl Row {
     }
 
     /// Adds a rollout; returns its loss and what was decided in it.
-    fn add(&mut self, rollout: &Rollout, measure: Measure) -> (f64, Vec<Choice>) {
+    fn add(&mut self, rollout: &Rollout, search: &Search<'_>, aim: &Aim) -> (f64, Vec<Choice>) {
         let report = &rollout.report;
         let is_scored = report.outcome.is_scored();
-        let value = value(report, measure.metric).filter(|_| is_scored);
-        if let Some(value) = value {
-            self.values.push(value);
-            self.reached.extend(report.goal_reached);
-        } else {
+        let last = rollout.last.as_ref().unwrap_or(&search.start.positions);
+        let value = aim.value(last);
+        self.values.extend(value);
+        let goal = search.program.goal.as_ref().zip(value);
+        self.reached
+            .extend(goal.map(|(goal, value)| is_scored && goal.is_met(value)));
+        if !is_scored {
             let why = report.stopped.as_deref();
-            let why = why.unwrap_or(report.outcome.name());
-            self.unscored.push(why.to_owned());
+            self.unscored
+                .push(why.unwrap_or(report.outcome.name()).to_owned());
         }
         let steps = rollout.steps.iter();
         let choices = steps.map_while(|step| Choice::of(&step.line)).collect();
-        let loss = value.map_or(f64::INFINITY, |value| measure.loss(value));
+        let value = value.filter(|_| is_scored);
+        let loss = value.map_or(f64::INFINITY, |value| aim.measure.loss(value));
         (loss, choices)
     }
 }
@@ -106,7 +109,7 @@ impl Playing<'_> {
             ("random", false, &random, DRAWS),
             ("stand-in", false, &stand_in, 1),
         ];
-        let measure = Measure::of(self.search.program)?;
+        let aim = unless_stopped(Aim::of(self.search))?.ok_or_else(Failure::interrupted)?;
         let (mut rows, mut decided) = (Vec::new(), Vec::new());
         for (name, oracle, make_policy, count) in makers {
             self.io.progress(&format!("rollouts beside it: {name}"));
@@ -117,7 +120,7 @@ impl Playing<'_> {
                 let play = |index| self.play(name, make_policy, index);
                 let played = in_parallel(count, self.search.limits.threads, play, |_| {})?;
                 let played = played.iter().flatten();
-                decided.extend(played.map(|rollout| row.add(rollout, measure)));
+                decided.extend(played.map(|rollout| row.add(rollout, self.search, &aim)));
             }
             rows.push(row);
         }
@@ -190,14 +193,5 @@ impl Playing<'_> {
             Ok(ended) if ended.outcome == Outcome::Interrupted => Ok(None),
             Ok(_) => finished(),
         }
-    }
-}
-
-/// Returns the measure at the end of a rollout: metres of distance, or a fraction.
-fn value(report: &Report, metric: Metric) -> Option<f64> {
-    match metric {
-        Metric::ParticleDistance => Some(report.mean_particle_distance_mm? / 1000.0),
-        Metric::Coverage => report.coverage,
-        Metric::NormalizedImprovement => report.normalized_improvement,
     }
 }
