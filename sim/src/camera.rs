@@ -6,7 +6,7 @@
 
 use crate::mask::Mask;
 use crate::raster::{Raster, Shade, Vertex, Window};
-use crate::scene::{self, Marker, Seen, State};
+use crate::scene::{self, Seen};
 
 /// Smallest image side, pixels.
 pub const MIN_SIZE_PX: u32 = 16;
@@ -174,57 +174,37 @@ impl TopDownCamera {
     /// Colour is the mean of 3 x 3 samples a pixel; depth is that of the pixel's centre alone, so no
     /// depth lies between two surfaces.
     pub fn render(&self, cloth: impl Into<Mask>, positions: &[[f32; 3]], look: &Look) -> Frame {
-        self.render_marked(cloth, positions, look, None)
-    }
-
-    /// Draws as [`TopDownCamera::render`] does, with the picker's marker if there is one.
-    pub fn render_marked(
-        &self,
-        cloth: impl Into<Mask>,
-        positions: &[[f32; 3]],
-        look: &Look,
-        marker: Option<&Marker>,
-    ) -> Frame {
         let camera = self.drawing();
         let tiles = camera.tiles(look);
-        let sums = tiles.sums(self.up);
+        let mut sums = tiles.sums(self.up);
         let size = camera.size_px as usize;
-        let mut frame = Frame {
+        let mut depth_m = vec![1.0 / (1.0 / camera.height_m); size * size];
+        let triangles = camera.triangles(&cloth.into(), positions, look);
+        let window = Window::around(&triangles, [size, size]);
+        let mut raster = Raster::new(1.0 / camera.height_m);
+        for [u, v] in (0..3).flat_map(|v| [0, 1, 2].map(|u| [u, v])) {
+            let offset = [OFFSETS[u], OFFSETS[v]];
+            raster.clear(&window, offset);
+            raster.draw(&triangles);
+            for ([column, row], colour, inverse_depth) in raster.drawn() {
+                let pixel = self.up.pixel(column, row, size);
+                let tile = tiles.colour(tiles.columns[u][column], tiles.rows[v][row]);
+                for channel in 0..3 {
+                    // The table's own part of this sample gives way.
+                    let sum = &mut sums[3 * pixel + channel];
+                    *sum = *sum - u16::from(tile[channel]) + u16::from(colour[channel]);
+                }
+                if offset == [0.5, 0.5] {
+                    depth_m[pixel] = 1.0 / inverse_depth;
+                }
+            }
+        }
+        Frame {
             width: camera.size_px,
             height: camera.size_px,
-            rgb: sums.iter().map(|sum| mean(*sum)).collect(),
-            depth_m: vec![1.0 / (1.0 / camera.height_m); size * size],
-        };
-        let triangles = camera.scene(&cloth.into(), (positions, marker), look);
-        let window = Window::around(&triangles, [size, size]);
-        let Frame { rgb, depth_m, .. } = &mut frame;
-        self.draw(&triangles, &window, (&tiles, sums), rgb, depth_m);
-        frame
-    }
-
-    /// Turns the colours of one state of a cloth into those of another one, as [`TopDownCamera::render_marked`] draws them.
-    ///
-    /// Costs the less the less of the picture has changed.
-    ///
-    /// - `rgb`: the colours of a frame of this camera.
-    /// - `before`, `now`: positions as for `render`, equally many, and the picker's marker.
-    pub fn redraw_marked(
-        &self,
-        rgb: &mut [u8],
-        cloth: impl Into<Mask>,
-        look: &Look,
-        before: State<'_>,
-        now: State<'_>,
-    ) {
-        let mask = &cloth.into();
-        let camera = self.drawing();
-        let points = scene::changed(mask, before, now, &[&|point| camera.see(point)]);
-        let window = Window::around_points(points.into_iter(), [camera.size_px as usize; 2]);
-        let mut triangles = camera.scene(mask, now, look);
-        triangles.retain(|triangle| window.meets(triangle));
-        let tiles = camera.tiles(look);
-        let sums = tiles.sums(self.up);
-        self.draw(&triangles, &window, (&tiles, sums), rgb, &mut []);
+            rgb: sums.into_iter().map(mean).collect(),
+            depth_m,
+        }
     }
 
     /// Returns the camera that draws: with +Y up, and of a size within the bounds.
@@ -234,65 +214,6 @@ impl TopDownCamera {
             size_px: self.size_px.clamp(MIN_SIZE_PX, MAX_SIZE_PX),
             ..*self
         }
-    }
-
-    /// Lists what stands above the table.
-    fn scene(&self, mask: &Mask, (positions, marker): State<'_>, look: &Look) -> Vec<[Vertex; 3]> {
-        let mut triangles = self.triangles(mask, positions, look);
-        if let Some(marker) = marker {
-            triangles.extend(marker.triangles(&|point| self.see(point)));
-        }
-        triangles
-    }
-
-    /// Draws triangles and the table behind them into a window of a picture.
-    ///
-    /// - `sums`: of the bare table.
-    /// - `depth_m`: of the bare table in the window, or nothing if depths are not wanted.
-    fn draw(
-        &self,
-        triangles: &[[Vertex; 3]],
-        window: &Window,
-        (tiles, mut sums): (&Tiles, Vec<u16>),
-        rgb: &mut [u8],
-        depth_m: &mut [f32],
-    ) {
-        let camera = self.drawing();
-        let size = camera.size_px as usize;
-        let mut raster = Raster::new(1.0 / camera.height_m);
-        for [u, v] in (0..3).flat_map(|v| [0, 1, 2].map(|u| [u, v])) {
-            let offset = [OFFSETS[u], OFFSETS[v]];
-            raster.clear(window, offset);
-            raster.draw(triangles);
-            for ([column, row], colour, inverse_depth) in raster.drawn() {
-                let pixel = self.up.pixel(column, row, size);
-                let tile = tiles.colour(tiles.columns[u][column], tiles.rows[v][row]);
-                for channel in 0..3 {
-                    // The table's own part of this sample gives way.
-                    let sum = &mut sums[3 * pixel + channel];
-                    *sum = *sum - u16::from(tile[channel]) + u16::from(colour[channel]);
-                }
-                if offset == [0.5, 0.5]
-                    && let Some(depth_m) = depth_m.get_mut(pixel)
-                {
-                    *depth_m = 1.0 / inverse_depth;
-                }
-            }
-        }
-        for row in window.rows.clone() {
-            for column in window.columns.clone() {
-                let first = 3 * self.up.pixel(column, row, size);
-                for channel in first..first + 3 {
-                    rgb[channel] = mean(sums[channel]);
-                }
-            }
-        }
-    }
-
-    /// Tells whether anything of a marker is in the picture.
-    pub fn sees(&self, marker: &Marker) -> bool {
-        let triangles = marker.triangles(&|point| self.see(point));
-        !Window::around(&triangles, [self.size_px as usize; 2]).is_empty()
     }
 
     /// Finds the tile under each sample of the bare table.

@@ -47,18 +47,10 @@ pub(crate) struct Window {
 
 impl Window {
     /// Returns the pixels that triangles can touch, of an image of `[width, height]`.
-    pub fn around(triangles: &[[Vertex; 3]], size: [usize; 2]) -> Window {
-        let corners = triangles.iter().flatten();
-        Window::around_points(corners.map(|vertex| [vertex.column, vertex.row]), size)
-    }
-
-    /// Returns the pixels that triangles between points can touch, column and row, of an image of `[width, height]`.
-    pub fn around_points(
-        points: impl Iterator<Item = [f32; 2]>,
-        [width, height]: [usize; 2],
-    ) -> Window {
+    pub fn around(triangles: &[[Vertex; 3]], [width, height]: [usize; 2]) -> Window {
         let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
-        for point in points {
+        for vertex in triangles.iter().flatten() {
+            let point = [vertex.column, vertex.row];
             for axis in 0..2 {
                 low[axis] = low[axis].min(point[axis]);
                 high[axis] = high[axis].max(point[axis]);
@@ -73,20 +65,6 @@ impl Window {
             columns: range(0, width),
             rows: range(1, height),
         }
-    }
-
-    /// Tells whether the rectangle around a triangle touches it.
-    pub fn meets(&self, triangle: &[Vertex; 3]) -> bool {
-        let within = |coordinate: fn(&Vertex) -> f32, range: &Range<usize>| {
-            let [a, b, c] = triangle.each_ref().map(coordinate);
-            a.max(b).max(c) >= range.start as f32 && a.min(b).min(c) <= range.end as f32
-        };
-        within(|vertex| vertex.column, &self.columns) && within(|vertex| vertex.row, &self.rows)
-    }
-
-    /// Tells whether it has no pixels.
-    pub fn is_empty(&self) -> bool {
-        self.columns.is_empty() || self.rows.is_empty()
     }
 }
 

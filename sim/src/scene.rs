@@ -30,9 +30,6 @@ impl Seen {
     }
 }
 
-/// What a picture shows of a cloth: `[dimy * dimx]` points in grid order, world frame, metres, and the picker's marker.
-pub type State<'a> = (&'a [[f32; 3]], Option<&'a Marker>);
-
 /// Projects a point of the world frame, metres; `None` where it cannot be drawn.
 pub(crate) type Project<'a> = dyn Fn([f32; 3]) -> Option<Seen> + 'a;
 
@@ -69,41 +66,6 @@ pub(crate) fn add_cloth(
             );
         }
     }
-}
-
-/// Lists points of a picture, column and row: what differs between two states lies within the rectangle around them.
-///
-/// - `projections`: all that a point is drawn by, as where it is seen and where its shadow is.
-pub(crate) fn changed(
-    mask: &Mask,
-    before: State<'_>,
-    now: State<'_>,
-    projections: &[&Project<'_>],
-) -> Vec<[f32; 2]> {
-    let (dimx, dimy) = (mask.grid().dimx, mask.grid().dimy);
-    // Where a particle moves, its neighbours slope otherwise, and the triangles at these look otherwise.
-    const REACH: usize = 2;
-    let mut differs = vec![false; dimx * dimy];
-    let moved = before.0.iter().zip(now.0).enumerate();
-    for (index, _) in moved.filter(|(_, (before, now))| before != now) {
-        let (column, row) = (index % dimx, index / dimx);
-        let columns = column.saturating_sub(REACH)..(column + REACH + 1).min(dimx);
-        for row in row.saturating_sub(REACH)..(row + REACH + 1).min(dimy) {
-            differs[row * dimx + columns.start..row * dimx + columns.end].fill(true);
-        }
-    }
-    let mut points = Vec::new();
-    for project in projections {
-        for (positions, marker) in [before, now] {
-            let differing = positions.iter().zip(&differs).filter(|it| *it.1);
-            let seen = differing.filter_map(|(&point, _)| project(point));
-            points.extend(seen.map(|seen| [seen.column, seen.row]));
-            let marker = marker.filter(|_| before.1 != now.1);
-            let corners = marker.into_iter().flat_map(|it| it.triangles(project));
-            points.extend(corners.flatten().map(|corner| [corner.column, corner.row]));
-        }
-    }
-    points
 }
 
 /// Returns a vector that is normal to the cloth at a particle and points away from its underside, and its length.

@@ -5,7 +5,7 @@
 use crate::camera::{CameraError, Look, MAX_SIZE_PX, MIN_SIZE_PX, NEAR_M};
 use crate::mask::Mask;
 use crate::raster::{Raster, Shade, Vertex, Window};
-use crate::scene::{self, LIGHT, Marker, Seen, State, cross, dot};
+use crate::scene::{self, LIGHT, Marker, Seen, cross, dot};
 
 /// A pinhole camera that looks down at a point from one side; world +Z is up in its image.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,36 +45,6 @@ pub struct SlantedView {
     table: [Vec<[u8; 3]>; SAMPLES.len()],
     /// The sums of these colours over the samples.
     sums: Vec<[u16; 3]>,
-    /// The picture of the bare table.
-    bare: Vec<u8>,
-    buffers: Buffers,
-}
-
-/// What a picture is drawn in, kept for the next one (record 0081).
-#[derive(Debug)]
-struct Buffers {
-    triangles: Vec<[Vertex; 3]>,
-    raster: Raster,
-    /// The sums of a window's colours over the samples.
-    sums: Vec<[u16; 3]>,
-}
-
-impl Clone for Buffers {
-    /// Returns empty ones: nothing in them is needed again.
-    fn clone(&self) -> Buffers {
-        Buffers::default()
-    }
-}
-
-impl Default for Buffers {
-    fn default() -> Buffers {
-        Buffers {
-            triangles: Vec::new(),
-            // Only what stands above the table is drawn, so that anything is nearer than nothing.
-            raster: Raster::new(0.0),
-            sums: Vec::new(),
-        }
-    }
 }
 
 /// A colour picture, row by row from the top left.
@@ -210,10 +180,8 @@ impl SlantedView {
         SlantedView {
             camera,
             look: look.clone(),
-            bare: sums.iter().flat_map(|sum| mean(*sum)).collect(),
             table,
             sums,
-            buffers: Buffers::default(),
         }
     }
 
@@ -226,112 +194,45 @@ impl SlantedView {
         positions: &[[f32; 3]],
         marker: Option<&Marker>,
     ) -> Picture {
+        let triangles = self.triangles(&cloth.into(), positions, marker);
         let [width, height] = self.camera.size_px;
-        let mut picture = Picture {
-            width,
-            height,
-            rgb: self.bare.clone(),
-        };
-        let mut buffers = Buffers::default();
-        self.list(&mut buffers.triangles, &cloth.into(), positions, marker);
-        let window = Window::around(&buffers.triangles, self.size());
-        self.draw(&mut buffers, &window, &mut picture.rgb);
-        picture
-    }
-
-    /// Turns the colours of one state of a cloth into those of another one, as [`SlantedView::render`] draws them.
-    ///
-    /// Costs the less the less of the picture has changed. `&mut self`, since its buffers are kept for the next picture.
-    ///
-    /// - `rgb`: the colours of a picture of this view.
-    /// - `before`, `now`: positions as for `render`, equally many, and the picker's marker.
-    pub fn redraw(
-        &mut self,
-        rgb: &mut [u8],
-        cloth: impl Into<Mask>,
-        before: State<'_>,
-        now: State<'_>,
-    ) {
-        let mask = &cloth.into();
-        let project = self.camera.projector();
-        let shadow = |point| project(shadow_of(point));
-        let points = scene::changed(mask, before, now, &[&project, &shadow]);
-        let window = Window::around_points(points.into_iter(), self.size());
-        let mut buffers = std::mem::take(&mut self.buffers);
-        self.list(&mut buffers.triangles, mask, now.0, now.1);
-        buffers.triangles.retain(|triangle| window.meets(triangle));
-        self.draw(&mut buffers, &window, rgb);
-        self.buffers = buffers;
-    }
-
-    /// Draws the listed triangles and the table behind them, and nothing beside a window.
-    fn draw(&self, buffers: &mut Buffers, window: &Window, rgb: &mut [u8]) {
-        let Buffers {
-            triangles,
-            raster,
-            sums,
-        } = buffers;
-        let width = self.size()[0];
-        sums.clear();
-        for row in window.rows.clone() {
-            let [first, end] = [window.columns.start, window.columns.end];
-            sums.extend_from_slice(&self.sums[row * width + first..row * width + end]);
-        }
-        let in_window = |column: usize, row: usize| {
-            (row - window.rows.start) * window.columns.len() + column - window.columns.start
-        };
+        let window = Window::around(&triangles, self.camera.size_px.map(|side| side as usize));
+        // Only what stands above the table is drawn, so anything is nearer than nothing.
+        let mut raster = Raster::new(0.0);
+        let mut sums = self.sums.clone();
         for (offset, table) in SAMPLES.iter().zip(&self.table) {
-            raster.clear(window, *offset);
-            raster.draw(triangles);
+            raster.clear(&window, *offset);
+            raster.draw(&triangles);
             for ([column, row], colour, _) in raster.drawn() {
+                let pixel = row * width as usize + column;
                 // The table's own part of this sample gives way.
-                let tile = table[row * width + column];
-                let colour = match colour == [0; 3] {
-                    true => tile.map(|channel| (f32::from(channel) * SHADOW) as u8),
-                    false => colour,
+                let tile = table[pixel];
+                let colour = if colour == [0; 3] {
+                    tile.map(|channel| (f32::from(channel) * SHADOW) as u8)
+                } else {
+                    colour
                 };
-                let sum = &mut sums[in_window(column, row)];
                 for channel in 0..3 {
-                    sum[channel] =
-                        sum[channel] - u16::from(tile[channel]) + u16::from(colour[channel]);
+                    let sum = &mut sums[pixel][channel];
+                    *sum = *sum - u16::from(tile[channel]) + u16::from(colour[channel]);
                 }
             }
         }
-        let lines = sums.chunks(window.columns.len().max(1));
-        for (row, sums) in window.rows.clone().zip(lines) {
-            let first = 3 * (row * width + window.columns.start);
-            let pixels = rgb[first..].chunks_exact_mut(3);
-            for (pixel, sum) in pixels.zip(sums) {
-                pixel.copy_from_slice(&mean(*sum));
-            }
+        Picture {
+            width,
+            height,
+            rgb: sums.into_iter().flat_map(mean).collect(),
         }
     }
 
-    /// Returns width and height, pixels.
-    fn size(&self) -> [usize; 2] {
-        self.camera.size_px.map(|side| side as usize)
-    }
-
-    /// Lists what stands above the table.
-    fn list(
+    /// Lists what stands above the table: cloth in the light, its shadow in black, and the marker with its shadow.
+    fn triangles(
         &self,
-        triangles: &mut Vec<[Vertex; 3]>,
         mask: &Mask,
         positions: &[[f32; 3]],
         marker: Option<&Marker>,
-    ) {
-        triangles.clear();
-        self.add_cloth(triangles, mask, positions);
-        triangles.extend(marker.into_iter().flat_map(|marker| self.marker(marker)));
-    }
-
-    /// Tells whether anything of a marker, or of its shadow, is in the picture.
-    pub fn sees(&self, marker: &Marker) -> bool {
-        !Window::around(&self.marker(marker), self.size()).is_empty()
-    }
-
-    /// Adds the cloth's triangles in the light, and black ones for its shadow.
-    fn add_cloth(&self, triangles: &mut Vec<[Vertex; 3]>, mask: &Mask, positions: &[[f32; 3]]) {
+    ) -> Vec<[Vertex; 3]> {
+        let mut triangles = Vec::new();
         let project = self.camera.projector();
         let lit =
             |index: usize, point| Some(project(point)?.vertex(self.shade(mask, positions, index)));
@@ -339,30 +240,27 @@ impl SlantedView {
         // Cloth that lies on the table hides its shadow, except at its rim.
         let casts = |index: usize| positions[index][2] >= LYING_M || is_near_rim(mask, index, 2);
         let darkens = |corners: [usize; 3]| corners.into_iter().any(casts);
-        scene::add_cloth(triangles, mask, positions, &|_| true, &lit);
-        scene::add_cloth(triangles, mask, positions, &darkens, &dark);
-    }
-
-    /// Likewise of a marker.
-    fn marker(&self, marker: &Marker) -> Vec<[Vertex; 3]> {
-        let project = self.camera.projector();
-        let mut triangles = marker.triangles(&project);
-        let shadows = marker.triangles(&|point| project(shadow_of(point)));
-        triangles.extend(shadows.into_iter().map(|corners| {
-            corners.map(|vertex| Vertex {
+        scene::add_cloth(&mut triangles, mask, positions, &|_| true, &lit);
+        scene::add_cloth(&mut triangles, mask, positions, &darkens, &dark);
+        if let Some(marker) = marker {
+            triangles.extend(marker.triangles(&project));
+            let shadows = marker.triangles(&|point| project(shadow_of(point)));
+            let black = |vertex: Vertex| Vertex {
                 shade: BLACK,
                 ..vertex
-            })
-        }));
+            };
+            triangles.extend(shadows.into_iter().map(|corners| corners.map(black)));
+        }
         triangles
     }
 
     /// Returns the colours at a particle in the light; the rim is darker.
     fn shade(&self, mask: &Mask, positions: &[[f32; 3]], index: usize) -> Shade {
         let (normal, length) = scene::normal(mask, positions, index);
-        let facing = match length > 0.0 {
-            true => dot(normal, LIGHT) / length,
-            false => LIGHT[2],
+        let facing = if length > 0.0 {
+            dot(normal, LIGHT) / length
+        } else {
+            LIGHT[2]
         };
         let [least, greatest] = BRIGHTNESS;
         let rim = if is_near_rim(mask, index, 1) {

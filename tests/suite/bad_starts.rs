@@ -54,7 +54,7 @@ fn a_start_of_the_wrong_shape_or_with_nan() {
     fs::write(here.join("start.npy"), "no numbers").unwrap();
     refused(here, &RUN, 2, &["not a usable .npy file", "(particles, 3)"]);
     write_npy(&here.join("start.npy"), "<f4", "(63, 3)", &flat(63));
-    refused(here, &RUN, 2, &["[63, 3]", "[64, 3]", "8 by 8"]);
+    refused(here, &RUN, 2, &["63 particles", "8 by 8 has 64"]);
     write_npy(&here.join("start.npy"), "<f4", "(96, 2)", &flat(64));
     refused(here, &RUN, 2, &["[96, 2]", "[particles, 3]"]);
     write_npy(&here.join("start.npy"), "<i4", "(64, 3)", &flat(64));
@@ -135,6 +135,14 @@ fn a_start_that_no_cloth_can_have() {
     apart[0..4].copy_from_slice(&5.0f32.to_le_bytes());
     write_npy(&here.join("start.npy"), "<f4", "(64, 3)", &apart);
     refused(here, &RUN, 2, &["start.npy", "cannot be laid"]);
+    for (scale, said) in [(0.0, "lie 0.00 mm apart"), (0.5, "3.1"), (1.2, "7.50 mm")] {
+        let numbers = flat(64);
+        let numbers = numbers.as_chunks().0.iter();
+        let scaled = numbers.flat_map(|it| (scale * f32::from_le_bytes(*it)).to_le_bytes());
+        let scaled: Vec<u8> = scaled.collect();
+        write_npy(&here.join("start.npy"), "<f4", "(64, 3)", &scaled);
+        refused(here, &RUN, 2, &[said, "6.25 mm in the flat cloth"]);
+    }
     assert!(no_run_in(here), "a refused start made a run folder");
 }
 
@@ -152,4 +160,50 @@ fn a_start_with_an_outline_is_none_of_a_rollout() {
     let words = ["`start.npy`", "has an outline", "whole cloth"];
     refused(here, &call, 2, &words);
     assert!(no_run_in(here), "a refused start made a run folder");
+}
+
+#[test]
+fn a_run_begins_where_another_one_was() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    demonstrated(here);
+    let run = |start: &str, out: &str| {
+        let call = ["run", "small.fab", "--start", start, "--out", out];
+        let said = finish(fabc(here).args(call).args(["--policy", "expert"]));
+        assert!([0, 3].contains(&said.code), "{start}: {}", said.stderr);
+    };
+    let positions = |file: &str| fs::read(here.join(file)).unwrap();
+    run("3", "first");
+    run("first", "second");
+    assert_eq!(
+        positions("second/start.npy"),
+        positions("first/step_1/positions.npy")
+    );
+    run("first/start.npy", "third");
+    run("second/step_1/positions.npy", "fourth");
+    assert_eq!(
+        positions("fourth/start.npy"),
+        positions("second/step_1/positions.npy")
+    );
+    refused(
+        here,
+        &[
+            "run",
+            "small.fab",
+            "--start",
+            "first",
+            "--dims",
+            "9x9",
+            "--up",
+            "z",
+        ],
+        2,
+        &["64 particles", "9 by 9 has 81"],
+    );
+    refused(
+        here,
+        &["run", "small.fab", "--start", "."],
+        2,
+        &["holds no run"],
+    );
 }

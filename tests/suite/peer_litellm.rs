@@ -217,7 +217,7 @@ fn peer_litellm_carries_whole_rollouts_with_pictures() {
     }
 
     let wrong = Some("sk-fabc-wrong-0123456789abcdef");
-    let not_the_master_key = "is not the master key of this LiteLLM proxy";
+    let not_accepted = "does not accept the key";
     let failed = |model, key, fault, words| Case {
         model,
         key,
@@ -248,19 +248,9 @@ fn peer_litellm_carries_whole_rollouts_with_pictures() {
             "bad_request",
             "the server does not serve `unknown`; it serves `geometric`",
         ),
-        failed(
-            "litellm:chatty",
-            wrong,
-            "not_authorised",
-            not_the_master_key,
-        ),
-        failed("openai:chatty", wrong, "not_authorised", not_the_master_key),
-        failed(
-            "anthropic:chatty",
-            wrong,
-            "not_authorised",
-            not_the_master_key,
-        ),
+        failed("litellm:chatty", wrong, "not_authorised", not_accepted),
+        failed("openai:chatty", wrong, "not_authorised", not_accepted),
+        failed("anthropic:chatty", wrong, "not_authorised", not_accepted),
     ];
     // They mostly wait before they ask again.
     thread::scope(|scope| {

@@ -340,7 +340,7 @@ fn a_fixed_task_keeps_every_number_name_and_text_and_its_programs() {
 #[test]
 #[ignore = "long"]
 fn many_fixed_tasks_keep_every_number_name_and_text_and_their_programs() {
-    slips_are_fixed_without_harm(10_000);
+    slips_are_fixed_without_harm(3_000);
 }
 
 #[test]

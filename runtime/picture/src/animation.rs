@@ -1,13 +1,14 @@
 //! Animated pictures as GIF files, written picture by picture.
 //!
 //! In: pictures of one size, each with how long it is shown. Out: a file that appears under its name once it is whole.
-//! Only the pixels that change are stored, and one [`Palette`] serves all pictures. Memory does not grow with the
-//! number of pictures. What is drawn, and when, is the caller's business.
+//! Pixels that stay as they were are transparent, and one [`Palette`] serves all pictures. Memory does not grow with
+//! the number of pictures. What is drawn, and when, is the caller's business.
 
 use fab_base::files::NewFile;
 use gif::{DisposalMethod, Encoder, EncodingError, Frame, Repeat};
 use image::RgbImage;
 use std::borrow::Cow;
+use std::collections::HashMap;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -15,8 +16,6 @@ use std::path::{Path, PathBuf};
 pub const MAX_COLOURS: usize = 255;
 /// The number of pixels that stay as they were.
 const SAME: u8 = 255;
-/// Places for colours of which the nearest one is remembered, a power of two; one that finds its place taken is looked up anew.
-const REMEMBERED: usize = 1 << 14;
 
 /// Why an animation cannot be written.
 #[derive(Debug, thiserror::Error)]
@@ -43,8 +42,8 @@ pub enum AnimationError {
 #[derive(Clone, Debug)]
 pub struct Palette {
     colours: Vec<[u8; 3]>,
-    /// By [`Palette::place`]: a colour, and the number of the nearest one.
-    nearest: Vec<Option<([u8; 3], u8)>>,
+    /// The number of the nearest colour, of every colour looked up so far.
+    nearest: HashMap<[u8; 3], u8>,
 }
 
 impl Palette {
@@ -56,36 +55,22 @@ impl Palette {
         }
         Palette {
             colours,
-            nearest: vec![None; REMEMBERED],
+            nearest: HashMap::new(),
         }
     }
 
     /// Returns the number of the nearest colour; of equally near ones, the first.
     fn number(&mut self, colour: [u8; 3]) -> u8 {
-        let place = Palette::place(colour);
-        if let Some((remembered, number)) = self.nearest[place]
-            && remembered == colour
-        {
-            return number;
-        }
-        let distance = |other: &[u8; 3]| -> i32 {
-            let of = |channel: usize| i32::from(other[channel]) - i32::from(colour[channel]);
-            [0, 1, 2]
-                .map(|channel| of(channel) * of(channel))
-                .iter()
-                .sum()
-        };
-        let numbered = (0_u8..).zip(&self.colours);
-        let nearest = numbered.min_by_key(|(_, other)| distance(other));
-        let number = nearest.map_or(0, |(number, _)| number);
-        self.nearest[place] = Some((colour, number));
-        number
-    }
-
-    /// Returns where a colour is remembered.
-    fn place([red, green, blue]: [u8; 3]) -> usize {
-        let mixed = u32::from_le_bytes([red, green, blue, 0]).wrapping_mul(0x9e37_79b1);
-        (mixed >> (u32::BITS - REMEMBERED.ilog2())) as usize
+        let colours = &self.colours;
+        *self.nearest.entry(colour).or_insert_with(|| {
+            let distance = |other: &[u8; 3]| -> u32 {
+                let off = |channel: usize| u32::from(other[channel].abs_diff(colour[channel]));
+                (0..3).map(|channel| off(channel).pow(2)).sum()
+            };
+            let numbered = (0_u8..).zip(colours);
+            let nearest = numbered.min_by_key(|(_, other)| distance(other));
+            nearest.map_or(0, |(number, _)| number)
+        })
     }
 
     /// Returns 256 colours as a GIF file has them.
@@ -102,8 +87,6 @@ pub struct Animation {
     palette: Palette,
     path: PathBuf,
     size: [u32; 2],
-    /// The last picture, to look up the colours of changed pixels only.
-    last: Option<RgbImage>,
     /// What a viewer shows before the waiting picture.
     shown: Option<Vec<u8>>,
     /// The picture whose time is not over yet.
@@ -178,7 +161,6 @@ impl Animation {
             palette,
             path: path.to_owned(),
             size,
-            last: None,
             shown: None,
             waiting: None,
             pictures: 0,
@@ -191,15 +173,10 @@ impl Animation {
         self.encoder.get_ref().bytes
     }
 
-    /// Returns the last picture that was shown.
-    pub fn last(&self) -> Option<&RgbImage> {
-        self.last.as_ref()
-    }
-
     /// Adds a picture, to be shown for no time until [`Animation::hold`] gives it some.
     ///
     /// A picture equal to the one before is that one. Returns whether it differs.
-    pub fn show(&mut self, picture: RgbImage) -> Result<bool, AnimationError> {
+    pub fn show(&mut self, picture: &RgbImage) -> Result<bool, AnimationError> {
         let found = [picture.width(), picture.height()];
         if found != self.size {
             return Err(AnimationError::Size {
@@ -207,8 +184,15 @@ impl Animation {
                 expected: self.size,
             });
         }
-        let numbers = self.numbers(&picture);
-        self.last = Some(picture);
+        // Neighbours are mostly equal, so most pixels need no lookup.
+        let mut last = ([0; 3], self.palette.number([0; 3]));
+        let mut numbers = Vec::with_capacity(picture.as_raw().len() / 3);
+        for pixel in picture.pixels() {
+            if pixel.0 != last.0 {
+                last = (pixel.0, self.palette.number(pixel.0));
+            }
+            numbers.push(last.1);
+        }
         if self
             .waiting
             .as_ref()
@@ -222,23 +206,6 @@ impl Animation {
             delay_cs: 0,
         });
         Ok(true)
-    }
-
-    /// Finds the number of each pixel's colour.
-    fn numbers(&mut self, picture: &RgbImage) -> Vec<u8> {
-        let pixels = picture.as_raw().as_chunks().0.iter();
-        let (Some(last), Some(waiting)) = (&self.last, &self.waiting) else {
-            return pixels.map(|pixel| self.palette.number(*pixel)).collect();
-        };
-        let numbered = pixels
-            .zip(last.as_raw().as_chunks().0)
-            .zip(&waiting.numbers);
-        numbered
-            .map(|((new, old), number)| match new == old {
-                true => *number,
-                false => self.palette.number(*new),
-            })
-            .collect()
     }
 
     /// Shows the last picture for longer, hundredths of a second; nothing without one.
@@ -277,39 +244,33 @@ impl Animation {
         }))
     }
 
-    /// Writes the waiting picture: the smallest rectangle with all changed pixels.
+    /// Writes the waiting picture.
     fn write_waiting(&mut self) -> Result<(), AnimationError> {
         let Some(Waiting { numbers, delay_cs }) = self.waiting.take() else {
             return Ok(());
         };
-        let width = self.size[0] as usize;
         // A viewer takes a delay of 0 for one of its own choice.
         let delay = u16::try_from(delay_cs.max(2)).unwrap_or(u16::MAX);
-        let mut frame = Frame {
+        let [width, height] = self
+            .size
+            .map(|side| u16::try_from(side).unwrap_or(u16::MAX));
+        let changes = match &self.shown {
+            Some(shown) => {
+                let both = numbers.iter().zip(shown);
+                both.map(|(new, old)| if new == old { SAME } else { *new })
+                    .collect()
+            }
+            None => numbers.clone(),
+        };
+        let frame = Frame {
             delay,
             dispose: DisposalMethod::Keep,
+            transparent: self.shown.is_some().then_some(SAME),
+            width,
+            height,
+            buffer: Cow::Owned(changes),
             ..Frame::default()
         };
-        let [left, top, right, bottom] = match &self.shown {
-            Some(shown) => changed(shown, &numbers, width),
-            None => [0, 0, width, self.size[1] as usize],
-        };
-        let side = |length: usize| u16::try_from(length).unwrap_or(u16::MAX);
-        (frame.left, frame.top) = (side(left), side(top));
-        (frame.width, frame.height) = (side(right - left), side(bottom - top));
-        let mut pixels = Vec::with_capacity((right - left) * (bottom - top));
-        for row in top..bottom {
-            let here = row * width + left..row * width + right;
-            match &self.shown {
-                Some(shown) => {
-                    let both = numbers[here.clone()].iter().zip(&shown[here]);
-                    pixels.extend(both.map(|(new, old)| if new == old { SAME } else { *new }));
-                }
-                None => pixels.extend_from_slice(&numbers[here]),
-            }
-        }
-        frame.transparent = self.shown.is_some().then_some(SAME);
-        frame.buffer = Cow::Owned(pixels);
         let written = self.encoder.write_frame(&frame);
         written.map_err(|error: EncodingError| AnimationError::Unwritable {
             path: self.path.clone(),
@@ -320,22 +281,6 @@ impl Animation {
         self.shown = Some(numbers);
         Ok(())
     }
-}
-
-/// Returns left, top, right and bottom of the smallest rectangle with all changes; one pixel if there is none.
-fn changed(old: &[u8], new: &[u8], width: usize) -> [usize; 4] {
-    let mut found: Option<[usize; 4]> = None;
-    let rows = old.chunks(width).zip(new.chunks(width)).enumerate();
-    for (row, (old, new)) in rows {
-        let differs = |column: &usize| old[*column] != new[*column];
-        let Some(first) = (0..old.len()).find(differs) else {
-            continue;
-        };
-        let last = (0..old.len()).rfind(differs).unwrap_or(first);
-        let [left, top, right, _] = found.unwrap_or([first, row, last + 1, row]);
-        found = Some([left.min(first), top, right.max(last + 1), row + 1]);
-    }
-    found.unwrap_or([0, 0, 1, 1])
 }
 
 #[cfg(test)]
@@ -390,15 +335,15 @@ mod tests {
     }
 
     #[test]
-    fn pictures_come_back_whole_and_only_changes_are_stored() {
+    fn pictures_come_back_whole() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.gif");
         let mut animation = Animation::create(&path, [20, 12], palette()).unwrap();
         let pictures = [spot(3, 4), spot(5, 4), spot(5, 9)];
         for picture in &pictures {
-            assert!(animation.show(picture.clone()).unwrap());
+            assert!(animation.show(picture).unwrap());
             animation.hold(8);
-            assert!(!animation.show(picture.clone()).unwrap());
+            assert!(!animation.show(picture).unwrap());
             animation.hold(5);
         }
         assert!(!path.exists());
@@ -406,10 +351,7 @@ mod tests {
         assert_eq!((written.pictures, written.shown_cs), (3, 39));
         assert_eq!(written.bytes, fs::metadata(&path).unwrap().len());
         let (frames, found) = decoded(&path);
-        assert_eq!(
-            frames,
-            [[0, 0, 20, 12, 13], [3, 4, 3, 1, 13], [5, 4, 1, 6, 13]]
-        );
+        assert_eq!(frames, [[0, 0, 20, 12, 13]; 3]);
         assert_eq!(found, pictures.map(RgbImage::into_raw));
     }
 
@@ -428,7 +370,7 @@ mod tests {
         let empty = Animation::create(&path, [20, 12], palette()).unwrap();
         assert_eq!(empty.finish().unwrap(), None);
         let mut dropped = Animation::create(&path, [20, 12], palette()).unwrap();
-        dropped.show(spot(1, 1)).unwrap();
+        dropped.show(&spot(1, 1)).unwrap();
         drop(dropped);
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
         let nowhere = folder.path().join("absent/a.gif");
@@ -437,7 +379,7 @@ mod tests {
             .unwrap();
         assert!(refused.to_string().contains("absent/a.gif"), "{refused}");
         let mut narrow = Animation::create(&path, [19, 12], palette()).unwrap();
-        let refused = narrow.show(spot(1, 1)).unwrap_err().to_string();
+        let refused = narrow.show(&spot(1, 1)).unwrap_err().to_string();
         assert_eq!(
             refused,
             "a picture of [20, 12] pixels does not fit an animation of [19, 12]"

@@ -1,7 +1,7 @@
 //! The camera: geometry, sides, and what is left out.
 
 use fab_sim::{
-    CameraError, Frame, Grid, ImageUp, Look, Manner, Marker, Mask, Params, Picture, Simulator,
+    CameraError, Frame, Grid, ImageUp, Look, Marker, Mask, Params, Picture, Simulator,
     SlantedCamera, SlantedView, TopDownCamera,
 };
 
@@ -336,71 +336,10 @@ fn the_slanted_view_shows_cloth_shadow_and_marker() {
             tip: [0.0, 0.0, 0.05],
             holds,
         };
-        assert!(view.sees(&marker));
         let picture = view.render(grid, &flat, Some(&marker));
         let [red, _, blue] = at(&picture, [0.0, 0.0, 0.059]);
         assert_eq!(blue > 100 && red < blue / 2, holds, "{red} {blue}");
     }
-    let far = Marker {
-        tip: [5.0, 0.0, 0.1],
-        holds: false,
-    };
-    assert!(!view.sees(&far));
-}
-
-#[test]
-fn a_redrawn_picture_is_the_one_that_is_drawn_anew() {
-    let grid = Grid::new(21, 21, 0.00625).unwrap();
-    let look = Look::default();
-    let mut view = SlantedView::new(slanted(), &look);
-    let camera = folding_camera(224).with_up(ImageUp::X);
-    let mut cloth = Simulator::flat(grid, &Params::default());
-    let mut before = (cloth.positions(), None);
-    let mut aside = view.render(grid, &before.0, None).rgb;
-    let mut above = camera.render(grid, &before.0, &look).rgb;
-    let mut watch = |cloth: &Simulator| {
-        if !cloth.steps().is_multiple_of(4) {
-            return;
-        }
-        // Every other picture is without the marker.
-        let marker = cloth.steps().is_multiple_of(8).then(|| cloth.marker());
-        let now = (cloth.positions(), marker);
-        let was = (&before.0[..], before.1.as_ref());
-        let is = (&now.0[..], now.1.as_ref());
-        view.redraw(&mut aside, grid, was, is);
-        camera.redraw_marked(&mut above, grid, &look, was, is);
-        let drawn = view.render(grid, is.0, is.1);
-        assert!(aside == drawn.rgb, "aside, step {}", cloth.steps());
-        let drawn = camera.render_marked(grid, is.0, &look, is.1);
-        assert!(above == drawn.rgb, "above, step {}", cloth.steps());
-        before = now;
-    };
-    let [from, to] = [[-0.06, 0.06], [0.03, -0.03]];
-    let folded = cloth.pick_and_place_in(&Manner::default(), from, to, &|| false, &mut watch);
-    assert!(folded.unwrap().grasped.is_some());
-    // A particle that moves alone changes how the cells around it look.
-    for moved in (0..441).step_by(13) {
-        let mut now = before.0.clone();
-        now[moved][2] += 0.01;
-        let (was, is) = ((&before.0[..], None), (&now[..], None));
-        aside = view.render(grid, was.0, None).rgb;
-        above = camera.render(grid, was.0, &look).rgb;
-        view.redraw(&mut aside, grid, was, is);
-        camera.redraw_marked(&mut above, grid, &look, was, is);
-        assert!(aside == view.render(grid, is.0, None).rgb, "aside, {moved}");
-        let drawn = camera.render(grid, is.0, &look);
-        assert!(above == drawn.rgb, "above, {moved}");
-    }
-    // Where nothing has changed nothing is drawn, whatever was drawn before; and a copy draws the same.
-    let folded = (&before.0[..], None);
-    let flat = grid.flat_positions(&Params::default());
-    aside.fill(7);
-    view.redraw(&mut aside, grid, folded, folded);
-    assert!(aside.iter().all(|&channel| channel == 7));
-    aside = view.render(grid, folded.0, None).rgb;
-    let mut copy = view.clone();
-    copy.redraw(&mut aside, grid, folded, (&flat, None));
-    assert!(aside == view.render(grid, &flat, None).rgb);
 }
 
 #[test]
@@ -419,31 +358,4 @@ fn slanted_cameras_that_cannot_be_are_refused() {
     assert_eq!(wide.unwrap_err(), CameraError::FieldOfView(3.0));
     let flat = build([0.0, -0.5, 0.5], 0.8, [320, 8]);
     assert_eq!(flat.unwrap_err(), CameraError::Size(8));
-}
-
-#[test]
-fn a_marker_hides_only_what_is_below_it() {
-    let grid = Grid::new(21, 21, 0.00625).unwrap();
-    let flat = grid.flat_positions(&Params::default());
-    let (camera, look) = (folding_camera(224), Look::default());
-    let plain = camera.render(grid, &flat, &look);
-    let marker = Marker {
-        tip: [0.03, 0.02, 0.01],
-        holds: true,
-    };
-    let marked = camera.render_marked(grid, &flat, &look, Some(&marker));
-    let differ = (0..224 * 224).filter(|&at| plain.depth_m[at] != marked.depth_m[at]);
-    let apart = differ.map(|at| [at % 224, at / 224]).collect::<Vec<_>>();
-    let [column, row] = camera.project(marker.tip).map(|it| it as usize);
-    // A ball of 9 mm is four pixels, and the rod leans outwards.
-    assert!(
-        apart.contains(&[column, row]) && apart.len() < 120,
-        "{}",
-        apart.len()
-    );
-    assert!(
-        apart
-            .iter()
-            .all(|[c, r]| c.abs_diff(column) < 12 && r.abs_diff(row) < 12)
-    );
 }

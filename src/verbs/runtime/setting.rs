@@ -30,8 +30,9 @@ use std::path::{Path, PathBuf};
 /// Where the cloth lies at first.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
 pub struct StartArguments {
-    /// Particle positions (.npy), or a seed that turns a flat cloth or crumples another one; default: as the task says.
-    #[arg(long, value_name = "FILE.npy|SEED", value_hint = ValueHint::FilePath)]
+    /// Particle positions (.npy), the folder of a run for its last state, or a seed that turns a flat cloth or crumples
+    /// another one; default: as the task says.
+    #[arg(long, value_name = "FILE.npy|RUN|SEED", value_hint = ValueHint::FilePath)]
     pub start: Option<String>,
     #[command(flatten)]
     pub frame: FrameArguments,

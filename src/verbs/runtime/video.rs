@@ -1,11 +1,11 @@
-//! `--video` and `--view`: where a film of the simulated cloth goes, from where it is taken, and what became of it.
+//! `--video`: where a film of the simulated cloth goes, and what became of it.
 
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::verbs::runtime::setting::{self, worlds::WorldChoice};
-use clap::{Args, ValueEnum, ValueHint};
+use clap::{Args, ValueHint};
 use fab_program::Program;
-use fab_world::film::{self, Film, FilmPlan, FilmView, Recorder};
+use fab_world::film::{self, Film, FilmPlan, Recorder};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -23,20 +23,6 @@ pub struct VideoArguments {
         deserialize_with = "given"
     )]
     pub video: Option<Option<PathBuf>>,
-    /// From where the video is taken.
-    #[arg(long, value_enum, requires = "video")]
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub view: Option<ViewArgument>,
-}
-
-/// From where a video is taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ViewArgument {
-    /// As the camera over the table sees it.
-    Table,
-    /// From one side, with light and shadow; the default.
-    Slanted,
 }
 
 /// Reads an option that was given, with or without a value.
@@ -44,18 +30,8 @@ fn given<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Option<PathBuf>>, 
     Option::deserialize(from).map(Some)
 }
 
-impl ViewArgument {
-    /// Returns the view of a film.
-    pub fn film(view: Option<ViewArgument>) -> FilmView {
-        match view {
-            Some(ViewArgument::Table) => FilmView::Table,
-            Some(ViewArgument::Slanted) | None => FilmView::Slanted,
-        }
-    }
-}
-
 impl VideoArguments {
-    /// Tells whether neither is given.
+    /// Tells whether there is to be none.
     pub fn is_absent(&self) -> bool {
         *self == VideoArguments::default()
     }
@@ -82,7 +58,6 @@ impl VideoArguments {
         let motions = program.horizon.saturating_mul(program.actions_per_step());
         Ok(Some(Recorder::new(FilmPlan {
             path: file.clone().unwrap_or_else(|| folder.join(VIDEO_FILE)),
-            view: ViewArgument::film(self.view),
             camera: film::table_camera(&program.camera)?,
             motions,
             max_bytes: film::MAX_BYTES,

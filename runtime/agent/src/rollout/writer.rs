@@ -56,6 +56,7 @@ impl<'j> RolloutWriter<'j> {
             .expect("a program has string keys and finite numbers");
         let program_file = folder.keep("program.json", &program)?;
         let start_file = folder.keep("start.npy", &npy::encode(&job.start.positions))?;
+        folder.keep("start.json", &job.start.description())?;
         let run_id = folder.run_id().unwrap_or_else(|| new_run_id(job, &folder));
         let header = Header {
             schema: record::VERSION,

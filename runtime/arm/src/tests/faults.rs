@@ -83,12 +83,12 @@ fn any_fault_at_any_time_ends_well() {
 
 #[test]
 #[ignore = "long"]
-fn hundreds_of_faults_at_any_time_end_well() {
+fn many_faults_at_any_time_end_well() {
     for by in By::BOTH {
         let begun = std::time::Instant::now();
-        let carried_out = survive(by, 1000..1400);
+        let carried_out = survive(by, 1000..1150);
         println!(
-            "by {by:?}: {carried_out} of 400 carried out, the others stopped, in {:.1?}",
+            "by {by:?}: {carried_out} of 150 carried out, the others stopped, in {:.1?}",
             begun.elapsed()
         );
     }

@@ -364,8 +364,8 @@ fn a_hundred_settings_keep_everything_above_the_table() {
 
 #[test]
 #[ignore = "long"]
-fn two_thousand_settings_keep_everything_above_the_table() {
-    judge_settings(2000);
+fn many_settings_keep_everything_above_the_table() {
+    judge_settings(600);
 }
 
 #[test]
@@ -375,6 +375,6 @@ fn some_plans_stay_above_the_table() {
 
 #[test]
 #[ignore = "long"]
-fn hundreds_of_plans_stay_above_the_table() {
-    judge_plans(500);
+fn many_plans_stay_above_the_table() {
+    judge_plans(150);
 }

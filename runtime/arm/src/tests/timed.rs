@@ -215,8 +215,8 @@ fn joints_keep_their_limits_and_the_tool_its_line_in_some_plans() {
 
 #[test]
 #[ignore = "long"]
-fn joints_keep_their_limits_and_the_tool_its_line_in_two_hundred_plans() {
-    walk_plans(200);
+fn joints_keep_their_limits_and_the_tool_its_line_in_many_plans() {
+    walk_plans(80);
 }
 
 #[test]

@@ -7,13 +7,9 @@ use super::served::Served;
 use super::settings::{Parameter, Settings};
 use super::transport::{Incoming, NoReply, Obstacle};
 use super::wire::error::ErrorBody;
-use fab_base::wording::shown;
 use fab_model::calls::Fault;
 use reqwest::Url;
 use serde_json::Value;
-
-/// How much is shown before the place of a fault, bytes.
-const MAX_PLACE: usize = 40;
 
 /// What all calls of a model have in common.
 pub(super) struct Sent {
@@ -46,70 +42,21 @@ pub(super) enum Came {
 pub(super) struct Received {
     pub incoming: Incoming,
     pub error: ErrorBody,
-    pub body: Body,
+    /// The body, if it is JSON.
+    pub json: Option<Value>,
     /// What a reader of the wire format found wrong with a reply of status 200.
     pub problem: Option<String>,
-}
-
-/// The form of a body.
-pub(super) enum Body {
-    Empty,
-    Json(Value),
-    /// JSON that ends too early.
-    CutJson,
-    /// A JSON object with another one behind it.
-    SeveralJson,
-    /// It begins as JSON does, and breaks its rules: what stands before that place.
-    BrokenJson(String),
-    Other,
 }
 
 impl Came {
     pub(super) fn reply(incoming: Incoming, problem: Option<String>) -> Came {
         Came::Reply(Box::new(Received {
             error: ErrorBody::of_bytes(&incoming.body),
-            body: Body::of(&incoming.body),
+            json: serde_json::from_slice(&incoming.body).ok(),
             incoming,
             problem,
         }))
     }
-}
-
-impl Body {
-    fn of(bytes: &[u8]) -> Body {
-        if bytes.trim_ascii().is_empty() {
-            return Body::Empty;
-        }
-        match serde_json::from_slice(bytes) {
-            Ok(value) => Body::Json(value),
-            Err(error) if error.is_eof() => Body::CutJson,
-            Err(broken) => {
-                let mut values = serde_json::Deserializer::from_slice(bytes).into_iter::<Value>();
-                let is_object = |value: &Value| value.is_object();
-                match (values.next(), values.next()) {
-                    (Some(Ok(one)), Some(Ok(two))) if is_object(&one) && is_object(&two) => {
-                        Body::SeveralJson
-                    }
-                    (Some(Ok(one)), Some(Err(error))) if is_object(&one) && error.is_eof() => {
-                        Body::SeveralJson
-                    }
-                    _ if matches!(bytes.trim_ascii_start().first(), Some(b'{' | b'[')) => {
-                        Body::BrokenJson(before(bytes, broken.line(), broken.column()))
-                    }
-                    _ => Body::Other,
-                }
-            }
-        }
-    }
-}
-
-/// Returns the end of what was read when a fault was found; line and column count from 1.
-fn before(bytes: &[u8], line: usize, column: usize) -> String {
-    let mut lines = bytes.split(|byte| *byte == b'\n');
-    let read = lines.nth(line.saturating_sub(1)).unwrap_or_default();
-    let read = &read[..column.min(read.len())];
-    let end = &read[read.len().saturating_sub(MAX_PLACE)..];
-    shown(&String::from_utf8_lossy(end), MAX_PLACE)
 }
 
 impl Exchange<'_> {
@@ -134,11 +81,6 @@ impl Exchange<'_> {
         Some(self.received()?.incoming.status)
     }
 
-    /// Returns the form of the reply's body.
-    pub(super) fn body(&self) -> Option<&Body> {
-        Some(&self.received()?.body)
-    }
-
     /// Returns whether the reply contains one of the parts, which are lower case.
     pub(super) fn says(&self, parts: &[&str]) -> bool {
         let received = self.received();
@@ -153,37 +95,5 @@ impl Exchange<'_> {
     /// Returns the parameter that the reply objects to.
     pub(super) fn parameter(&self) -> Option<&str> {
         self.received()?.error.parameter.as_deref()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bodies_are_told_apart() {
-        for (body, expected) in [
-            (" \n", "empty"),
-            ("{}", "json"),
-            ("{\"a\": [1", "cut"),
-            ("{\"a\": 1}\n{\"a\": 2}\n", "several"),
-            ("{\"a\": 1}\n{\"a\": 2}\n{\"a", "several"),
-            ("{\"a\": 1}\n{\"a", "several"),
-            ("{\"a\": 1}garbage", "broken"),
-            ("{\"a\": NaN}", "broken"),
-            (" [1, 2,, 3]", "broken"),
-            ("<html>", "other"),
-            ("12 monkeys", "other"),
-        ] {
-            let found = match Body::of(body.as_bytes()) {
-                Body::Empty => "empty",
-                Body::Json(_) => "json",
-                Body::CutJson => "cut",
-                Body::SeveralJson => "several",
-                Body::BrokenJson(_) => "broken",
-                Body::Other => "other",
-            };
-            assert_eq!(found, expected, "{body}");
-        }
     }
 }

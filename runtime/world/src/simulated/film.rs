@@ -1,4 +1,4 @@
-//! Films of a simulated cloth: the whole motion as an animated picture, for people.
+//! Films of a simulated cloth: the whole motion as an animated picture from one side, for people.
 //!
 //! In: the cloth after every step, while a world or a verb moves it. Out: one GIF file, written as the motion goes on.
 //! A film changes nothing in the simulation. It keeps below [`MAX_BYTES`] by leaving out pictures where a motion is too
@@ -8,11 +8,11 @@ use fab_base::interrupt::Interrupt;
 use fab_picture::animation::{Animation, AnimationError, MAX_COLOURS, Palette, Written};
 use fab_program as program;
 use fab_sim::{
-    CameraError, ImageUp, Look, Manner, Marker, PickAndPlace, Picture, SimError, Simulator,
-    SlantedCamera, SlantedView, TopDownCamera,
+    CameraError, ImageUp, Look, Manner, Marker, PickAndPlace, SimError, Simulator, SlantedCamera,
+    SlantedView, TopDownCamera,
 };
 use image::RgbImage;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::fmt;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -35,29 +35,15 @@ const END_CS: u32 = 200;
 const PLANNED_STEPS: u64 = 520;
 /// The share of the size that may be spent ahead of the plan, since motions differ.
 const AHEAD: f64 = 0.15;
-/// Width and height of the slanted picture, pixels.
-const SLANTED_PX: [u32; 2] = [384, 288];
-
-fab_base::named! {
-    /// From where a film is taken.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
-    pub enum FilmView {
-        /// From one side, with light and shadow.
-        #[default]
-        Slanted = "slanted",
-        /// As the camera over the table sees it.
-        Table = "table",
-    }
-}
+/// Width and height of the pictures, pixels.
+const SIZE_PX: [u32; 2] = [384, 288];
 
 /// What a film is to show and where it goes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FilmPlan {
     /// The file.
     pub path: PathBuf,
-    /// From where.
-    pub view: FilmView,
-    /// The camera over the table; the slanted one sees as much.
+    /// The camera over the table; the film's camera, beside the table, sees as much.
     pub camera: TopDownCamera,
     /// The number of motions expected, which decides how many bytes each may take.
     pub motions: u32,
@@ -70,8 +56,6 @@ pub struct FilmPlan {
 pub struct Film {
     /// The file.
     pub file: PathBuf,
-    /// From where it was taken.
-    pub view: FilmView,
     /// Pictures in it.
     pub pictures: u32,
     /// Its length, seconds.
@@ -113,8 +97,7 @@ struct Recording {
 /// A film under way.
 struct Open {
     animation: Animation,
-    scene: Scene,
-    shown: State,
+    view: SlantedView,
     /// The cloth's steps up to the last picture.
     at_step: u64,
     /// How long nothing has changed, hundredths of a second.
@@ -122,27 +105,6 @@ struct Open {
     /// The bytes that the plan grants by now.
     granted: f64,
     left_out: u32,
-}
-
-/// What a picture depends on. Equal ones need not be drawn twice: a third of the time nothing is in motion but the
-/// picker outside the picture.
-#[derive(PartialEq)]
-struct State {
-    positions: Vec<[f32; 3]>,
-    /// `None` outside the picture.
-    marker: Option<Marker>,
-}
-
-impl State {
-    fn parts(&self) -> (&[[f32; 3]], Option<&Marker>) {
-        (&self.positions, self.marker.as_ref())
-    }
-}
-
-/// A camera and what it needs.
-enum Scene {
-    Slanted(Box<SlantedView>),
-    Table(TopDownCamera, Look),
 }
 
 impl Recorder {
@@ -198,7 +160,6 @@ impl Recorder {
         };
         Ok(Some(Film {
             file: path,
-            view: recording.plan.view,
             pictures,
             shown_s: shown_cs as f64 / 100.0,
             bytes,
@@ -224,21 +185,17 @@ impl Recording {
     }
 
     fn begin(&mut self, cloth: &Simulator, look: &Look) -> Result<(), AnimationError> {
-        let mut scene =
-            Scene::new(&self.plan, look).map_err(|error| AnimationError::Unwritable {
-                path: self.plan.path.clone(),
-                why: error.to_string(),
-            })?;
-        let shown = scene.state(cloth);
-        let picture = scene.picture(cloth, &shown, None);
-        let size = [picture.width(), picture.height()];
-        let mut animation = Animation::create(&self.plan.path, size, palette(look))?;
-        animation.show(picture)?;
+        let camera = slanted(&self.plan.camera).map_err(|error| AnimationError::Unwritable {
+            path: self.plan.path.clone(),
+            why: error.to_string(),
+        })?;
+        let view = SlantedView::new(camera, look);
+        let mut animation = Animation::create(&self.plan.path, SIZE_PX, palette(look))?;
+        animation.show(&picture(&view, cloth, None))?;
         animation.hold(START_CS);
         self.open = Some(Open {
             animation,
-            scene,
-            shown,
+            view,
             at_step: cloth.steps(),
             still_cs: 0,
             granted: self.plan.max_bytes as f64 * AHEAD,
@@ -294,76 +251,19 @@ impl Open {
     }
 
     fn show(&mut self, cloth: &Simulator) -> Result<(), AnimationError> {
-        let state = self.scene.state(cloth);
-        if state == self.shown {
-            return Ok(());
-        }
-        let last = self.animation.last().map(|picture| (picture, &self.shown));
-        let picture = self.scene.picture(cloth, &state, last);
-        if self.animation.show(picture)? {
+        let picture = picture(&self.view, cloth, Some(&cloth.marker()));
+        if self.animation.show(&picture)? {
             self.still_cs = 0;
         }
-        self.shown = state;
         Ok(())
     }
 }
 
-impl Scene {
-    fn new(plan: &FilmPlan, look: &Look) -> Result<Scene, CameraError> {
-        match plan.view {
-            FilmView::Table => Ok(Scene::Table(plan.camera, look.clone())),
-            FilmView::Slanted => {
-                let camera = slanted(&plan.camera)?;
-                Ok(Scene::Slanted(Box::new(SlantedView::new(camera, look))))
-            }
-        }
-    }
-
-    /// Draws what a state shows; only what differs from the last picture, if there is one.
-    fn picture(
-        &mut self,
-        cloth: &Simulator,
-        state: &State,
-        last: Option<(&RgbImage, &State)>,
-    ) -> RgbImage {
-        let mask = cloth.mask();
-        let Some((picture, before)) = last else {
-            let (positions, marker) = state.parts();
-            let (width, height, rgb) = match self {
-                Scene::Slanted(view) => {
-                    let Picture { width, height, rgb } = view.render(mask, positions, marker);
-                    (width, height, rgb)
-                }
-                Scene::Table(camera, look) => {
-                    let frame = camera.render_marked(mask, positions, look, marker);
-                    (frame.width, frame.height, frame.rgb)
-                }
-            };
-            return RgbImage::from_raw(width, height, rgb)
-                .expect("a picture holds width * height pixels");
-        };
-        let (mut picture, before, now) = (picture.clone(), before.parts(), state.parts());
-        match self {
-            Scene::Slanted(view) => view.redraw(&mut picture, mask, before, now),
-            Scene::Table(camera, look) => {
-                camera.redraw_marked(&mut picture, mask, look, before, now);
-            }
-        }
-        picture
-    }
-
-    /// Finds out what is to be drawn.
-    fn state(&self, cloth: &Simulator) -> State {
-        let marker = cloth.marker();
-        let sees = match self {
-            Scene::Slanted(view) => view.sees(&marker),
-            Scene::Table(camera, _) => camera.sees(&marker),
-        };
-        State {
-            positions: cloth.positions(),
-            marker: sees.then_some(marker),
-        }
-    }
+/// Draws a cloth, and the picker's marker if there is one.
+fn picture(view: &SlantedView, cloth: &Simulator, marker: Option<&Marker>) -> RgbImage {
+    let drawn = view.render(cloth.mask(), &cloth.positions(), marker);
+    RgbImage::from_raw(drawn.width, drawn.height, drawn.rgb)
+        .expect("a picture holds width * height pixels")
 }
 
 /// Puts a camera beside the table that sees what the camera over it sees; what is up in that picture is behind.
@@ -377,7 +277,7 @@ fn slanted(above: &TopDownCamera) -> Result<SlantedCamera, CameraError> {
     };
     let [x, y] = turned(aside, back);
     let [target_x, target_y] = turned(0.0, 0.02 * half_m);
-    SlantedCamera::new([x, y, up], [target_x, target_y, 0.0], 0.76, SLANTED_PX)
+    SlantedCamera::new([x, y, up], [target_x, target_y, 0.0], 0.76, SIZE_PX)
 }
 
 /// Carries a cloth as [`Simulator::pick_and_place_in`] does, and films it if there is a recorder.
@@ -474,10 +374,9 @@ mod tests {
     use fab_sim::{Grid, Params};
     use std::fs;
 
-    fn plan(path: PathBuf, view: FilmView, max_bytes: u64) -> FilmPlan {
+    fn plan(path: PathBuf, max_bytes: u64) -> FilmPlan {
         FilmPlan {
             path,
-            view,
             camera: TopDownCamera::new(0.65, 45f32.to_radians(), 224).unwrap(),
             motions: 2,
             max_bytes,
@@ -514,33 +413,31 @@ mod tests {
     fn a_film_is_the_same_each_time_and_changes_nothing() {
         let folder = tempfile::tempdir().unwrap();
         let plain = fold(None, &[false, false]).digest();
-        for view in [FilmView::Slanted, FilmView::Table] {
-            let mut bytes = Vec::new();
-            for name in ["a.gif", "b.gif"] {
-                let path = folder.path().join(name);
-                let recorder = Recorder::new(plan(path.clone(), view, MAX_BYTES));
-                assert_eq!(fold(Some(&recorder), &[false, false]).digest(), plain);
-                assert!(!path.exists());
-                let film = recorder.finish().unwrap().unwrap();
-                assert_eq!((film.left_out, film.view), (0, view));
-                // Two motions of about 4 s, a start and three holds; what stands still is shortened.
-                assert!((7.0..11.0).contains(&film.shown_s), "{film}");
-                assert!((40..120).contains(&film.pictures), "{film}");
-                bytes.push(fs::read(path).unwrap());
-                assert_eq!(recorder.finish().unwrap(), None);
-            }
-            assert_eq!(bytes[0], bytes[1]);
-            fs::remove_file(folder.path().join("a.gif")).unwrap();
-            fs::remove_file(folder.path().join("b.gif")).unwrap();
-            assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+        let mut bytes = Vec::new();
+        for name in ["a.gif", "b.gif"] {
+            let path = folder.path().join(name);
+            let recorder = Recorder::new(plan(path.clone(), MAX_BYTES));
+            assert_eq!(fold(Some(&recorder), &[false, false]).digest(), plain);
+            assert!(!path.exists());
+            let film = recorder.finish().unwrap().unwrap();
+            assert_eq!(film.left_out, 0);
+            // Two motions of about 4 s, a start and three holds; what stands still is shortened.
+            assert!((7.0..11.0).contains(&film.shown_s), "{film}");
+            assert!((40..120).contains(&film.pictures), "{film}");
+            bytes.push(fs::read(path).unwrap());
+            assert_eq!(recorder.finish().unwrap(), None);
         }
+        assert_eq!(bytes[0], bytes[1]);
+        fs::remove_file(folder.path().join("a.gif")).unwrap();
+        fs::remove_file(folder.path().join("b.gif")).unwrap();
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 
     #[test]
     fn an_interrupted_motion_leaves_a_whole_film() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.gif");
-        let recorder = Recorder::new(plan(path.clone(), FilmView::Table, MAX_BYTES));
+        let recorder = Recorder::new(plan(path.clone(), MAX_BYTES));
         fold(Some(&recorder), &[false, true]);
         let film = recorder.finish().unwrap().unwrap();
         let bytes = fs::read(path).unwrap();
@@ -555,7 +452,7 @@ mod tests {
     fn a_film_that_would_be_too_large_has_fewer_pictures_and_says_so() {
         let folder = tempfile::tempdir().unwrap();
         let small = 60_000;
-        let recorder = Recorder::new(plan(folder.path().join("a.gif"), FilmView::Slanted, small));
+        let recorder = Recorder::new(plan(folder.path().join("a.gif"), small));
         fold(Some(&recorder), &[false, false]);
         let film = recorder.finish().unwrap().unwrap();
         assert!(
@@ -569,15 +466,11 @@ mod tests {
     fn a_film_that_cannot_be_written_stops_no_motion_and_says_why() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("absent").join("a.gif");
-        let recorder = Recorder::new(plan(path, FilmView::Table, MAX_BYTES));
+        let recorder = Recorder::new(plan(path, MAX_BYTES));
         fold(Some(&recorder), &[false]);
         let refused = recorder.finish().unwrap_err().to_string();
         assert!(refused.contains("absent/a.gif"), "{refused}");
-        let unused = Recorder::new(plan(
-            folder.path().join("b.gif"),
-            FilmView::Table,
-            MAX_BYTES,
-        ));
+        let unused = Recorder::new(plan(folder.path().join("b.gif"), MAX_BYTES));
         assert_eq!(unused.finish().unwrap(), None);
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     }

@@ -118,13 +118,25 @@ impl Start {
         }
     }
 
-    /// Reads a start from a `.npy` file of shape `[dimx * dimy, 3]`, metres.
+    /// Reads a start from a `.npy` file of shape `[dimx * dimy, 3]`, metres, or from the last state in a run's folder.
     ///
-    /// Frame and grid come from `stated`, else from `NAME.json` beside the file, else from the
+    /// Frame and grid come from `stated`, else from `NAME.json` beside the file, else from the run or from the
     /// `manifest.json` of a recorded data set above it; they are never guessed. `NAME.json` may hold an outline;
     /// it is not read where the frame is stated.
     pub fn load(path: &std::path::Path, stated: Option<StartFrame>) -> Result<Start, StartError> {
         file::load(path, stated)
+    }
+
+    /// Describes its positions as [`Start::load`] reads it from `NAME.json` beside them, JSON.
+    pub fn description(&self) -> Vec<u8> {
+        let description = file::Description {
+            frame: StartFrame {
+                grid: self.grid,
+                up: Up::Z,
+            },
+            outline: self.outline.clone(),
+        };
+        serde_json::to_vec_pretty(&description).expect("a grid has finite numbers")
     }
 
     /// Returns the start's identity: SHA-256 over grid, positions, and outline where there is one, hex.

@@ -7,7 +7,7 @@ use crate::io::Io;
 use crate::report::Report;
 use crate::verbs::runtime::setting::FrameArguments;
 use crate::verbs::runtime::setting::materials::MaterialArguments;
-use crate::verbs::runtime::video::{self, ViewArgument};
+use crate::verbs::runtime::video;
 use clap::{Args, ValueHint};
 use fab_sim::{Manner, Params, SimError, Simulator};
 use fab_world::film::{self, Film, FilmPlan, Recorder};
@@ -31,9 +31,6 @@ pub struct RecordArguments {
     /// Pick at the first point and place at the second: metres from the table's centre. One for each motion, in order.
     #[arg(long = "move", value_name = "X,Y:X,Y", value_parser = parse_move, allow_hyphen_values = true, required = true)]
     pub moves: Vec<Move>,
-    /// From where the film is taken; default: slanted.
-    #[arg(long, value_enum)]
-    pub view: Option<ViewArgument>,
     /// The film.
     #[arg(short = 'o', long = "out", value_name = "FILE.gif", value_hint = ValueHint::FilePath)]
     pub out: PathBuf,
@@ -90,7 +87,6 @@ pub fn run(arguments: &RecordArguments, io: &Io) -> Result<Exit, Failure> {
     let mut cloth = cloth(arguments, &params)?;
     let recorder = Recorder::new(FilmPlan {
         path: arguments.out.clone(),
-        view: ViewArgument::film(arguments.view),
         camera: render::camera(CameraArgument::Folding, None)?,
         motions: arguments.moves.len() as u32,
         max_bytes: film::MAX_BYTES,

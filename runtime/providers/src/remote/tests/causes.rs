@@ -103,25 +103,3 @@ fn a_proxy_that_wants_a_login_is_named() {
         message(&sent, &came, Fault::BadRequest)
     );
 }
-
-#[test]
-fn every_sentence_has_only_known_fields() {
-    let sent = sent("http://10.0.0.5:8000/v1", None);
-    let came = Came::Nothing(NoReply {
-        obstacle: Obstacle::Cut,
-        words: String::new(),
-    });
-    let exchange = Exchange {
-        sent: &sent,
-        came: &came,
-        fault: Fault::ConnectionCut,
-        served: None,
-        omit: None,
-    };
-    for row in CAUSES {
-        for sentence in [row.cause, row.help] {
-            let filled = filled(sentence, &exchange);
-            assert!(!filled.contains(['{', '}']), "{filled}");
-        }
-    }
-}
