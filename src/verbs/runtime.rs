@@ -46,7 +46,7 @@ super::verbs! {
     Calibrate(calibrate::CalibrateArguments),
     /// Checks an arm's settings, and recovers the arm after a run.
     Robot(robot::RobotArguments),
-    /// Lists what is known of models: prices, pictures, coordinates, shutdown dates, each with its source.
+    /// Lists what is known of models: prices, pictures, coordinates, shutdown dates, each with its date.
     Models(models::ModelsArguments),
     /// Checks the setup: what works, what is missing, and how to install it.
     Doctor(doctor::DoctorArguments),

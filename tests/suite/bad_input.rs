@@ -141,12 +141,6 @@ fn an_unknown_model_task_stage_or_step() {
         64,
         &["step 9"],
     );
-    refused(
-        folder.path(),
-        &["run", "small.fab", "--start", "99999999999999999999999"],
-        64,
-        &["seed"],
-    );
     assert!(no_run_in(folder.path()), "a refused call made a run folder");
 }
 

@@ -24,26 +24,26 @@ fn numbers_that_no_cloth_or_machine_has() {
         ("time --threads 0", &["0", "1..=256"]),
         ("replay set --threads 0", &["0", "1..=256"]),
         ("replay set --threads 257", &["257", "1..=256"]),
-        ("replay set --ids 0,7", &["id 7", "there are 0"]),
+        ("replay set --ids 7", &["that task and id", "`Fold`"]),
         ("replay set --ids one", &["'one'"]),
         (
             "replay set --task fold",
-            &["`--task fold`", "there are Fold"],
+            &["that task and id", "those of `Fold`"],
         ),
         (
             "replay set --set substeps",
-            &["`--set substeps`", "NAME=VALUE"],
+            &["`--set substeps`", "such as `substeps=8`"],
         ),
         ("replay set --set substep=8", &["`substep`", "`substeps`"]),
         ("replay set --set substeps=-8", &["-8", "u32"]),
-        ("replay set --set substeps=many", &["`many`"]),
+        ("replay set --set substeps=many", &["substeps=many"]),
         ("replay set --set step_secs=1e39", &["`step_secs`", "`inf`"]),
         ("replay set --set step_secs=0", &["`step_secs`", "`0`"]),
         (
             "replay set --set picker_travel_m=0",
             &["`picker_travel_m`", "`0`"],
         ),
-        ("replay set --set gravity_m_s2=9.8", &["gravity_m_s2=9.8"]),
+        ("replay set --set gravity_m_s2=9.8", &["`--set`", "9.8"]),
         ("crumple --dims 0x8", &["`--dims 0x8`", "at least 2"]),
         (
             "crumple --dims 4000000000x8",
@@ -59,10 +59,6 @@ fn numbers_that_no_cloth_or_machine_has() {
         (
             "measure coton",
             &["no material `coton`", "did you mean `cotton`", "fabc ships"],
-        ),
-        (
-            "crumple --seed 18446744073709551615 --count 2",
-            &["largest seed"],
         ),
     ] {
         sim_refused(folder.path(), call, 64, words);
@@ -83,17 +79,15 @@ fn a_damaged_manifest() {
         here,
         "replay set",
         2,
-        &["`set/manifest.json`", "folder of recorded"],
+        &["`set/manifest.json` lists no recorded demonstrations"],
     );
     let whole = data_set(here);
     fs::write(here.join("set/manifest.json"), "{").unwrap();
     sim_refused(here, "replay set", 2, &["manifest", "EOF"]);
     fs::write(here.join("set/manifest.json"), "[".repeat(100_000)).unwrap();
     sim_refused(here, "replay set", 2, &["manifest"]);
-    write_manifest(here, &json!({ "entries": [] }));
-    sim_refused(here, "replay set", 2, &["`entries` are empty"]);
     write_manifest(here, &json!({ "entries": [7] }));
-    sim_refused(here, "replay set", 2, &["entry 0"]);
+    sim_refused(here, "replay set", 2, &["manifest", "integer `7`"]);
     // Each change of a whole entry, and its message.
     let step = |name: &str, value: Value| {
         let mut step = whole["entries"][0]["steps"][0].clone();
@@ -111,12 +105,6 @@ fn a_damaged_manifest() {
             "spacing_m",
             json!(0.001),
             &["mostly lie 6.25 mm apart", "1.00 mm"],
-        ),
-        ("steps", json!([]), &["no `steps`"]),
-        (
-            "steps",
-            step("pick_keypoint", json!(8)),
-            &["`pick_keypoint` 8", "0 to 7"],
         ),
         (
             "steps",
@@ -247,17 +235,9 @@ fn states_and_outputs_that_cannot_be() {
         sim_refused(here, &call, code, words);
     }
     let square = |side: usize| format!("{}\n", "#".repeat(side)).repeat(side);
-    fs::write(here.join("outline.txt"), square(8)).unwrap();
+    let call = "crumple --outline outline.txt -o starts";
     for (letters, words) in [
-        (
-            square(8),
-            &[
-                "`outline.txt`",
-                "8 columns and 8 rows",
-                "10 columns and 8 rows",
-            ][..],
-        ),
-        ("##\n#?\n".to_owned(), &["row 2, column 2", "`?`"]),
+        ("##\n#?\n".to_owned(), &["row 2, column 2", "`?`"][..]),
         ("###\n##\n".to_owned(), &["row 2", "fill rows"]),
         (square(201), &["`201`", "`2` to `200`"]),
         (String::new(), &["`0`"]),
@@ -280,41 +260,18 @@ fn states_and_outputs_that_cannot_be() {
         ),
     ] {
         fs::write(here.join("outline.txt"), &letters).unwrap();
-        // `crumple` accepts any grid, so also the first of these.
-        if letters != square(8) {
-            let call = "crumple --outline outline.txt -o starts";
-            sim_refused(here, call, 2, &[&["`outline.txt`"], words].concat());
-        }
-        for verb in ["render", "export"] {
-            let out = if verb == "render" { "o.png" } else { "o.obj" };
-            let call = format!("{verb} {state} -o {out} --outline outline.txt");
-            sim_refused(here, &call, 2, words);
-        }
+        sim_refused(here, call, 2, &[&["`outline.txt`"], words].concat());
     }
     fs::write(here.join("outline.txt"), [0xff]).unwrap();
-    let call = format!("render {state} -o o.png --outline outline.txt");
-    for call in [&call, "crumple --outline outline.txt -o starts"] {
-        sim_refused(here, call, 2, &["not UTF-8"]);
-        sim_refused(
-            here,
-            &call.replace("outline.txt", "gone.txt"),
-            2,
-            &["`gone.txt`"],
-        );
-        sim_refused(here, &call.replace("outline.txt", "."), 2, &["directory"]);
-    }
-    fs::write(here.join("state.png"), "mine").unwrap();
-    sim_refused(
-        here,
-        &format!("render {state}"),
-        2,
-        &["`state.png` is there already"],
-    );
-    assert_eq!(fs::read(here.join("state.png")).unwrap(), b"mine");
+    sim_refused(here, call, 2, &["not UTF-8"]);
+    let gone = call.replace("outline.txt", "gone.txt");
+    sim_refused(here, &gone, 2, &["`gone.txt`"]);
+    let folder = call.replace("outline.txt", ".");
+    sim_refused(here, &folder, 2, &["directory"]);
     fs::write(here.join("file"), "").unwrap();
     sim_refused(here, "crumple --dims 4x4 -o file", 2, &["`file`"]);
     let left = fs::read_dir(here).unwrap().count();
-    assert_eq!(left, 4, "a refused call left something behind");
+    assert_eq!(left, 3, "a refused call left something behind");
 }
 
 #[test]
@@ -322,44 +279,23 @@ fn outlines_in_a_description_that_cannot_be() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     write_npy(&here.join("state.npy"), "<f4", "(80, 3)", &flat(10, 8));
-    fs::write(here.join("left.txt"), "#####.....\n".repeat(8)).unwrap();
     let rows = |row: &str, count: usize| json!(vec![row; count]);
-    for (outline, code, words) in [
-        (json!("##"), 2, &["state.json", "expected a sequence"][..]),
-        (json!([1]), 2, &["state.json", "expected a string"]),
-        (rows("##########", 7), 2, &["has 7 rows", "would be 8"]),
-        (rows("#########", 8), 2, &["row 1", "9 letters", "be 10"]),
-        (
-            rows("#####?????", 8),
-            2,
-            &["`state.npy`", "column 6", "`?`"],
-        ),
-        (rows("#.#.#.#.#.", 8), 2, &["`state.npy`", "no square"]),
-        (rows("..........", 8), 2, &["`state.npy`", "0 particles"]),
-        (
-            rows("        ##", 8),
-            2,
-            &["`state.npy`", "column 1", "` `"],
-        ),
-        (
-            rows(".....#####", 8),
-            64,
-            &["`--outline left.txt`", "`state.npy`", "leave"],
-        ),
+    for (outline, words) in [
+        (json!("##"), &["state.json", "expected a sequence"][..]),
+        (json!([1]), &["state.json", "expected a string"]),
+        (rows("##########", 7), &["has 7 rows", "would be 8"]),
+        (rows("#########", 8), &["row 1", "9 letters", "be 10"]),
+        (rows("#####?????", 8), &["`state.npy`", "column 6", "`?`"]),
+        (rows("#.#.#.#.#.", 8), &["`state.npy`", "no square"]),
+        (rows("..........", 8), &["`state.npy`", "0 particles"]),
+        (rows("        ##", 8), &["`state.npy`", "column 1", "` `"]),
     ] {
         let description =
             json!({ "dimx": 10, "dimy": 8, "spacing_m": 0.00625, "up": "y", "outline": outline });
         fs::write(here.join("state.json"), description.to_string()).unwrap();
-        sim_refused(
-            here,
-            "export state.npy -o o.obj --outline left.txt",
-            code,
-            words,
-        );
-        if code == 2 {
-            sim_refused(here, "render state.npy -o o.png", code, words);
-        }
+        sim_refused(here, "export state.npy -o o.obj", 2, words);
+        sim_refused(here, "render state.npy -o o.png", 2, words);
     }
     let left = fs::read_dir(here).unwrap().count();
-    assert_eq!(left, 3, "a refused call left something behind");
+    assert_eq!(left, 2, "a refused call left something behind");
 }

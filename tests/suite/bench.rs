@@ -244,11 +244,7 @@ fn the_table_says_what_its_figures_are() {
     ] {
         assert!(said.stdout.contains(wanted), "{wanted}: {}", said.stdout);
     }
-    for wanted in [
-        "1 rollout in `runs/bench-tiny-0001`",
-        "expert ends",
-        "per action",
-    ] {
+    for wanted in ["1 rollout in `runs/bench-tiny-0001`", "per action"] {
         assert!(said.stderr.contains(wanted), "{wanted}: {}", said.stderr);
     }
 }

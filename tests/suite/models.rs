@@ -75,7 +75,7 @@ fn models_are_listed_with_prices_tokens_and_sources() {
 }
 
 #[test]
-fn the_table_shows_what_is_unknown_as_such_and_every_source_once() {
+fn the_table_shows_what_is_unknown_as_such_and_until_when_a_model_answers() {
     let folder = tempfile::tempdir().unwrap();
     let said = finish(alone(folder.path()).args(["models", "openai-chat", "--on", "2026-11-20"]));
     assert_eq!(said.code, 0, "{}", said.stderr);
@@ -90,13 +90,11 @@ fn the_table_shows_what_is_unknown_as_such_and_every_source_once() {
             .split_whitespace()
             .collect::<Vec<_>>()
             .join(" "),
-        "openai-chat:gpt-6.2-sol 2 / 0.1 / 10 yes yes 1 alone x y, pixels 59 635 [1][2]"
+        "openai-chat:gpt-6.2-sol 2 / 0.1 / 10 yes yes 1 alone x y, pixels 59 635 2026-11-24"
     );
-    assert!(row("from 2026-12-11  openai-chat: o3").contains("its vendor recommends gpt-5.6-sol"));
-    assert!(row("since 2026-10-23  openai-chat: gpt-4,").contains("gpt-4-*"));
-    for number in 1..=said.stdout.matches("\n[").count() {
-        assert_eq!(said.stdout.matches(&format!("\n[{number}] ")).count(), 1);
-    }
+    assert!(row("openai-chat:o3 ").contains(" 2026-12-11 "));
+    // It stopped answering before that day.
+    assert!(!said.stdout.contains("openai-chat:gpt-4 "));
     assert!(!said.stdout.contains("claude"), "{}", said.stdout);
     let unknown = finish(alone(folder.path()).args(["models", "opnai"]));
     assert_eq!(unknown.code, 64);
@@ -259,44 +257,41 @@ fn doctor_lists_what_a_server_serves_and_says_what_others_want() {
             answering(locked),
             None,
             "missing",
-            "and wants a key (HTTP 401)",
+            "and wants another key (HTTP 401)",
             Some("export FABC_OLLAMA_KEY="),
         ),
         (
             answering(locked),
             key,
             "missing",
-            "does not accept the key (HTTP 401), key: FABC_OLLAMA_KEY",
+            "and wants another key (HTTP 401), key: FABC_OLLAMA_KEY",
             Some("export"),
         ),
         (
             answering(page),
             None,
             "missing",
-            "lists no models",
-            Some("another program"),
+            "no list of models came from",
+            Some("look into its log, or whether another program has its port"),
         ),
         (
             nowhere,
             None,
             "missing",
             "nothing answers at ",
-            Some(
-                "ollama serve, or name its address with --base-url (from its documentation of 2026-11-2",
-            ),
+            Some("ollama serve, or name its address with --base-url"),
         ),
     ] {
         let ollama = ollama_at(address, key);
         let text = ollama.to_string();
         assert_eq!(ollama["state"], state, "{text}");
         assert!(ollama["found"].as_str().unwrap().contains(found), "{text}");
-        match help {
-            Some(help) => assert!(ollama["help"].as_str().unwrap().starts_with(help), "{text}"),
-            None => assert_eq!(
-                ollama["models"],
-                serde_json::json!(["qwen3-vl:8b", "gemma3"])
-            ),
-        }
+        let said = ollama["help"].as_str();
+        assert_eq!(said.is_some(), help.is_some(), "{text}");
+        let is_help = said
+            .zip(help)
+            .is_none_or(|(said, help)| said.starts_with(help));
+        assert!(is_help, "{text}");
         assert!(!text.contains("canary"), "{text}");
     }
 }
@@ -331,14 +326,8 @@ fn doctor_names_keys_and_never_shows_one() {
             .unwrap()
             .to_owned()
     };
-    assert_eq!(
-        key("openai"),
-        "key: OPENAI_API_KEY (environment); not tried"
-    );
-    assert_eq!(
-        key("anthropic"),
-        "key: ANTHROPIC_API_KEY (file of keys); not tried"
-    );
+    assert!(key("openai").ends_with(", key: OPENAI_API_KEY; not tried"));
+    assert!(key("anthropic").ends_with(", key: ANTHROPIC_API_KEY; not tried"));
     let (code, found) = look(0o644, "ANTHROPIC_API_KEY = \"sk-canary-2\"\n");
     let state = entry(&found["findings"], "name", "keys");
     assert_eq!((code, &state["state"]), (2, &"broken".into()));

@@ -306,11 +306,21 @@ fn subgoals_says_which_demonstrated_point_is_not_offered_and_what_offers_it() {
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     let told = "note: step 1 picks middle(back) at (112, 41); the nearest offered `pick` is ";
     assert!(ended.stderr.contains(told), "{}", ended.stderr);
-    let begun = ended.stderr.find("    keypoints {").unwrap();
-    let (keypoints, rest) = ended.stderr[begun..].split_once("and `").unwrap();
-    let pick = rest.split('`').next().unwrap();
-    let more = format!("{keypoints}    actions {{\n{pick}\nplace: one of corners, center\n}}\n");
-    std::fs::write(&path, task(&more)).unwrap();
+    let help =
+        "no keypoint of the task finds it: `pick: any of cloth` offers each point of the mask";
+    assert!(ended.stderr.contains(help), "{}", ended.stderr);
+    let offered = |more: &str| {
+        let keypoints = "rim = contour(cloth, tolerance: 4px)\n sides = edge_middles(rim)";
+        let actions = format!("pick: one of corners{more}\n place: one of corners, center");
+        task(&format!(
+            "    keypoints {{ {keypoints} }}\n    actions {{ {actions} }}\n"
+        ))
+    };
+    std::fs::write(&path, offered("")).unwrap();
+    let ended = said(folder.path(), &["subgoals", "half.fab"]);
+    let help = "offer it, `pick: one of corners, sides`";
+    assert!(ended.stderr.contains(help), "{}", ended.stderr);
+    std::fs::write(&path, offered(", sides")).unwrap();
     let ended = said(folder.path(), &["subgoals", "half.fab"]);
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     let told = "warning[F0611]: `pick` offers `sides`, and no prompt shows it";

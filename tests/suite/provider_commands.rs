@@ -188,12 +188,12 @@ fn what_cannot_be_asked_is_refused_with_what_would_help() {
         (
             &["--model", "vision=geometric"],
             64,
-            "names nothing for `text`",
+            "`--model` names one thing for each role",
         ),
         (
             &["--model", "geometric", "--model", "random"],
             64,
-            "says the same role twice",
+            "`--model` names one thing for each role",
         ),
         (
             &[

@@ -2,7 +2,6 @@
 
 use super::bad_starts::write_npy;
 use super::sim_verbs::told;
-use super::support::fabc;
 use crate::recorded_data::recorded_data;
 use serde_json::{Value, json};
 use std::fs;
@@ -149,36 +148,4 @@ fn only_the_tasks_and_ids_that_are_asked_for_are_replayed() {
     assert_eq!(replayed(&["--ids", "2,3"]), ["Roll 3", "Fold 2"]);
     assert_eq!(replayed(&["--task", "Fold"]), ["Fold 1", "Fold 2"]);
     assert_eq!(replayed(&["--task", "Fold", "--ids", "1"]), ["Fold 1"]);
-}
-
-#[test]
-#[ignore = "long"]
-#[cfg(unix)]
-fn an_interrupted_replay_keeps_what_is_finished() {
-    use std::process::{Command, Stdio};
-    let folder = tempfile::tempdir().unwrap();
-    let mut manifest = data_set(folder.path());
-    let entry = manifest["entries"][0].clone();
-    // Far more than can be processed before the signal.
-    manifest["entries"] = (0..5000).map(|_| entry.clone()).collect();
-    write_manifest(folder.path(), &manifest);
-    let mut command = fabc(folder.path());
-    command.args(["sim", "replay", "set", "--json"]);
-    let child = command
-        .process()
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    std::thread::sleep(std::time::Duration::from_millis(1500));
-    let kill = Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status();
-    assert!(kill.unwrap().success());
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(130));
-    let value: Value = serde_json::from_slice(&output.stdout).unwrap();
-    let n = value["entries"].as_array().unwrap().len();
-    assert!(n < 5000, "{n} were replayed in a moment");
-    assert_eq!(value["rows"].as_array().unwrap().len(), n.min(1));
 }

@@ -3,6 +3,7 @@
 use super::bad_starts::write_npy;
 use super::sim_replay::flat;
 use super::support::{Captured, fabc, finish, project};
+use fab_world::corner_fold::CARRIED_MM;
 use fab_world::metrics;
 use fab_world::start::Start;
 use serde_json::{Value, json};
@@ -109,21 +110,6 @@ fn crumpled_cloths_are_starts_and_the_same_again() {
     assert_eq!(alone["starts"][0]["file"], Value::Null);
 }
 
-#[test]
-fn a_start_of_somebody_else_is_not_replaced() {
-    let folder = tempfile::tempdir().unwrap();
-    let here = folder.path();
-    fs::write(here.join("crumpled_6x6_0.npy"), "mine").unwrap();
-    let said = said(here, &["crumple", "--dims", "6x6", "-o", "."]);
-    assert_eq!(said.code, 2, "{}", said.stdout);
-    assert!(
-        said.stderr.contains("crumpled_6x6_0.npy` is there already"),
-        "{}",
-        said.stderr
-    );
-    assert_eq!(fs::read(here.join("crumpled_6x6_0.npy")).unwrap(), b"mine");
-}
-
 /// Writes a flat cloth of 40 by 30 particles, centred on the table, as positions with z up.
 fn flat_state(folder: &Path) {
     let positions: Vec<u8> = (0..1200)
@@ -147,7 +133,7 @@ fn the_cameras_draw_colour_and_depth() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     flat_state(here);
-    let value = told(here, &["render", "state.npy"]);
+    let value = told(here, &["render", "state.npy", "-o", "state.png"]);
     assert_eq!(
         (&value["file"], &value["size_px"]),
         (&json!("state.png"), &json!(224))
@@ -221,17 +207,10 @@ fn exported_positions_are_a_start_in_the_world_frame() {
     assert_eq!((read.grid.dimx, read.grid.dimy), (10, 8));
     assert_eq!(read.positions[0], [0.0, 0.0, 0.005]);
     assert_eq!(read.positions[79], [9.0 * 0.00625, -7.0 * 0.00625, 0.005]);
-    // Its own files are replaced, but not those of others.
-    told(here, &call);
+    // What is there is replaced.
     fs::write(here.join("world.json"), "{}").unwrap();
-    let refused = said(here, &call);
-    assert_eq!(refused.code, 2);
-    assert!(
-        refused.stderr.contains("`world.json` is there already"),
-        "{}",
-        refused.stderr
-    );
-    assert_eq!(fs::read(here.join("world.json")).unwrap(), b"{}");
+    told(here, &call);
+    assert!(Start::load(&here.join("world.npy"), None).is_ok());
 }
 
 #[test]
@@ -240,11 +219,13 @@ fn an_outline_cuts_the_cloth_in_pictures_and_meshes() {
     let here = folder.path();
     flat_state(here);
     // The right half of the 40 columns is missing.
-    let rows = format!("{}{}\n", "#".repeat(20), ".".repeat(20)).repeat(30);
-    fs::write(here.join("left.txt"), rows).unwrap();
-    let outline = ["--outline", "left.txt"];
-    let call = ["render", "state.npy", "-o", "left.png"];
-    told(here, &[&call[..], &outline].concat());
+    let row = format!("{}{}", "#".repeat(20), ".".repeat(20));
+    let frame = json!({
+        "dimx": 40, "dimy": 30, "spacing_m": 0.00625, "up": "z", "outline": vec![row; 30],
+    });
+    fs::copy(here.join("state.npy"), here.join("left.npy")).unwrap();
+    fs::write(here.join("left.json"), frame.to_string()).unwrap();
+    told(here, &["render", "left.npy", "-o", "left.png"]);
     let picture = fab_picture::png::load(&here.join("left.png")).unwrap();
     let top = fab_sim::Look::default().top;
     assert_eq!(picture.get_pixel(100, 112).0, top);
@@ -260,8 +241,7 @@ fn an_outline_cuts_the_cloth_in_pictures_and_meshes() {
         (&json!(["whole.obj"]), &json!(1200))
     );
     assert_eq!(counts("whole.obj"), [1200, 1200, 2 * 39 * 29]);
-    let call = ["export", "state.npy", "-o", "left.obj"];
-    let value = told(here, &[&call[..], &outline].concat());
+    let value = told(here, &["export", "left.npy", "-o", "left.obj"]);
     assert_eq!(value["particles"], 600);
     assert_eq!(counts("left.obj"), [600, 600, 2 * 19 * 29]);
 }
@@ -302,9 +282,9 @@ fn a_material_is_measured_by_its_name() {
         assert_ne!(value["params"], fab_sim::Params::default().hash());
         // The bounds hold at another spacing.
         assert!(readings.iter().all(|it| it["within"].is_null()), "{value}");
-        assert_eq!(value["corner"]["carried_mm"], 40);
-        assert!(value["corner"]["stays_mm"].is_f64(), "{value}");
-        assert_eq!(value["corner"]["smallest_fold"], Value::Null);
+        let last = readings.last().unwrap();
+        assert_eq!(last["what"], format!("corner carried {CARRIED_MM} mm"));
+        assert!(last["measured"].is_f64(), "{value}");
         // What so few particles cannot show is null, and said.
         let without = readings.iter().filter(|it| it["measured"].is_null());
         let names: Vec<&str> = without.map(|it| it["what"].as_str().unwrap()).collect();
@@ -319,7 +299,7 @@ fn a_material_is_measured_by_its_name() {
             "own.fab:min",
             "there is no material `min`; did you mean `mine`; `own.fab` declares `mine`",
         ),
-        ("pyflex", "each overhang shows another"),
+        ("pyflex", "there is no material `pyflex`"),
     ] {
         let said = said(folder.path(), &["measure", name]);
         assert_eq!(said.code, 64);
@@ -341,8 +321,9 @@ fn a_smallest_fold_is_searched_only_if_asked_for() {
     let said = said(folder.path(), &call);
     assert_eq!(said.code, 0, "{}", said.stderr);
     let value: Value = serde_json::from_str(&said.stdout).unwrap();
-    let smallest = &value["corner"]["smallest_fold"]["from"]["mm"];
-    assert!(smallest.as_u64().is_some_and(|mm| mm > 40), "{value}");
+    let smallest = value["readings"].as_array().unwrap().last().unwrap();
+    assert_eq!(smallest["what"], "smallest corner fold");
+    assert!(smallest["measured"].as_f64().unwrap() > 40.0, "{value}");
 }
 
 #[test]

@@ -8,7 +8,6 @@
 mod asking;
 mod expert;
 mod external;
-mod following;
 mod judge;
 mod prompted;
 mod proposing;
@@ -18,7 +17,6 @@ mod reach;
 pub use asking::{Asking, StepKind};
 pub use expert::Expert;
 pub use external::{External, Sight};
-pub use following::Following;
 pub use prompted::{
     Conversation, MessagePart, PromptError, Prompted, Rehearsed, UndrawnMessage, conversation,
     opening, rehearse,
@@ -117,8 +115,6 @@ pub enum Kind {
     Expert,
     /// A user's program.
     Program,
-    /// Repeats decisions that a search found.
-    Following,
 }
 
 /// The models of a rollout, by role.

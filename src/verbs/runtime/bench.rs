@@ -12,24 +12,26 @@ use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::verbs::runtime::estimate::{self, Asking};
 use crate::verbs::runtime::operator::TerminalOperator;
+use crate::verbs::runtime::run::exit_of as exit_of_rollout;
+use crate::verbs::runtime::run::report::so_far;
 use crate::verbs::runtime::setting;
 use crate::verbs::runtime::setting::arm::{ArmArguments, ArmMode};
 use crate::verbs::runtime::setting::model_arguments::{
-    ModelArguments, OmitArgument, PolicyArguments, SpendArguments,
+    ModelArguments, PolicyArguments, SpendArguments,
 };
 use crate::verbs::runtime::setting::models::{self, Answering};
 use crate::verbs::runtime::setting::policies::Deciding;
 use crate::verbs::runtime::setting::worlds::{self, WorldChoice};
 use clap::{Args, ValueHint};
-use fab_agent::outcome::Outcome;
 use fab_agent::rollout::FirstQuestion;
 use fab_bench::on_arm::{Cloths, OnArm};
-use fab_bench::play::{self, Phase, Results, StopReason};
+use fab_bench::play::{self, Phase, Played, Results, StopReason};
 use fab_bench::{Answers, Bench, Entry, OtherWorld, first_questions_of, rows};
 use fab_model::calls::Budget;
 use fab_program::Program;
 use fab_providers::catalogue::Profile;
 use fab_providers::estimate::{Estimate, Fresh};
+use fab_providers::remote::settings::Parameter;
 use fab_world::{About, ExternalWorld, World};
 use prepare::{DecidingBy, named_by};
 use report::BenchReport;
@@ -120,7 +122,11 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
     arguments.arm.check_world(&arguments.world)?;
     let found = suites::find(&arguments.suite)?;
     let mut suite = suites::narrowed(found.suite, arguments.variant.as_deref());
-    suite.structured &= !arguments.model.reach.omit.contains(&OmitArgument::Schema);
+    suite.structured &= !arguments
+        .model
+        .reach
+        .omitted()
+        .any(|it| it == Parameter::Schema);
     if suite.vary.is_some() && arguments.world != WorldChoice::Sim {
         return Err(Failure::environment(format!(
             "the suite varies its worlds (`[vary]`), which only the bundled simulator can, not `--world {}`: leave the option out, or run a suite without that table",
@@ -147,28 +153,21 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
             "the recording holds one answer for all starts, and not one for each: `--share-answers` replays it so, and the table says so",
         ));
     }
-    let recorder = if arguments.spend.estimate {
-        None
-    } else {
-        models::recorder(&arguments.spend)?
-    };
+    let recorder = models::recorder(&arguments.spend)?;
     let budget = models::budget(&arguments.spend, &interrupt);
     let threads = match arguments.jobs {
         _ if arguments.operator => 1,
         Some(jobs) => usize::from(jobs),
         None => usual_jobs(&deciding),
     };
-    let prepared = prepare::prepare(&suite, &found.folder, arguments, threads, io)?;
+    let prepared = prepare::prepare(&suite, &found.folder, arguments, io)?;
     let out = if arguments.spend.estimate {
         PathBuf::from("runs")
     } else {
         setting::out_folder(arguments.out.as_deref(), &format!("bench-{}", found.name))?
     };
     let cache = setting::cache_or_beside(&out, io);
-    let Some(entries) = prepare::entries(&suite, &prepared, &deciding, arguments, &interrupt, io)?
-    else {
-        return Err(Failure::interrupted());
-    };
+    let entries = prepare::entries(&suite, &prepared, &deciding, arguments, &interrupt, io)?;
     let make_arm_world = |program: &Program, folder: &Path| {
         setting::arm::world(
             program,
@@ -383,23 +382,13 @@ fn show(phase: Phase, done: usize, of: usize, budget: &Budget, io: &Io) {
         Phase::Experts => "expert ends known",
         Phase::Rollouts => "rollouts finished",
     };
-    let spent = budget.spent();
-    let spent = match spent.calls {
-        0 => String::new(),
-        calls => format!(", {calls} calls, {}", spent.in_words()),
-    };
+    let spent = so_far(&budget.spent());
     io.progress(&format!("{done} of {of} {what}{spent}"));
 }
 
 /// A suite succeeds when its rollouts have ended, whatever their outcomes; the environment failed only if no rollout
 /// could be played.
 fn exit_of(results: &Results) -> Exit {
-    let failed = |outcome: Outcome| {
-        matches!(
-            outcome,
-            Outcome::ModelFailed | Outcome::PolicyFailed | Outcome::WorldFailed
-        )
-    };
     match results.stopped {
         Some(StopReason::Interrupted) => return Exit::Interrupted,
         Some(StopReason::Capped) => return Exit::Unreached,
@@ -408,11 +397,9 @@ fn exit_of(results: &Results) -> Exit {
         None if !results.cut_off.is_empty() => return Exit::Unreached,
         None => {}
     }
-    let mut outcomes = results
-        .rollouts
-        .iter()
-        .map(|played| played.rollout.report.outcome);
-    if !results.rollouts.is_empty() && outcomes.all(failed) {
+    let has_failed =
+        |it: &Played| exit_of_rollout(it.rollout.report.outcome, None, None) == Exit::Environment;
+    if !results.rollouts.is_empty() && results.rollouts.iter().all(has_failed) {
         return Exit::Environment;
     }
     Exit::Done

@@ -8,14 +8,14 @@ mod rows;
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::sources::{self, TaskArguments};
-use crate::verbs::runtime::run::{prepare, say_pictures};
+use crate::verbs::runtime::run::say_pictures;
 use crate::verbs::runtime::setting::{self, StartArguments};
 use crate::verbs::runtime::sim::parallel::{ThreadArguments, threads};
 use clap::{Args, ValueHint};
 use fab_agent::best::journal::{Identity, TrialJournal};
 use fab_agent::best::{self, BestError, Limits, Measure, Search, unless_stopped};
 use fab_agent::examples::Examples;
-use fab_world::{SimulatedWorld, World, WorldError};
+use fab_world::{SimulatedWorld, World};
 use report::BestReport;
 use std::path::PathBuf;
 
@@ -68,11 +68,10 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
         &format!("best-{}", declared.title().replace('/', "-")),
     )?;
     let make_world = || SimulatedWorld::of(&program);
-    let make_boxed = || -> Result<Box<dyn World>, WorldError> { Ok(Box::new(make_world()?)) };
-    let subgoals = prepare(&declared, &start, &beside, &make_boxed, &interrupt)?;
-    let subgoals = subgoals.ok_or_else(Failure::interrupted)?;
+    let mut world = make_world()?;
+    world.reset(&start)?;
+    let subgoals = setting::subgoals(&declared, &beside, &mut world, &interrupt)?;
     say_pictures(&subgoals, &examples, &arguments.task.file, io);
-    let world = make_world()?;
     let identity = Identity {
         program: program.hash(),
         start: start.digest(),
@@ -113,14 +112,16 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
     let found = unless_stopped(best::search(&hinted));
     io.progress("");
     let found = found?.ok_or_else(Failure::interrupted)?;
-    let mut rows = vec![playing.best(&found)?];
+    let mut rows = vec![rows::Row::best(&found, program.goal.as_ref())];
     rows.extend(policies);
     let report = BestReport::new(&program, &start, found, rows, &out);
     io.result(arguments.json, &report);
-    Ok(match interrupt.is_raised() {
-        true => Exit::Interrupted,
-        false if report.goal_missed => Exit::Unreached,
-        false => Exit::Done,
+    Ok(if interrupt.is_raised() {
+        Exit::Interrupted
+    } else if report.goal_missed {
+        Exit::Unreached
+    } else {
+        Exit::Done
     })
 }
 

@@ -8,7 +8,6 @@ use crate::sources::{self, TaskArguments};
 use crate::verbs::runtime::setting;
 use clap::{Args, ValueHint};
 use fab_agent::demos::{self, Demo, DemoRequest, Header, MakeError};
-use fab_world::WorldError;
 use serde::Serialize;
 use std::fs;
 use std::path::PathBuf;
@@ -63,7 +62,7 @@ pub fn run(arguments: &DemosArguments, io: &Io) -> Result<Exit, Failure> {
     let mut announce = |what: &str| io.talk(what);
     let (header, made) = match demos::make(&making, &mut announce) {
         Ok(made) => made,
-        Err(MakeError::World(WorldError::Interrupted)) => return Err(Failure::interrupted()),
+        Err(MakeError::World(error)) => return Err(error.into()),
         Err(MakeError::Task(why)) => return Err(Failure::usage(why)),
         Err(error) => return Err(Failure::environment(error)),
     };

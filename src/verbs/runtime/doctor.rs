@@ -10,9 +10,12 @@ use crate::verbs::runtime::setting::catalogue::{self, FactsArguments, UserFile};
 use crate::verbs::runtime::setting::remote;
 use clap::Args;
 use fab_base::interrupt::Interrupt;
+use fab_base::parallel::in_parallel;
 use fab_providers::catalogue::{Catalogue, KeyNeed, Provider, RunsOn};
 use fab_providers::remote::{BaseUrl, Key, NotListed, Settings, served_models};
 use serde::Serialize;
+use std::fmt::Display;
+use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
@@ -31,9 +34,6 @@ pub struct DoctorArguments {
 /// Time limit for a server's list of models.
 const LIST_TIME: Duration = Duration::from_secs(2);
 
-/// How many models are listed for a server; JSON has all.
-const MAX_LISTED: usize = 8;
-
 /// All that was checked.
 #[derive(Serialize)]
 struct Checkup {
@@ -49,11 +49,8 @@ struct Finding {
     state: Readiness,
     /// The result in words.
     found: String,
-    /// The line that sets it up or repairs it.
+    /// The line that sets it up.
     help: Option<String>,
-    /// The models that a server says it serves.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    models: Vec<String>,
 }
 
 #[derive(Clone, Copy, PartialEq, Serialize)]
@@ -68,36 +65,39 @@ enum Readiness {
 }
 
 impl Finding {
-    fn new(name: &str, state: Readiness, found: impl ToString) -> Finding {
+    fn new(name: &str, state: Readiness, found: impl Display) -> Finding {
         Finding {
             name: name.to_owned(),
             state,
             found: found.to_string(),
             help: None,
-            models: Vec::new(),
         }
     }
 
-    fn help(self, help: impl ToString) -> Finding {
+    fn missing(name: &str, found: impl Display, help: impl Display) -> Finding {
         Finding {
             help: Some(help.to_string()),
-            ..self
+            ..Finding::new(name, Missing, found)
         }
     }
 }
 
 /// Checks everything and lists it.
 pub fn run(arguments: &DoctorArguments, io: &Io) -> Result<Exit, Failure> {
-    let mut findings = versions();
     let (catalogue, facts) = facts(arguments.facts.models.as_deref(), io);
-    let (names, keys) = keys(io);
-    findings.extend([facts, keys, cache(io)]);
-    findings.push(Finding::new(
-        "geometric, random, imperfect",
-        Ready,
-        "embedded stand-ins, ready without key or network; no vision-language models",
-    ));
-    findings.extend(providers(&catalogue, &names, io));
+    let mut findings = vec![
+        Finding::new("fabc", Ready, env!("CARGO_PKG_VERSION")),
+        keypoints(),
+        tags(),
+        facts,
+        keys(io),
+        cache(io),
+    ];
+    // In parallel, so that ten missing servers take no longer than one.
+    let providers = catalogue.providers();
+    let look = |index: usize| Ok::<_, Failure>(Some(look(&providers[index], io)));
+    let found = in_parallel(providers.len(), providers.len(), look, |_| {})?;
+    findings.extend(found.into_iter().flatten());
     let checkup = Checkup {
         ready: findings.iter().all(|finding| finding.state != Broken),
         findings,
@@ -110,244 +110,147 @@ pub fn run(arguments: &DoctorArguments, io: &Io) -> Result<Exit, Failure> {
     })
 }
 
-fn versions() -> Vec<Finding> {
-    let version = |name, state, found: String| Finding::new(name, state, found);
-    let mut versions = vec![version("fabc", Ready, env!("CARGO_PKG_VERSION").to_owned())];
-    versions.push(match fab_vision::detectors() {
-        Ok(whose) => version("keypoints", Ready, format!("found by {whose}")),
-        Err(error) => version("keypoints", Broken, error.to_string()),
-    });
-    versions.push(if cfg!(feature = "tags") {
-        version("AprilTags", Ready, "found by this build".to_owned())
-    } else {
-        let found = "not found by this build; only `fabc calibrate` looks for them";
-        version("AprilTags", Missing, found.to_owned())
-            .help("cargo install --path . --features tags")
-    });
-    versions
+fn keypoints() -> Finding {
+    match fab_vision::detectors() {
+        Ok(whose) => Finding::new("keypoints", Ready, format!("found by {whose}")),
+        Err(error) => Finding::new("keypoints", Broken, error),
+    }
+}
+
+fn tags() -> Finding {
+    if cfg!(feature = "tags") {
+        return Finding::new("AprilTags", Ready, "found by this build");
+    }
+    Finding::missing(
+        "AprilTags",
+        "not found by this build; only `fabc calibrate` looks for them",
+        "cargo install --path . --features tags",
+    )
 }
 
 /// Returns the model catalogue; without the user's file if that is unusable.
 fn facts(flag: Option<&Path>, io: &Io) -> (Catalogue, Finding) {
-    let builtin = Catalogue::builtin();
-    let finding = |state, found| Finding::new("facts about models", state, found);
-    let file = catalogue::facts_file(flag, io);
-    match &file {
-        Some(file) if file.counts() => match Catalogue::builtin().overlaid_by(&file.path) {
-            Ok(catalogue) => (catalogue, finding(Ready, file.path.display().to_string())),
-            Err(error) => (builtin, finding(Broken, error.to_string())),
-        },
-        _ => {
-            let place = file.map(|file| file.path.display().to_string());
-            let place = place.unwrap_or("a file and name it in FABC_MODELS".to_owned());
-            let found = "none of yours; the embedded ones are used".to_owned();
-            let help = format!("to add or correct facts, write {place} (`fabc models --help`)");
-            (builtin, finding(Missing, found).help(help))
-        }
-    }
+    let name = "facts about models";
+    let catalogue = match catalogue::load(flag, io) {
+        Ok(catalogue) => catalogue,
+        Err(error) => return (Catalogue::builtin(), Finding::new(name, Broken, error)),
+    };
+    let file = catalogue::facts_file(flag, io).filter(UserFile::counts);
+    let finding = match file {
+        Some(file) => Finding::new(name, Ready, file.path.display()),
+        None => Finding::missing(
+            name,
+            "none of yours; the embedded ones are used",
+            "`fabc models --help` says how to add or correct facts",
+        ),
+    };
+    (catalogue, finding)
 }
 
-/// A file of keys: its path, and the names in it.
-struct Keys {
-    path: Option<String>,
-    names: Vec<String>,
-}
-
-fn keys(io: &Io) -> (Keys, Finding) {
-    let finding = |state, found| Finding::new("keys", state, found);
+fn keys(io: &Io) -> Finding {
     let file = catalogue::keys_file(io);
     let path = file.as_ref().map(|file| file.path.display().to_string());
-    let (names, found) = match file.filter(UserFile::counts) {
-        None => {
-            let place = path.as_deref().unwrap_or("a file that FABC_KEYS names");
-            let help = format!(
-                "keys may stand in variables, or in {place} (chmod 600), a line each: NAME = \"KEY\""
-            );
-            let found = finding(Missing, "no file of keys".to_owned());
-            (Vec::new(), found.help(help))
-        }
+    let path = path.unwrap_or_else(|| "a file that FABC_KEYS names".to_owned());
+    match file.filter(UserFile::counts) {
+        None => Finding::missing(
+            "keys",
+            "no file of keys",
+            format!(
+                "keys may stand in variables, or in {path} (chmod 600), a line each: NAME = \"KEY\""
+            ),
+        ),
         Some(file) => match Key::names_in(&file.path) {
-            Err(error) => (Vec::new(), finding(Broken, error.to_string())),
-            Ok(names) => {
-                let listed = if names.is_empty() {
-                    "no key".to_owned()
-                } else {
-                    names.join(", ")
-                };
-                let found = format!("{}: {listed}", file.path.display());
-                (names, finding(Ready, found))
-            }
+            Ok(names) => Finding::new("keys", Ready, format!("{path}: {}", names.join(", "))),
+            Err(error) => Finding::new("keys", Broken, error),
         },
-    };
-    (Keys { path, names }, found)
+    }
 }
 
 fn cache(io: &Io) -> Finding {
-    let finding = |state, found| Finding::new("cache", state, found);
     let Some(folder) = io.cache_folder() else {
-        return finding(
-            Missing,
-            "no folder: results are computed anew each time".to_owned(),
-        )
-        .help("name a folder in FABC_CACHE_DIR");
+        return Finding::missing(
+            "cache",
+            "no folder: results are computed anew each time",
+            "name a folder in FABC_CACHE_DIR",
+        );
     };
-    let shown = folder.display();
     // A name of this process's own, so that two doctors running at once do not collide.
     let trial = folder.join(format!("doctor-{}", std::process::id()));
-    let written = std::fs::create_dir_all(&folder)
-        .and_then(|()| std::fs::write(&trial, "written by fabc doctor"))
-        .and_then(|()| std::fs::remove_file(&trial));
+    let written = fs::create_dir_all(&folder)
+        .and_then(|()| fs::write(&trial, "written by fabc doctor"))
+        .and_then(|()| fs::remove_file(&trial));
     match written {
-        Ok(()) => finding(Ready, shown.to_string()),
-        Err(error) => finding(Broken, format!("cannot write into {shown}: {error}"))
-            .help("make it writable, or name another folder in FABC_CACHE_DIR"),
+        Ok(()) => Finding::new("cache", Ready, folder.display()),
+        Err(error) => Finding::new("cache", Broken, Failure::unwritable(&folder, error)),
     }
 }
 
-fn providers(catalogue: &Catalogue, keys: &Keys, io: &Io) -> Vec<Finding> {
-    // In parallel, so that ten missing servers take no longer than one.
-    std::thread::scope(|scope| {
-        let providers = catalogue.providers().iter();
-        let looks = providers.map(|provider| scope.spawn(|| look(provider, keys, io)));
-        let looks: Vec<_> = looks.collect();
-        let found = looks.into_iter().map(|look| look.join());
-        found
-            .map(|found| found.expect("looking at a provider does not panic"))
-            .collect()
-    })
-}
-
-fn look(provider: &Provider, keys: &Keys, io: &Io) -> Finding {
-    let finding = |state, found| Finding::new(&provider.name, state, found);
-    let key = key(provider, keys, io);
-    let with = key.as_ref().map(|key| format!(", key: {key}"));
+/// Looks for a provider's key, and asks a server that is not a vendor's for its models.
+fn look(provider: &Provider, io: &Io) -> Finding {
+    let name = &provider.name;
+    let key = match remote::key(&provider.key_env, io) {
+        Ok(key) => key,
+        Err(error) => return Finding::new(name, Broken, error),
+    };
+    let with = key.as_ref().map(|key| format!(", key: {}", key.name()));
     let with = with.unwrap_or_default();
     let Some(base_url) = &provider.base_url else {
-        return finding(
-            Missing,
-            format!("any server that speaks its interface{with}"),
-        )
-        .help("name its address with --base-url");
+        let found = format!("any server that speaks its interface{with}");
+        return Finding::missing(name, found, "name its address with --base-url");
     };
     if provider.runs_on != Some(RunsOn::Vendor) {
-        return match ask(provider, base_url, io) {
-            Ok(listed) => served(provider, base_url, listed, &with, keys),
-            Err(why) => finding(Broken, why),
+        return match BaseUrl::parse(base_url) {
+            Ok(base_url) => served(provider, base_url, key, &with),
+            Err(error) => Finding::new(name, Broken, error),
         };
     }
     match (key, provider.key) {
-        (Some(key), _) => finding(Ready, format!("key: {key}; not tried")),
-        (None, KeyNeed::Optional) => finding(Ready, format!("{base_url}, without a key")),
-        (None, KeyNeed::Required) => {
-            finding(Missing, "no key".to_owned()).help(export(provider, keys))
-        }
+        (None, KeyNeed::Required) => Finding::missing(name, "no key", export(provider)),
+        _ => Finding::new(name, Ready, format!("{base_url}{with}; not tried")),
     }
 }
 
-/// Asks a server for its models; fails if it cannot be asked as it is set up.
-fn ask(
-    provider: &Provider,
-    base_url: &str,
-    io: &Io,
-) -> Result<Result<Vec<String>, NotListed>, String> {
-    let base_url = BaseUrl::parse(base_url).map_err(|error| error.to_string())?;
-    let key = remote::key(&provider.key_env, io).map_err(|error| error.to_string())?;
+/// Asks a server for its models.
+fn served(provider: &Provider, base_url: BaseUrl, key: Option<Key>, with: &str) -> Finding {
+    let name = &provider.name;
+    let at = provider.base_url.as_deref().unwrap_or_default();
     let settings = Settings {
         key: key.filter(|_| base_url.keeps_secrets()),
         timeout: LIST_TIME,
-        ..Settings::new(&provider.name, "", provider.wire, base_url)
+        ..Settings::new(name, "", provider.wire, base_url)
     };
-    Ok(served_models(&settings, &[], &Interrupt::default()))
-}
-
-/// Says what a server answered to the question for its models.
-fn served(
-    provider: &Provider,
-    base_url: &str,
-    listed: Result<Vec<String>, NotListed>,
-    with: &str,
-    keys: &Keys,
-) -> Finding {
-    let elsewhere = "or name its address with --base-url";
-    let (found, help) = match listed {
-        Ok(models) if !models.is_empty() => {
-            let mut shown = models
-                .iter()
-                .take(MAX_LISTED)
-                .cloned()
-                .collect::<Vec<_>>()
-                .join(", ");
-            if models.len() > MAX_LISTED {
-                shown += &format!(" and {} more", models.len() - MAX_LISTED);
-            }
-            let found = format!("serves {shown} at {base_url}{with}");
-            return Finding {
-                models,
-                ..Finding::new(&provider.name, Ready, found)
-            };
+    let start = provider.start.as_deref().unwrap_or("start its server");
+    let start = format!("{start}, or name its address with --base-url");
+    match served_models(&settings, &[], &Interrupt::default()) {
+        Ok(models) if models.is_empty() => Finding::missing(
+            name,
+            format!("answers at {at} and serves no model yet{with}"),
+            "load a model in it",
+        ),
+        Ok(models) => {
+            let found = format!("serves {} at {at}{with}", models.join(", "));
+            Finding::new(name, Ready, found)
         }
-        Ok(_) => (
-            format!("answers at {base_url} and serves no model yet{with}"),
-            "load a model in it".to_owned(),
+        Err(NotListed::Unauthorised { status }) => Finding::missing(
+            name,
+            format!("answers at {at} and wants another key (HTTP {status}){with}"),
+            export(provider),
         ),
-        Err(NotListed::Unauthorised { status }) => {
-            let wants = if with.is_empty() {
-                "wants a key"
-            } else {
-                "does not accept the key"
-            };
-            let found = format!("answers at {base_url} and {wants} (HTTP {status}){with}");
-            (found, export(provider, keys))
+        Err(NotListed::Absent) => {
+            Finding::missing(name, format!("nothing answers at {at}{with}"), start)
         }
-        Err(NotListed::Absent) => (
-            format!("nothing answers at {base_url}{with}"),
-            match &provider.start {
-                Some(start) => format!("{start}, {elsewhere}{}", not_run(provider)),
-                None => format!("start its server, {elsewhere}"),
-            },
+        Err(NotListed::Other(why) | NotListed::Unreachable(why)) => Finding::missing(
+            name,
+            format!("no list of models came from {at} ({why}){with}"),
+            format!("look into its log, or whether another program has its port; {start}"),
         ),
-        Err(NotListed::Other(why)) => (
-            format!("something answers at {base_url} and lists no models ({why}){with}"),
-            format!("another program may have its port: start it at a free one, {elsewhere}"),
-        ),
-        Err(NotListed::Unreachable(why)) => (
-            format!(
-                "no list of models came from {base_url} within {} s ({why}){with}",
-                LIST_TIME.as_secs()
-            ),
-            format!("look into its log, {elsewhere}"),
-        ),
-    };
-    Finding::new(&provider.name, Missing, found).help(help)
-}
-
-/// Says so if no test runs the command that starts a provider's server, with the day of its source.
-fn not_run(provider: &Provider) -> String {
-    // The oldest layer is the one that has the command.
-    match provider.sources.last() {
-        Some(source) if !provider.start_run => {
-            let as_of = source.as_of;
-            format!(" (from its documentation of {as_of}, not run by us)")
-        }
-        _ => String::new(),
     }
 }
 
 /// Returns the line that sets a provider's key.
-fn export(provider: &Provider, keys: &Keys) -> String {
+fn export(provider: &Provider) -> String {
     let variable = provider.key_env.first().map_or("its key", String::as_str);
-    let place = keys.path.as_ref();
-    let place = place.map_or(String::new(), |path| format!(", or write it into {path}"));
-    format!("export {variable}=…{place}")
-}
-
-/// Returns the source from which a provider's key would be taken.
-fn key(provider: &Provider, keys: &Keys, io: &Io) -> Option<String> {
-    let names = || provider.key_env.iter();
-    let variable = names().find(|name| remote::environment(name, io).is_some());
-    let variable = variable.map(|name| format!("{name} (environment)"));
-    let in_file = || names().find(|name| keys.names.contains(name));
-    variable.or_else(|| Some(format!("{} (file of keys)", in_file()?)))
+    format!("export {variable}=…, or write it into the file of keys")
 }
 
 impl Report for Checkup {
@@ -358,11 +261,8 @@ impl Report for Checkup {
                 Missing => "missing",
                 Broken => "BROKEN ",
             };
-            let help = finding
-                .help
-                .iter()
-                .map(|help| format!("\n         -> {help}"));
-            let help: String = help.collect();
+            let help = finding.help.as_ref();
+            let help = help.map_or(String::new(), |help| format!("\n         -> {help}"));
             format!("{state}  {}: {}{help}", finding.name, finding.found)
         });
         lines.collect::<Vec<_>>().join("\n")

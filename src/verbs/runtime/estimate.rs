@@ -1,6 +1,7 @@
 //! `--estimate`: what a run or a suite would ask and cost, without sending anything.
 
 use crate::io::Io;
+use crate::report::Report;
 use crate::verbs::runtime::setting::catalogue;
 use crate::verbs::runtime::setting::models::Answering;
 use fab_agent::habits::{Recorded, Setting};
@@ -111,47 +112,31 @@ fn rehearsed(program: &Program, stage: &str) -> Rehearsed {
     }
 }
 
-/// Prints an estimate.
-pub fn say(estimate: &Estimate, wants_json: bool, io: &Io) {
-    if wants_json {
-        io.json(
-            &serde_json::to_value(estimate).expect("an estimate has string keys and whole numbers"),
-        );
-        return;
-    }
-    if estimate.stages.is_empty() {
-        io.data("no calls would be sent: the model is embedded or a recording");
-        return;
-    }
-    io.data(&estimate.to_string());
-    let calls: u64 = estimate
-        .stages
-        .iter()
-        .map(|stage| stage.typical.recorded_calls)
-        .sum();
-    let n_stages = estimate.stages.len();
-    let n_recorded = estimate
-        .stages
-        .iter()
-        .filter(|stage| stage.typical.recorded_calls > 0)
-        .count();
-    let typical = format!(
-        "answers of typical length ({} tokens for an action, {} for a text, no hidden reasoning) that are accepted at \
-         once, and {} attempts at a step that may be tried again",
-        Typical::ACTION_TOKENS,
-        Typical::TEXT_TOKENS,
-        Typical::CALLS_PER_RETRIED_STEP
-    );
-    let rests_on = match n_recorded {
-        0 => format!("assumes {typical}"),
-        n if n == n_stages => format!("is the average of {calls} recorded calls"),
-        n => format!(
-            "is the average of {calls} recorded calls for {n} of {n_stages} stages; for the others it assumes {typical}"
+/// Prints an estimate, and what it rests on.
+pub fn say(estimate: &Estimate, json: bool, io: &Io) {
+    io.result(json, estimate);
+    let calls = { estimate.stages.iter() }.map(|stage| stage.typical.recorded_calls);
+    let likely = match calls.sum::<u64>() {
+        0 => "assumes answers of typical length that are accepted at once".to_owned(),
+        calls => format!(
+            "is the average of {calls} recorded calls, and assumes typical answers for stages without"
         ),
     };
-    io.talk(&format!(
-        "an estimate from the first step; nothing was sent. The lower bound assumes that every first answer is \
-         accepted; the upper bound assumes every correction and retry, and three times the estimated text tokens; the \
-         likely value {rests_on}"
-    ));
+    if !json && !estimate.stages.is_empty() {
+        io.talk(&format!(
+            "an estimate from the first step; nothing was sent. The lower bound assumes that every first answer is \
+             accepted; the upper bound assumes every correction and retry, and three times the estimated text tokens; the \
+             likely value {likely}"
+        ));
+    }
+}
+
+impl Report for Estimate {
+    fn text(&self) -> String {
+        if self.stages.is_empty() {
+            "no calls would be sent: the model is embedded or a recording".to_owned()
+        } else {
+            self.to_string()
+        }
+    }
 }

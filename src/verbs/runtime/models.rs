@@ -127,7 +127,7 @@ fn image_tokens(facts: &Facts) -> [Option<Tokens>; 2] {
     SIDES_PX.map(|side| formula.map(|formula| formula.of(side, side)))
 }
 
-const HEADINGS: [&str; 9] = [
+const HEADINGS: [&str; 10] = [
     "model",
     "USD/M in/cached/out",
     "vision",
@@ -136,126 +136,57 @@ const HEADINGS: [&str; 9] = [
     "points",
     "tokens 224",
     "tokens 720",
-    "source",
+    "until",
+    "as of",
 ];
+
+/// What the table leaves to its reader to know.
+const LEGEND: &str = "
+?: unknown. *: every model whose id has these words; open weights have no vendor before them. tokens: estimates for one square \
+picture. until: when it stops answering. Another server's model has its vendor's facts, but not its price and schema. Calls to \
+models on your own machine are never billed. `--json` has the source of each fact, and models that no longer answer.";
 
 impl Report for KnownModels<'_> {
     fn text(&self) -> String {
-        let mut sources = Footnotes(Vec::new());
         let mut table = vec![HEADINGS.map(str::to_owned)];
-        let is_retired = |model: &&KnownModel| model.profile.facts.shutdown.is_some();
-        let (retired, current): (Vec<_>, Vec<_>) = self.models.iter().partition(is_retired);
-        for model in &current {
-            let Profile {
-                facts, sources: of, ..
-            } = &model.profile;
-            table.push(row(
-                model.title(),
-                price(model.price),
-                facts,
-                sources.marks(of),
-            ));
-        }
-        for family in &self.families {
+        let answers = |model: &&KnownModel| {
+            let shutdown = model.profile.facts.shutdown;
+            shutdown.is_none_or(|on| self.on.days_until(on) > 0)
+        };
+        table.extend(self.models.iter().filter(answers).map(|model| {
+            let Profile { facts, sources, .. } = &model.profile;
+            row(model.title(), price(model.price), facts, sources)
+        }));
+        table.extend(self.families.iter().map(|family| {
             let at = family.provider.map(|name| format!("{name}:"));
             let title = format!("{}*{}*", at.unwrap_or_default(), family.part);
-            let marks = sources.marks(family.sources);
-            table.push(row(title, String::new(), family.facts, marks));
-        }
+            row(title, String::new(), family.facts, family.sources)
+        }));
         let mut lines = aligned(&[], &table);
-        lines.push(
-            "\n?: unknown. *: every model whose id has these words; open weights have no vendor before them. tokens: \
-             estimates for one square picture. Another server's model has its vendor's facts, but not its price and \
-             schema.\nCalls to models on your own machine are never billed."
-                .to_owned(),
-        );
-        for model in &current {
-            let mut changes = model.notices.iter();
-            let change = changes.find(|it| matches!(it, Notice::PriceChanges { .. }));
-            lines.extend(change.map(|change| format!("{}: {change}", model.title())));
-        }
-        if !retired.is_empty() {
-            lines.push("\nRetired, or soon to be:".to_owned());
-            lines.extend(self.retired(retired, &mut sources));
-        }
-        lines.push("\nSources:".to_owned());
-        for (Source { as_of, source }, number) in sources.0.iter().zip(1..) {
-            lines.push(format!("[{number}] {as_of}: {source}"));
-        }
+        lines.push(LEGEND.to_owned());
         lines.join("\n")
     }
 }
 
-impl KnownModels<'_> {
-    /// Returns a line for each day and replacement, with its models.
-    fn retired(&self, mut retired: Vec<&KnownModel>, sources: &mut Footnotes) -> Vec<String> {
-        let of = |model: &&KnownModel| {
-            let Profile {
-                facts, provider, ..
-            } = &model.profile;
-            let replaced_by = facts.replaced_by.clone();
-            (facts.shutdown, provider.name.clone(), replaced_by)
-        };
-        retired.sort_by_key(of);
-        let line = |group: &[&KnownModel]| {
-            let (on, provider, instead) = of(&group[0]);
-            let on = on?;
-            let since = if self.on.days_until(on) > 0 {
-                "from"
-            } else {
-                "since"
-            };
-            let ids: Vec<&str> = group.iter().map(|it| it.profile.id.as_str()).collect();
-            let instead = instead.map(|id| format!("; its vendor recommends {id}"));
-            let (ids, instead) = (ids.join(", "), instead.unwrap_or_default());
-            let marks = sources.marks(&group[0].profile.sources);
-            Some(format!("{since} {on}  {provider}: {ids}{instead} {marks}"))
-        };
-        let groups = retired.chunk_by(|a, b| of(a) == of(b));
-        groups.filter_map(line).collect()
+fn row(title: String, price: String, facts: &Facts, sources: &[Source]) -> [String; 10] {
+    fn or_unknown<T: ToString>(known: Option<T>) -> String {
+        known.map_or("?".to_owned(), |known| known.to_string())
     }
-}
-
-/// Sources by their numbers, from 1.
-struct Footnotes(Vec<Source>);
-
-impl Footnotes {
-    /// Returns the numbers of sources, and adds new ones.
-    fn marks(&mut self, sources: &[Source]) -> String {
-        let number = |source: &Source| {
-            let known = self.0.iter().position(|known| known == source);
-            let index = known.unwrap_or_else(|| {
-                self.0.push(source.clone());
-                self.0.len() - 1
-            });
-            format!("[{}]", index + 1)
-        };
-        sources.iter().map(number).collect()
-    }
-}
-
-fn row(title: String, price: String, facts: &Facts, marks: String) -> [String; 9] {
-    let or_unknown = |known: Option<String>| known.unwrap_or("?".to_owned());
-    let answer = |known: Option<bool>| {
-        or_unknown(known.map(|yes| if yes { "yes" } else { "no" }.to_owned()))
-    };
-    let [small, large] =
-        image_tokens(facts).map(|tokens| or_unknown(tokens.map(|it| it.to_string())));
+    let answer = |known: Option<bool>| or_unknown(known.map(|yes| if yes { "yes" } else { "no" }));
+    let [small, large] = image_tokens(facts).map(or_unknown);
+    let shutdown = facts.shutdown.map(|on| on.to_string());
+    let as_of = sources.iter().map(|source| source.as_of).max();
     [
         title,
         price,
         answer(facts.vision),
         answer(facts.structured_output),
-        or_unknown(
-            facts
-                .temperature
-                .as_ref()
-                .map(|accepted| accepted.to_string()),
-        ),
-        or_unknown(facts.coordinates.map(|_| facts.lowering().to_string())),
+        or_unknown(facts.temperature.as_ref()),
+        or_unknown(facts.coordinates.map(|_| facts.lowering())),
         small,
         large,
-        marks,
+        shutdown.unwrap_or_default(),
+        or_unknown(as_of),
     ]
 }
 

@@ -1,7 +1,7 @@
 //! `fabc run`: one rollout, with a line of progress per step.
 
 mod planned;
-mod report;
+pub mod report;
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
@@ -13,7 +13,7 @@ use crate::verbs::runtime::setting::arm::{ArmArguments, ArmMode};
 use crate::verbs::runtime::setting::model_arguments::{
     ModelArguments, PolicyArguments, SpendArguments,
 };
-use crate::verbs::runtime::setting::policies::Deciding;
+use crate::verbs::runtime::setting::policies::{self, Deciding};
 use crate::verbs::runtime::setting::worlds::{self, WorldChoice};
 use crate::verbs::runtime::setting::{self, StartArguments, models};
 use crate::verbs::runtime::video::{self, VideoArguments};
@@ -23,15 +23,11 @@ use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
 use fab_agent::policy::MakePolicy;
 use fab_agent::rollout::{self, Job, RunError};
-use fab_agent::subgoals::{Origin, SubgoalError, SubgoalSet};
+use fab_agent::subgoals::{Origin, SubgoalSet};
 use fab_arm::settings::DriverKind;
-use fab_base::interrupt::Interrupt;
-use fab_model::calls::{Spent, ledger};
-use fab_program::Program;
+use fab_model::calls::ledger;
 use fab_providers::estimate::Fresh;
 use fab_world::WorldError;
-use fab_world::expert::MakeWorld;
-use fab_world::start::Start;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -164,7 +160,9 @@ pub fn play(
     let shown = program;
     let program = setting::fitted(&arguments.task, &shown, &start, io)?.with_reasoning(reasoning);
     let make_expert_world = || setting::world(&program);
-    let subgoals = prepare(&shown, &start, &beside, &make_expert_world, &interrupt)?;
+    let mut world = make_expert_world()?;
+    world.reset(&start)?;
+    let subgoals = setting::subgoals(&shown, &beside, world.as_mut(), &interrupt)?;
     // The path of the arm's journal; nothing moves before it is known.
     let journal = OnceLock::new();
     // The film; the run folder, where it is written, is made later.
@@ -187,29 +185,15 @@ pub fn play(
         || arm
             .as_ref()
             .is_some_and(|settings| setting::arm::has_operator(&arguments.arm, settings, io));
-    let subgoals = subgoals.ok_or_else(Failure::interrupted)?;
     say_pictures(&subgoals, &examples, &arguments.task.file, io);
-    let who = deciding.make().description();
-    let stand_in = if who.is_stand_in() {
-        " (a stand-in, no vision-language model)"
-    } else {
-        ""
-    };
-    let asked = match who.models {
-        Some(_) => format!("model {}{stand_in}", who.name),
-        None => who.title(),
-    };
+    let policy = policies::in_words(&deciding.make().description());
     io.talk(&format!(
-        "{}: start {}, {asked}",
+        "{}: start {}, {policy}",
         program.title(),
         start.name
     ));
     let budget = models::budget(&arguments.spend, &interrupt);
-    let recorder = if arguments.spend.estimate {
-        None
-    } else {
-        models::recorder(&arguments.spend)?
-    };
+    let recorder = models::recorder(&arguments.spend)?;
     let terminal = TerminalOperator(io);
     let job = Job {
         program: &program,
@@ -231,16 +215,15 @@ pub fn play(
     };
     if let Some(answering) = deciding.answering() {
         let asks = answering.asks_a_provider() || arguments.spend.estimate;
-        let questions = match asks {
+        let questions = if asks {
             // An estimate neither lays a cloth nor connects to anything.
-            true => {
-                let look = Job {
-                    make_world: &make_look,
-                    ..job
-                };
-                rollout::first_questions(&look, answering.models())?
-            }
-            false => Vec::new(),
+            let look = Job {
+                make_world: &make_look,
+                ..job
+            };
+            rollout::first_questions(&look, answering.models())?
+        } else {
+            Vec::new()
         };
         answering.check(&questions)?;
         if arguments.spend.estimate {
@@ -277,7 +260,8 @@ pub fn play(
     keep_beginning(&folder, arguments, &destination)?;
     let earlier = folder.earlier_steps();
     if let Destination::Existing(_) = destination {
-        io.talk(&again(earlier, &spent));
+        let so_far = report::so_far(&spent);
+        io.talk(&format!("resuming after step {earlier}{so_far}"));
     }
     let done = rollout::run(&job, folder, &mut |event| report::show(event, earlier, io));
     if let (Some(_), Some(run)) = (&arm, journal.get()) {
@@ -330,35 +314,6 @@ fn keep_beginning(
     let text = serde_json::to_vec_pretty(&begun)?;
     let kept = folder.keep(RUN_FILE, &text);
     kept.map(drop).map_err(Failure::environment)
-}
-
-/// Reports what a resumed run already has.
-fn again(steps: u32, spent: &Spent) -> String {
-    let mut text = format!("resuming after step {steps}");
-    if spent.calls > 0 {
-        text.push_str(&format!(
-            ", {} calls so far, {}",
-            spent.calls,
-            spent.in_words()
-        ));
-    }
-    text
-}
-
-/// Tries the start and gets the pictures; `None` if the user interrupted it.
-pub fn prepare(
-    program: &Program,
-    start: &Start,
-    beside: &Path,
-    make_world: &MakeWorld<'_>,
-    interrupt: &Interrupt,
-) -> Result<Option<SubgoalSet>, Failure> {
-    let mut world = make_world()?;
-    world.reset(start)?;
-    match SubgoalSet::obtain(program, beside, world.as_mut(), interrupt) {
-        Err(SubgoalError::World(WorldError::Interrupted)) => Ok(None),
-        obtained => Ok(Some(obtained?)),
-    }
 }
 
 /// Reports the origin of subgoal pictures if it is unusual, and pictures that were changed to be shown.

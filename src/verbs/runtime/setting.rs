@@ -13,6 +13,7 @@ use crate::exit::Failure;
 use crate::io::Io;
 use crate::sources::{self, TaskArguments};
 use clap::{Args, ValueHint};
+use fab_agent::subgoals::{SubgoalError, SubgoalSet};
 use fab_agent::task_files;
 use fab_base::cache::Cache;
 use fab_base::files;
@@ -68,6 +69,24 @@ pub fn filmed_world(
     Ok(Box::new(world.with_recorder(recorder.clone())))
 }
 
+/// Finds or draws the pictures of a task's subgoals; `folder` holds the task's file.
+pub fn subgoals(
+    program: &Program,
+    folder: &Path,
+    world: &mut dyn World,
+    interrupt: &Interrupt,
+) -> Result<SubgoalSet, Failure> {
+    SubgoalSet::obtain(program, folder, world, interrupt).map_err(no_subgoals)
+}
+
+/// Returns why there are no pictures of subgoals; the user may have stopped it.
+pub fn no_subgoals(error: SubgoalError) -> Failure {
+    match error {
+        SubgoalError::World(error) => error.into(),
+        error => error.into(),
+    }
+}
+
 /// Lays the cloth as the command line says, or else as the task does; `folder` holds the task's file.
 pub fn start(
     program: &Program,
@@ -78,12 +97,7 @@ pub fn start(
     io: &Io,
 ) -> Result<Start, Failure> {
     let text = arguments.start.as_deref();
-    let is_seed = |text: &&str| text.bytes().all(|byte| byte.is_ascii_digit()) && !text.is_empty();
-    let seed = text.filter(is_seed).map(|text| {
-        text.parse()
-            .map_err(|_| Failure::usage(format!("the seed `{text}` is larger than {}", u64::MAX)))
-    });
-    let seed: Option<u64> = seed.transpose()?;
+    let seed: Option<u64> = text.and_then(|text| text.parse().ok());
     if arguments.frame.dims.is_some() && (text.is_none() || seed.is_some()) {
         return Err(Failure::usage(
             "`--dims` and `--up` describe a start file; name it with `--start FILE.npy`",
@@ -159,25 +173,13 @@ fn crumpled(
     io: &Io,
 ) -> Result<Start, Failure> {
     let mut announce = || io.talk(&format!("crumpling the cloth, seed {seed}"));
-    let cloth = &program.cloth;
-    match crumple::start(
-        &Start::flat(cloth),
-        seed,
-        world,
-        &cache(io),
-        interrupt,
-        &mut announce,
-    ) {
-        Ok(crumpled) => {
-            let notes = [crumpled.not_kept, crumple::unlike_recorded(&crumpled.start)];
-            for note in notes.into_iter().flatten() {
-                io.talk(&format!("note: {note}"));
-            }
-            Ok(crumpled.start)
-        }
-        Err(WorldError::Interrupted) => Err(Failure::interrupted()),
-        Err(error) => Err(Failure::environment(error)),
+    let (flat, cache) = (Start::flat(&program.cloth), cache(io));
+    let crumpled = crumple::start(&flat, seed, world, &cache, interrupt, &mut announce)?;
+    let notes = [crumpled.not_kept, crumple::unlike_recorded(&crumpled.start)];
+    for note in notes.into_iter().flatten() {
+        io.talk(&format!("note: {note}"));
     }
+    Ok(crumpled.start)
 }
 
 /// Returns what the command line states about a file of positions, if anything.
@@ -197,17 +199,6 @@ pub fn stated_frame(
         },
         up: if up == "y" { Up::Y } else { Up::Z },
     }))
-}
-
-/// Returns `count` seeds from `first` on.
-pub fn seeds(first: u64, count: u32) -> Result<impl Iterator<Item = u64>, Failure> {
-    match first.checked_add(u64::from(count) - 1) {
-        Some(last) => Ok(first..=last),
-        None => Err(Failure::usage(format!(
-            "{count} seeds from {first} on go beyond the largest seed, {}",
-            u64::MAX
-        ))),
-    }
 }
 
 /// Parses `--dims`: particles along the cloth's x and along its other side.

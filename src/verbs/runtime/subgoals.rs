@@ -10,12 +10,11 @@ use crate::shipped;
 use crate::sources::{self, TaskArguments};
 use crate::verbs::runtime::setting;
 use clap::{Args, ValueHint};
-use fab_agent::subgoals::{Demonstrated, Drawn, Origin, SubgoalError, SubgoalSet};
+use fab_agent::subgoals::{Demonstrated, Drawn, Origin, SubgoalSet};
 use fab_compiler::diag;
 use fab_picture::png;
 use fab_program::{Arrow, SubgoalStep};
 use fab_vision::VisionError;
-use fab_world::WorldError;
 use image::{RgbImage, imageops};
 use offered::Offered;
 use serde::Serialize;
@@ -54,10 +53,11 @@ pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
     let mut offered = Offered::of(&program);
     let watch = &mut |step: Demonstrated<'_>| offered.look(step);
     let drawn = SubgoalSet::draw(&program, &folder, world.as_mut(), &interrupt, watch);
-    let drawn = drawn.map_err(failure)?;
-    let mut files = match shipped::is_shipped(&arguments.task.file, io) {
-        true => Vec::new(),
-        false => drawn.pin(&program, &folder, &world.parameters())?,
+    let drawn = drawn.map_err(setting::no_subgoals)?;
+    let mut files = if shipped::is_shipped(&arguments.task.file, io) {
+        Vec::new()
+    } else {
+        drawn.pin(&program, &folder, &world.parameters())?
     };
     for note in offered.notes {
         io.talk(&format!("note: {note}"));
@@ -72,14 +72,11 @@ pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
         diagnostics = diag::to_json(&tried.diagnostics, &tried.sources);
     }
     let name = &program.task;
-    match (set.origin, &arguments.sheet) {
-        (Origin::Author, None) => io.talk(&format!(
-            "`{name}` brings its own pictures; there are none to draw"
+    match set.origin {
+        Origin::Author => io.talk(&format!(
+            "`{name}` brings its own pictures, which are left as they are"
         )),
-        (Origin::Author, Some(_)) => io.talk(&format!(
-            "`{name}` brings its own pictures, which are left as they are; the sheet shows them"
-        )),
-        (Origin::Absent, _) => io.talk(&format!("`{name}` has no subgoals")),
+        Origin::Absent => io.talk(&format!("`{name}` has no subgoals")),
         _ => {}
     }
     if let Some(path) = arguments
@@ -99,13 +96,6 @@ pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
     };
     io.result(arguments.json, &pinned);
     Ok(Exit::Done)
-}
-
-fn failure(error: SubgoalError) -> Failure {
-    match error {
-        SubgoalError::World(WorldError::Interrupted) => Failure::interrupted(),
-        error => Failure::environment(error),
-    }
 }
 
 /// Lays all pictures side by side, each with the arrow of its next fold.

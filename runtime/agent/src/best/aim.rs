@@ -14,7 +14,8 @@ use std::collections::BTreeMap;
 /// The aim of one search.
 #[derive(Debug)]
 pub struct Aim {
-    pub(super) measure: Measure,
+    /// What is measured.
+    pub measure: Measure,
     start: Start,
     coverage_at_start: Option<f64>,
     sequences: Vec<Sequence>,

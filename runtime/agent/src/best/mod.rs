@@ -20,6 +20,8 @@ mod aim;
 mod offers;
 mod tree;
 
+pub use aim::Aim;
+
 use crate::action::Action;
 use crate::policy::Finding;
 use crate::record;
@@ -34,8 +36,6 @@ use fab_world::{Grasp, Motion, SimulatedWorld, WorldError};
 use journal::TrialJournal;
 use serde::Serialize;
 use tree::Tree;
-
-pub use aim::Aim;
 
 /// Makes a fresh simulated world, equal to every other one that it makes.
 pub type MakeSimulated<'a> = dyn Fn() -> Result<SimulatedWorld, WorldError> + Sync + 'a;

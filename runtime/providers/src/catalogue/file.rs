@@ -47,7 +47,6 @@ pub(super) struct ProviderForm {
     pub models_of: Option<String>,
     pub start: Option<String>,
     pub reasoning: Option<ReasoningFacts>,
-    pub start_run: Option<bool>,
     as_of: Date,
     source: String,
 }

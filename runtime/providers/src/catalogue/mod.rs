@@ -320,7 +320,6 @@ impl Catalogue {
                 models_of: form.models_of,
                 start: form.start,
                 reasoning: form.reasoning.unwrap_or_default(),
-                start_run: form.start_run.unwrap_or(false),
                 sources: vec![source],
             });
             return Ok(());
@@ -330,15 +329,10 @@ impl Catalogue {
         provider.base_url = form.base_url.or(provider.base_url.take());
         provider.runs_on = form.runs_on.or(provider.runs_on);
         provider.models_of = form.models_of.or(provider.models_of.take());
-        if form.start.is_some() {
-            // Nobody has run a command that a user wrote down.
-            provider.start_run = false;
-        }
         provider.start = form.start.or(provider.start.take());
         if let Some(reasoning) = form.reasoning {
             provider.reasoning = reasoning.or(&provider.reasoning);
         }
-        provider.start_run = form.start_run.unwrap_or(provider.start_run);
         if let Some(names) = form.key_env {
             provider.key_env = names;
         }

@@ -29,8 +29,6 @@ pub struct Provider {
     /// How it takes `reasoning`, unless a model's own facts say otherwise.
     #[serde(skip_serializing_if = "ReasoningFacts::is_empty")]
     pub reasoning: ReasoningFacts,
-    /// Whether a test of fabc runs that command.
-    pub start_run: bool,
     /// Sources of these facts, newest layer first.
     pub sources: Vec<Source>,
 }

@@ -4,23 +4,19 @@ use crate::exit::Failure;
 use crate::io::Io;
 use crate::verbs::runtime::bench::{BenchArguments, Shard};
 use crate::verbs::runtime::setting;
-use crate::verbs::runtime::setting::model_arguments::{
-    ModelArguments, OmitArgument, PolicyArguments, Purpose,
-};
+use crate::verbs::runtime::setting::model_arguments::{ModelArguments, PolicyArguments, Purpose};
 use crate::verbs::runtime::setting::models::Answering;
 use crate::verbs::runtime::setting::policies::Deciding;
 use crate::{shipped, sources};
 use fab_agent::examples::Examples;
 use fab_agent::policy::MakePolicy;
-use fab_agent::subgoals::{SubgoalError, SubgoalSet};
 use fab_base::interrupt::Interrupt;
-use fab_base::parallel::in_parallel;
 use fab_base::wording::quoted;
 use fab_bench::suite::{Method, Suite};
 use fab_bench::vary::Variation;
 use fab_bench::{Entry, Task, starts};
 use fab_program::Program;
-use fab_world::WorldError;
+use fab_providers::remote::settings::Parameter;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -73,7 +69,7 @@ pub fn deciding(
             ..models.clone()
         };
         if !suite.structured {
-            models.reach.omit.push(OmitArgument::Schema);
+            models.reach.omit.push(Parameter::Schema.name().to_owned());
         }
         deciding.insert(key, Deciding::of(&policy, &models, purpose, interrupt, io)?);
     }
@@ -85,7 +81,6 @@ pub fn prepare(
     suite: &Suite,
     folder: &Path,
     arguments: &BenchArguments,
-    threads: usize,
     io: &Io,
 ) -> Result<Vec<Prepared>, Failure> {
     let mut tasks = Vec::new();
@@ -119,6 +114,16 @@ pub fn prepare(
             ));
             continue;
         }
+        let grids: BTreeSet<[u32; 2]> = points.iter().map(|it| it.grid()).collect();
+        let mut by_grid = BTreeMap::new();
+        for grid in grids {
+            let programs = if grid == [program.cloth.dimx, program.cloth.dimy] {
+                declared.clone()
+            } else {
+                sources::compile_tasks_for(&file, None, grid, io)?
+            };
+            by_grid.insert(grid, programs);
+        }
         tasks.push(Prepared {
             task: Task {
                 name: program.task.clone(),
@@ -128,11 +133,11 @@ pub fn prepare(
             folder: sources::folder_of(&file),
             file,
             declared,
-            by_grid: BTreeMap::new(),
+            by_grid,
         });
     }
-    let is_known = |name: &&String| !tasks.iter().any(|it| it.task.name == **name);
-    if let Some(unknown) = suite.own_starts.keys().find(is_known) {
+    let is_unknown = |name: &&String| !tasks.iter().any(|it| it.task.name == **name);
+    if let Some(unknown) = suite.own_starts.keys().find(is_unknown) {
         return Err(Failure::environment(format!(
             "the suite states starts of a task `{unknown}`, and has {}",
             quoted(tasks.iter().map(|it| &it.task.name))
@@ -143,7 +148,6 @@ pub fn prepare(
             "no task of the suite has a start; `--starts` names recorded ones, `--shard` a part of them",
         ));
     }
-    compile_all(&mut tasks, threads, io)?;
     Ok(tasks)
 }
 
@@ -155,39 +159,7 @@ fn chosen<T>(points: Vec<T>, limit: Option<u32>, shard: Option<Shard>) -> Vec<T>
     first.skip(part as usize - 1).step_by(of as usize).collect()
 }
 
-/// Compiles every task for the grid of every start.
-fn compile_all(tasks: &mut [Prepared], threads: usize, io: &Io) -> Result<(), Failure> {
-    let mut jobs = Vec::new();
-    for (number, prepared) in tasks.iter().enumerate() {
-        let grids: BTreeSet<_> = prepared.task.starts.iter().map(|it| it.grid()).collect();
-        jobs.extend(grids.into_iter().map(|grid| (number, grid)));
-    }
-    let compiled = in_parallel(
-        jobs.len(),
-        threads,
-        |index| {
-            let (number, grid) = jobs[index];
-            programs_for(&tasks[number], grid, io).map(Some)
-        },
-        |_| {},
-    )?;
-    for ((number, grid), programs) in jobs.into_iter().zip(compiled) {
-        tasks[number]
-            .by_grid
-            .insert(grid, programs.unwrap_or_default());
-    }
-    Ok(())
-}
-
-fn programs_for(prepared: &Prepared, grid: [u32; 2], io: &Io) -> Result<Vec<Program>, Failure> {
-    let cloth = &prepared.task.program.cloth;
-    if [cloth.dimx, cloth.dimy] == grid {
-        return Ok(prepared.declared.clone());
-    }
-    sources::compile_tasks_for(&prepared.file, None, grid, io)
-}
-
-/// Pairs tasks with methods and kinds of worlds; `None` if the user interrupted the drawing of subgoals.
+/// Pairs tasks with methods and kinds of worlds.
 pub fn entries<'a>(
     suite: &'a Suite,
     prepared: &[Prepared],
@@ -195,7 +167,7 @@ pub fn entries<'a>(
     arguments: &BenchArguments,
     interrupt: &Interrupt,
     io: &Io,
-) -> Result<Option<Vec<Entry<'a>>>, Failure> {
+) -> Result<Vec<Entry<'a>>, Failure> {
     let mut entries = Vec::new();
     for (number, prepared) in prepared.iter().enumerate() {
         for method in &suite.methods {
@@ -203,9 +175,8 @@ pub fn entries<'a>(
                 refuse_or_say(prepared, method, arguments, io)?;
                 continue;
             };
-            let Some(subgoals) = subgoals(shown, &prepared.folder, interrupt)? else {
-                return Ok(None);
-            };
+            let mut world = setting::world(shown)?;
+            let subgoals = setting::subgoals(shown, &prepared.folder, world.as_mut(), interrupt)?;
             let reasoning = arguments.model.reach.reasoning.or(method.reasoning);
             let programs = prepared.by_grid.iter().filter_map(|(grid, programs)| {
                 let program = variant_of(programs, method)?.clone();
@@ -234,21 +205,18 @@ pub fn entries<'a>(
                 subgoals,
                 examples: examples?,
                 varies: policy.varies(),
-                repeats: match policy.varies() {
-                    true => arguments
-                        .repeats
-                        .or(method.repeats)
-                        .unwrap_or(suite.repeats),
-                    false => 1,
+                repeats: if policy.varies() {
+                    let repeats = arguments.repeats.or(method.repeats);
+                    repeats.unwrap_or(suite.repeats)
+                } else {
+                    1
                 },
             };
-            let varied = suite.variations().into_iter().map(|variation| Entry {
+            entries.push(own.clone());
+            entries.extend(suite.variations().into_iter().map(|variation| Entry {
                 variation,
                 ..own.clone()
-            });
-            let varied: Vec<_> = varied.collect();
-            entries.push(own);
-            entries.extend(varied);
+            }));
         }
     }
     if entries.is_empty() {
@@ -256,7 +224,7 @@ pub fn entries<'a>(
             "no task of the suite has a variant that its methods name",
         ));
     }
-    Ok(Some(entries))
+    Ok(entries)
 }
 
 fn variant_of<'p>(programs: &'p [Program], method: &Method) -> Option<&'p Program> {
@@ -279,33 +247,16 @@ fn refuse_or_say(
         ));
         return Ok(());
     }
-    let names = prepared
-        .declared
-        .iter()
-        .filter_map(|program| program.variant.as_deref());
-    let names = quoted(names);
-    let there = if names.is_empty() {
-        "there is none".to_owned()
-    } else {
-        format!("there is {names}")
-    };
-    let why = format!("`{}` has no variant `{variant}`; {there}", prepared.file);
+    let names = { prepared.declared.iter() }.filter_map(|program| program.variant.as_deref());
+    let names = Some(quoted(names)).filter(|names| !names.is_empty());
+    let names = names.unwrap_or("none".to_owned());
+    let why = format!(
+        "`{}` has no variant `{variant}`; there is {names}",
+        prepared.file
+    );
     Err(if arguments.variant.is_some() {
         Failure::usage(why)
     } else {
         Failure::environment(why)
     })
-}
-
-/// Finds or draws the pictures of the declared cloth; `None` if the user interrupted it.
-fn subgoals(
-    program: &Program,
-    folder: &Path,
-    interrupt: &Interrupt,
-) -> Result<Option<SubgoalSet>, Failure> {
-    let mut world = setting::world(program)?;
-    match SubgoalSet::obtain(program, folder, world.as_mut(), interrupt) {
-        Err(SubgoalError::World(WorldError::Interrupted)) => Ok(None),
-        obtained => Ok(Some(obtained?)),
-    }
 }

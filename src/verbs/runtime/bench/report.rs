@@ -4,6 +4,7 @@ use crate::exit::Failure;
 use crate::io::write_file;
 use crate::report::Report;
 use crate::verbs::runtime::bench::Shard;
+use crate::verbs::runtime::setting::policies;
 use fab_agent::outcome::Outcome;
 use fab_base::wording::{counted, quoted};
 use fab_bench::on_arm::ArmStop;
@@ -61,14 +62,7 @@ pub fn plan(name: &str, bench: &Bench<'_>, shard: Option<Shard>) -> String {
     let policies: BTreeSet<String> = bench
         .entries
         .iter()
-        .map(|entry| match (entry.policy.is_stand_in(), &entry.models) {
-            (true, _) => format!(
-                "model {} (a stand-in, no vision-language model)",
-                entry.policy.name
-            ),
-            (false, Some(_)) => format!("model {}", entry.policy.name),
-            (false, None) => entry.policy.title(),
-        })
+        .map(|entry| policies::in_words(&entry.policy))
         .collect();
     let policies: Vec<String> = policies.into_iter().collect();
     let part = shard.map_or(String::new(), |Shard { part, of }| {
@@ -182,13 +176,6 @@ impl<'a> BenchReport<'a> {
                 calls.tokens_in_words(),
                 calls.in_words()
             ));
-        }
-        if spent.experts > 0 {
-            let kind = match spent.experts_simulated {
-                0 => "warm: all were cached".to_owned(),
-                count => format!("cold: {count} of {} simulated", spent.experts),
-            };
-            lines.push(format!("expert ends: {:.1} s ({kind})", spent.experts_s));
         }
         lines.push(format!(
             "starts {:.1} s, rollouts {:.1} s, in all {:.1} s",

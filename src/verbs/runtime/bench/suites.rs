@@ -2,7 +2,9 @@
 
 use crate::exit::Failure;
 use crate::sources;
+use fab_base::wording::quoted;
 use fab_bench::suite::{Method, Suite};
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -49,18 +51,13 @@ pub fn find(wanted: &str) -> Result<SuiteFile, Failure> {
 /// Lists the shipped suites.
 fn there() -> String {
     let files = fs::read_dir(FOLDER).into_iter().flatten().flatten();
-    let mut names: Vec<String> = files
-        .filter_map(|file| {
-            let name = file.file_name().into_string().ok()?;
-            Some(format!("`{}`", name.strip_suffix(".toml")?))
-        })
-        .collect();
-    names.sort();
-    match names.is_empty() {
-        true => format!(
-            "`{FOLDER}` holds none here, so go to the project's folder or name a .toml file"
-        ),
-        false => format!("`{FOLDER}` holds {}", names.join(", ")),
+    let names = files.filter_map(|file| file.file_name().into_string().ok());
+    let names = names.filter_map(|name| Some(name.strip_suffix(".toml")?.to_owned()));
+    let names: BTreeSet<String> = names.collect();
+    if names.is_empty() {
+        format!("`{FOLDER}` holds none here, so go to the project's folder or name a .toml file")
+    } else {
+        format!("`{FOLDER}` holds {}", quoted(names))
     }
 }
 
@@ -69,14 +66,12 @@ pub fn narrowed(mut suite: Suite, variant: Option<&str>) -> Suite {
     let Some(variant) = variant else {
         return suite;
     };
-    suite
-        .methods
-        .retain(|method| method.variant.as_deref() == Some(variant));
-    // A user who names a variant wants an error if a task lacks it.
-    suite
-        .methods
-        .iter_mut()
-        .for_each(|method| method.optional = false);
+    let methods = &mut suite.methods;
+    methods.retain(|method| method.variant.as_deref() == Some(variant));
+    for method in methods {
+        // A user who names a variant wants an error if a task lacks it.
+        method.optional = false;
+    }
     if suite.methods.is_empty() {
         suite.methods.push(Method {
             name: variant.to_owned(),
@@ -84,13 +79,8 @@ pub fn narrowed(mut suite: Suite, variant: Option<&str>) -> Suite {
             ..Method::default()
         });
     }
-    let names: Vec<String> = suite
-        .methods
-        .iter()
-        .map(|method| method.name.clone())
-        .collect();
-    suite
-        .gaps
-        .retain(|gap| names.contains(&gap.of) && names.contains(&gap.over));
+    let is_there = |name: &String| suite.methods.iter().any(|method| method.name == *name);
+    let gaps = &mut suite.gaps;
+    gaps.retain(|gap| is_there(&gap.of) && is_there(&gap.over));
     suite
 }

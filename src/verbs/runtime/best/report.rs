@@ -8,6 +8,7 @@ use fab_bench::statistics;
 use fab_program::{Goal, Metric, Program, Proposal, space};
 use fab_world::start::Start;
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// What was found.
@@ -133,15 +134,8 @@ impl BestReport {
                 let reached = row.reached.iter().filter(|it| **it).count();
                 notes.push(format!("{reached} of {} reach the goal", row.reached.len()));
             }
-            let mut whys = row.unscored.clone();
-            whys.dedup();
-            if !whys.is_empty() {
-                notes.push(format!(
-                    "no score ({}), measured at its end",
-                    whys.join("; ")
-                ));
-            }
-            notes.extend(row.none.clone());
+            let whys: BTreeSet<&str> = row.unscored.iter().map(String::as_str).collect();
+            notes.extend(whys.iter().map(|why| format!("no score ({why})")));
             let value = value.unwrap_or("none".to_owned());
             [format!("{}{oracle}", row.name), value, notes.join("; ")]
         }));
@@ -152,18 +146,17 @@ impl BestReport {
 impl Report for BestReport {
     fn text(&self) -> String {
         let (found, metric) = (&self.found, self.found.measure.metric);
-        let how_many = match found.exhausted {
-            true => format!("every action was tried, {} trials", found.trials),
-            false => format!("best of {} trials", found.trials),
+        let how_many = if found.exhausted {
+            format!("every action was tried, {} trials", found.trials)
+        } else {
+            format!("best of {} trials", found.trials)
         };
-        let task = match &self.variant {
-            Some(variant) => format!("{}/{variant}", self.task),
-            None => self.task.clone(),
-        };
+        let variant = self.variant.as_ref();
+        let variant = variant.map_or(String::new(), |variant| format!("/{variant}"));
         let untouched = shown(found.untouched, metric);
         let mut lines = vec![format!(
-            "{task}: start {}, {how_many} (untouched: {untouched})",
-            self.start
+            "{}{variant}: start {}, {how_many} (untouched: {untouched})",
+            self.task, self.start
         )];
         if !found.sampled.is_empty() {
             let sampled = found.sampled.join(", ");
@@ -186,13 +179,15 @@ impl Report for BestReport {
         }
         lines.extend(self.table(metric).iter().map(|line| format!("  {line}")));
         if let (Some(goal), true) = (&self.goal, self.goal_missed) {
-            let side = match found.measure.more_is_better {
-                true => "above",
-                false => "below",
+            let side = if found.measure.more_is_better {
+                "above"
+            } else {
+                "below"
             };
-            let why = match found.exhausted {
-                true => "no answers can reach it here",
-                false => "none of the actions tried reaches it",
+            let why = if found.exhausted {
+                "no answers can reach it here"
+            } else {
+                "none of the actions tried reaches it"
             };
             let limit = shown(goal.limit, metric);
             lines.push(format!("  the goal, {side} {limit}, is missed: {why}"));

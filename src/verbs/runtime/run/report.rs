@@ -112,25 +112,20 @@ pub fn show(event: Event<'_>, earlier: u32, io: &Io) {
 /// Says which of the answers that were tried on twins was taken, by its measure and its place among them.
 fn rehearsed(line: &RehearsedStep, seconds: f64) -> String {
     let tried = &line.candidates;
-    let named = |index: usize| {
-        let number = index + 1;
-        let ending = match number {
-            1 | 21 => "st",
-            2 | 22 => "nd",
-            3 | 23 => "rd",
-            _ => "th",
-        };
-        let ordinal = format!("{number}{ending}");
-        match tried[index].measure {
-            Some(measure) => format!("{measure:.2} ({ordinal})"),
-            None => format!("the {ordinal}"),
-        }
+    let measure = |index: usize| {
+        let measure: Option<f64> = tried[index].measure;
+        measure.map_or("no measure".to_owned(), |it| format!("{it:.2}"))
     };
     let is_taken = |it: &RehearsedAnswer| line.chosen == Some(it.attempt);
     let choice = match tried.iter().position(is_taken) {
         None => "none taken".to_owned(),
-        Some(0) => format!("{} taken", named(0)),
-        Some(taken) => format!("{} taken in place of {}", named(taken), named(0)),
+        Some(0) => format!("the first taken ({})", measure(0)),
+        Some(taken) => format!(
+            "answer {} taken ({}) in place of the first ({})",
+            taken + 1,
+            measure(taken),
+            measure(0)
+        ),
     };
     format!(
         "rehearsed: {}, {choice}, {}, {seconds:.1} s",
@@ -164,16 +159,11 @@ fn cloth(moved: &ClothMoved) -> String {
     }
 }
 
-/// Reports the cost of calls so far, if there were any.
-fn so_far(spent: &Spent) -> String {
-    let cost = match (spent.known_cost(), spent.priced_at_most()) {
-        (_, None) => String::new(),
-        (Some(cost), Some(at_most)) if cost == at_most => format!(", {cost}"),
-        (_, Some(at_most)) => format!(", at most {at_most}"),
-    };
+/// Reports the calls so far and their cost, if there were any, as the end of a sentence.
+pub fn so_far(spent: &Spent) -> String {
     match spent.calls {
         0 => String::new(),
-        calls => format!(", {calls} calls{cost}"),
+        calls => format!(", {calls} calls, {}", spent.in_words()),
     }
 }
 

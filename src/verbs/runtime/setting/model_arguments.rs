@@ -1,9 +1,10 @@
 //! The arguments that select models and limit their cost; `run` and `bench` share them.
 
 use super::catalogue::FactsArguments;
-use clap::{Args, ValueEnum, ValueHint};
+use clap::{Args, ValueHint};
 use fab_model::Reasoning;
 use fab_model::calls::{Caps, Usd};
+use fab_providers::remote::settings::Parameter;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -62,8 +63,8 @@ pub struct ReachArguments {
     #[command(flatten)]
     pub facts: FactsArguments,
     /// Leave out settings of stages that the model does not support.
-    #[arg(long, value_name = "SETTING", value_delimiter = ',')]
-    pub omit: Vec<OmitArgument>,
+    #[arg(long, value_name = "SETTING", value_delimiter = ',', value_parser = Parameter::ALL.map(Parameter::name))]
+    pub omit: Vec<String>,
     /// How much the model thinks before it answers, in place of what stages state: `none`, `low`, `medium`, `high`, or a
     /// number of hidden tokens.
     #[arg(long, value_name = "LEVEL")]
@@ -81,23 +82,6 @@ pub struct ReachArguments {
     /// Ask models whose price is not known.
     #[arg(long)]
     pub allow_unknown_price: bool,
-}
-
-/// A setting that a stage may state.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum OmitArgument {
-    /// The sampling temperature.
-    Temperature,
-    /// Nucleus sampling.
-    #[value(name = "top_p")]
-    TopP,
-    /// The longest answer.
-    Tokens,
-    /// How much the model thinks.
-    Reasoning,
-    /// The JSON Schema of the answer.
-    Schema,
 }
 
 /// What may be asked, and what is kept of it.
@@ -140,6 +124,14 @@ impl CapArguments {
             max_cost: self.max_cost.or(other.max_cost),
             max_calls: self.max_calls.or(other.max_calls),
         }
+    }
+}
+
+impl ReachArguments {
+    /// Returns the settings that are left out.
+    pub fn omitted(&self) -> impl Iterator<Item = Parameter> {
+        let is_omitted = |it: &Parameter| self.omit.iter().any(|name| name == it.name());
+        Parameter::ALL.into_iter().filter(is_omitted)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Finds models by their names on the command line.
 
 use super::catalogue;
-use super::remote::Providers;
+use super::remote::{self, Providers};
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::verbs::render::camera::TargetModelArguments;
@@ -11,7 +11,7 @@ use crate::verbs::runtime::setting::model_arguments::{
 use fab_agent::rollout::FirstQuestion;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{Budget, Spent};
-use fab_model::lowering::{Lowering, Points};
+use fab_model::lowering::Lowering;
 use fab_model::recording::{Recorder, Replay};
 use fab_model::{Model, ModelError, ModelRole, Models, Request};
 use fab_providers::catalogue::{Facts, Profile, Wire};
@@ -121,29 +121,36 @@ pub fn models(
     interrupt: &Interrupt,
     io: &Io,
 ) -> Result<Answering, Failure> {
-    let mut finder = Finder {
-        arguments,
-        purpose,
-        interrupt,
-        providers: None,
+    let [vision, text] = by_role("--model", &arguments.model)?;
+    let [vision, text] = [vision, text].map(|name| name.unwrap_or(DEFAULT_MODEL));
+    let [vision_url, text_url] = by_role("--base-url", &arguments.reach.base_url)?;
+    // The catalogue is read when the first provider is named.
+    let mut providers = None;
+    let mut find = |name: &str, base_url: Option<&str>, role: ModelRole| {
+        if let Some(model) = embedded(name, role)? {
+            return Ok::<_, Failure>(Answerer {
+                model: Arc::from(model),
+                provided: None,
+            });
+        }
+        let providers = match &mut providers {
+            Some(providers) => providers,
+            absent => absent.insert(Providers::new(&arguments.reach, interrupt, io)?),
+        };
+        let profile = providers.profile(name)?;
+        let remote = Arc::new(providers.model(&profile, base_url, purpose)?);
+        Ok(Answerer {
+            model: remote.clone(),
+            provided: Some(Provided { profile, remote }),
+        })
     };
-    let [vision, text] = if arguments.model.is_empty() {
-        [DEFAULT_MODEL; 2].map(str::to_owned)
-    } else {
-        by_role("--model", &arguments.model)?
-    };
-    let [vision_url, text_url] = if arguments.reach.base_url.is_empty() {
-        [None, None]
-    } else {
-        by_role("--base-url", &arguments.reach.base_url)?.map(Some)
-    };
-    let model = finder.model(&vision, vision_url.as_deref(), ModelRole::Vision, io)?;
+    let model = find(vision, vision_url, ModelRole::Vision)?;
     let is_shared = vision == text && vision_url == text_url && !vision.starts_with(REPLAY);
     Ok(Answering {
         text: if is_shared {
             model.clone()
         } else {
-            finder.model(&text, text_url.as_deref(), ModelRole::Text, io)?
+            find(text, text_url, ModelRole::Text)?
         },
         vision: model,
     })
@@ -168,18 +175,14 @@ pub fn varied(
             "`{name}` has no interface to find out about: name a provider's model, `PROVIDER:NAME`"
         )));
     }
-    let base_url = if reach.base_url.is_empty() {
-        None
-    } else {
-        Some(by_role("--base-url", &reach.base_url)?[0].clone())
-    };
+    let [base_url, _] = by_role("--base-url", &reach.base_url)?;
     let mut providers = Providers::new(reach, interrupt, io)?;
     let profile = providers.profile(name)?;
     // Fails here rather than between questions if there is no key or no address.
-    providers.model(&profile, base_url.as_deref(), Purpose::Asking)?;
+    providers.model(&profile, base_url, Purpose::Asking)?;
     Ok(Varied {
         profile,
-        base_url,
+        base_url: base_url.map(str::to_owned),
         providers: RefCell::new(providers),
     })
 }
@@ -212,41 +215,6 @@ impl Subject for Varied {
             why: failure.to_string(),
         })?;
         Ok(Arc::new(remote))
-    }
-}
-
-/// Finds models one by one; the provider catalogue is read when the first provider is named.
-struct Finder<'a> {
-    arguments: &'a ModelArguments,
-    purpose: Purpose,
-    interrupt: &'a Interrupt,
-    providers: Option<Providers>,
-}
-
-impl Finder<'_> {
-    fn model(
-        &mut self,
-        name: &str,
-        base_url: Option<&str>,
-        role: ModelRole,
-        io: &Io,
-    ) -> Result<Answerer, Failure> {
-        if let Some(model) = embedded(name, role)? {
-            return Ok(Answerer {
-                model: Arc::from(model),
-                provided: None,
-            });
-        }
-        let providers = match &mut self.providers {
-            Some(providers) => providers,
-            absent => absent.insert(Providers::new(&self.arguments.reach, self.interrupt, io)?),
-        };
-        let profile = providers.profile(name)?;
-        let remote = Arc::new(providers.model(&profile, base_url, self.purpose)?);
-        Ok(Answerer {
-            model: remote.clone(),
-            provided: Some(Provided { profile, remote }),
-        })
     }
 }
 
@@ -287,43 +255,29 @@ impl TargetModel {
                 }
             },
         };
-        let lowering = match shown.marks {
-            true => Lowering {
-                points: Points::Marks,
-                ..known
-            },
-            false => known,
-        };
+        let lowering = remote::lowering(known, shown.marks);
         Ok(TargetModel { lowering, profile })
     }
 }
 
-/// Parses `X`, or `vision=X` and `text=Y`; returns the values for vision and for text.
-fn by_role(flag: &str, values: &[String]) -> Result<[String; 2], Failure> {
-    let wrong = |why: &str| {
-        Failure::usage(format!(
-            "`{flag}` {why}; write `{flag} X` for both roles, or `{flag} vision=X {flag} text=Y`"
-        ))
-    };
+/// Parses `X`, or `vision=X` and `text=Y`; returns the values for vision and for text, if there are any.
+fn by_role<'v>(flag: &str, values: &'v [String]) -> Result<[Option<&'v str>; 2], Failure> {
     let (mut both, mut vision, mut text) = (None, None, None);
+    let mut is_twice = false;
     for value in values {
         let (place, value) = match value.split_once('=') {
             Some(("vision", value)) => (&mut vision, value),
             Some(("text", value)) => (&mut text, value),
             _ => (&mut both, value.as_str()),
         };
-        if place.replace(value.to_owned()).is_some() {
-            return Err(wrong("says the same role twice"));
-        }
+        is_twice |= place.replace(value).is_some();
     }
-    if both.is_some() && vision.is_some() && text.is_some() {
-        return Err(wrong("names both roles and a third for neither"));
+    let (vision, text) = (vision.or(both), text.or(both));
+    if is_twice || vision.is_some() != text.is_some() {
+        return Err(Failure::usage(format!(
+            "`{flag}` names one thing for each role: write `{flag} X` for both, or `{flag} vision=X {flag} text=Y`"
+        )));
     }
-    let vision = vision.or(both.clone());
-    let vision = vision.ok_or_else(|| wrong("names nothing for `vision`"))?;
-    let text = text
-        .or(both)
-        .ok_or_else(|| wrong("names nothing for `text`"))?;
     Ok([vision, text])
 }
 
@@ -369,8 +323,10 @@ pub fn budget(arguments: &SpendArguments, interrupt: &Interrupt) -> Budget {
     Budget::new(arguments.caps.caps(), Spent::default()).interrupted_by(interrupt)
 }
 
-/// Opens the recording that the command line names.
+/// Opens the recording that the command line names; an estimate records nothing.
 pub fn recorder(arguments: &SpendArguments) -> Result<Option<Recorder>, Failure> {
-    let opened = arguments.record.as_deref().map(Recorder::open);
-    opened.transpose().map_err(Failure::environment)
+    let file = arguments.record.as_deref().filter(|_| !arguments.estimate);
+    file.map(Recorder::open)
+        .transpose()
+        .map_err(Failure::environment)
 }

@@ -4,7 +4,9 @@ use super::models::{self, Answering};
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::verbs::runtime::setting::model_arguments::{ModelArguments, PolicyArguments, Purpose};
-use fab_agent::policy::{Expert, External, MakePolicy, Policy, Prompted, Random, Sight};
+use fab_agent::policy::{
+    Description, Expert, External, MakePolicy, Policy, Prompted, Random, Sight,
+};
 use fab_base::child::CommandLine;
 use fab_base::interrupt::Interrupt;
 use std::time::Duration;
@@ -31,6 +33,18 @@ pub enum Deciding {
         /// Time limit for one answer.
         limit: Duration,
     },
+}
+
+/// Says who decides, and whether a stand-in answers in place of a vision-language model.
+pub fn in_words(policy: &Description) -> String {
+    let name = &policy.name;
+    if policy.is_stand_in() {
+        format!("model {name} (a stand-in, no vision-language model)")
+    } else if policy.models.is_some() {
+        format!("model {name}")
+    } else {
+        policy.title()
+    }
 }
 
 impl Deciding {

@@ -4,11 +4,10 @@ use super::catalogue::{self, UserFile};
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::verbs::runtime::setting;
-use crate::verbs::runtime::setting::model_arguments::{OmitArgument, Purpose, ReachArguments};
+use crate::verbs::runtime::setting::model_arguments::{Purpose, ReachArguments};
 use fab_base::interrupt::Interrupt;
 use fab_model::lowering::{Lowering, Points};
 use fab_providers::catalogue::{Catalogue, KeyNeed, Profile};
-use fab_providers::remote::settings::Parameter;
 use fab_providers::remote::{Answers, BaseUrl, Gate, Key, Redactor, Remote, Settings, Shared};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -92,9 +91,9 @@ impl Providers {
             )));
         }
         let settings = Settings {
-            lowering: self.lowering(profile),
+            lowering: lowering(profile.lowering(), arguments.marks),
             key,
-            omit: arguments.omit.iter().copied().map(parameter).collect(),
+            omit: arguments.omitted().collect(),
             timeout: Duration::from_secs(arguments.timeout.into()),
             ..Settings::of(profile, address, catalogue::today(&self.io))
         };
@@ -132,17 +131,6 @@ impl Providers {
         Ok(profile)
     }
 
-    /// Returns the form in which a model gets points.
-    pub fn lowering(&self, profile: &Profile) -> Lowering {
-        let known = profile.lowering();
-        let points = if self.arguments.marks {
-            Points::Marks
-        } else {
-            known.points
-        };
-        Lowering { points, ..known }
-    }
-
     fn refuse_unknown_price(&self, profile: &Profile) -> Result<(), Failure> {
         if self.arguments.allow_unknown_price
             || profile.price_on(catalogue::today(&self.io)).is_some()
@@ -172,6 +160,12 @@ impl Providers {
     }
 }
 
+/// Returns the form in which a model gets points: its own, or as numbered marks.
+pub fn lowering(known: Lowering, marks: bool) -> Lowering {
+    let points = if marks { Points::Marks } else { known.points };
+    Lowering { points, ..known }
+}
+
 /// Finds the first of the named keys, in the environment or else in the file of keys.
 pub fn key(names: &[String], io: &Io) -> Result<Option<Key>, Failure> {
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
@@ -184,14 +178,4 @@ pub fn key(names: &[String], io: &Io) -> Result<Option<Key>, Failure> {
 pub fn environment(name: &str, io: &Io) -> Option<String> {
     let value = io.variable(name).and_then(|value| value.into_string().ok());
     value.filter(|value| !value.trim().is_empty())
-}
-
-fn parameter(omitted: OmitArgument) -> Parameter {
-    match omitted {
-        OmitArgument::Temperature => Parameter::Temperature,
-        OmitArgument::TopP => Parameter::TopP,
-        OmitArgument::Tokens => Parameter::MaxTokens,
-        OmitArgument::Reasoning => Parameter::Reasoning,
-        OmitArgument::Schema => Parameter::Schema,
-    }
 }

@@ -3,21 +3,22 @@
 //! The starts are the same as those of `fabc run --start SEED` with a crumpled cloth of the same size, and share its
 //! cache. Cloths with an outline use that cache too, although `fabc run` does not support them.
 
-use super::parallel::{ThreadArguments, in_parallel, threads};
+use super::parallel::{ThreadArguments, each};
 use super::{SPACING_M, files};
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::report::Report;
+use crate::sources;
 use crate::verbs::runtime::setting;
 use clap::{Args, ValueHint};
-use fab_base::interrupt::Interrupt;
 use fab_base::table::{Align, aligned};
-use fab_program::{self as program, ClothStart, Picker};
-use fab_sim::{Mask, Params, mesh};
+use fab_program::{Cloth, ClothStart, Picker};
+use fab_sim::{Grid, Mask, Params, mesh};
 use fab_world::conformance::camera;
-use fab_world::start::{Grid, Outline, Start};
-use fab_world::{SimulatedWorld, WorldError, crumple, metrics};
+use fab_world::start::{Outline, Start};
+use fab_world::{SimulatedWorld, crumple, metrics};
 use serde::Serialize;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `sim crumple`.
@@ -45,17 +46,10 @@ pub struct CrumpleArguments {
     pub json: bool,
 }
 
-/// Marks a description as written by this verb, so that a later call may replace it.
-const MADE_BY: &str = "fabc sim crumple";
-
 /// The crumpled cloths.
 #[derive(Serialize)]
 struct CrumpledCloths {
     params: String,
-    #[serde(flatten)]
-    grid: Grid,
-    outline: Option<Outline>,
-    particles: usize,
     starts: Vec<Crumpled>,
 }
 
@@ -64,75 +58,45 @@ struct CrumpledCloths {
 struct Crumpled {
     seed: u64,
     /// The file of positions; `None` if no folder was named.
-    file: Option<String>,
-    #[serde(flatten)]
-    covered: Covered,
-    /// SHA-256 of grid and positions.
-    digest: String,
-}
-
-#[derive(Clone, Copy, Serialize)]
-struct Covered {
+    file: Option<PathBuf>,
     /// Covered share of the flat cloth's area, with both measured as in SoftGym; may exceed 1.
     coverage: Option<f64>,
     /// Area of the table under the cloth, divided by the flat cloth's area; independent of rotation.
     true_coverage: Option<f64>,
-}
-
-/// What a start's description has besides.
-#[derive(Serialize)]
-struct Origin {
-    params: String,
-    seed: u64,
-    #[serde(flatten)]
-    covered: Covered,
+    /// SHA-256 of grid and positions.
+    digest: String,
 }
 
 /// Crumples, writes, and reports.
 pub fn run(arguments: &CrumpleArguments, io: &Io) -> Result<Exit, Failure> {
     let (mask, name) = cloth(arguments)?;
-    let seeds: Vec<u64> = setting::seeds(arguments.seed, arguments.count)?.collect();
-    let path = |seed: u64| {
-        let folder = arguments.out.as_ref()?;
-        Some(folder.join(format!("{name}_{seed}.npy")))
-    };
     if let Some(folder) = &arguments.out {
-        for path in seeds.iter().filter_map(|seed| path(*seed)) {
-            files::check_replaceable(&path, MADE_BY)?;
+        fs::create_dir_all(folder).map_err(|error| Failure::unwritable(folder, error))?;
+    }
+    let (flat, interrupt, cache) = (flat(&mask), io.interrupt()?, setting::cache(io));
+    let (triangles, flat_m2) = (mesh::triangles(&mask), mesh::flat_area_m2(&mask));
+    let count = arguments.count as usize;
+    let starts = each(count, &arguments.threads, "crumpled", io, |index| {
+        let seed = arguments.seed.wrapping_add(index as u64);
+        // A world needs a camera; this one takes no picture.
+        let world = SimulatedWorld::new(&camera(), Picker::default())?;
+        let start = crumple::start(&flat, seed, &world, &cache, &interrupt, &mut || {})?.start;
+        let folder = arguments.out.as_ref();
+        let file = folder.map(|folder| folder.join(format!("{name}_{seed}.npy")));
+        if let Some(file) = &file {
+            files::write_state(file, &start)?;
         }
-        std::fs::create_dir_all(folder).map_err(|error| Failure::unwritable(folder, error))?;
-    }
-    let interrupt = io.interrupt()?;
-    io.progress(&format!("0 of {} crumpled", seeds.len()));
-    let results = in_parallel(
-        seeds.len(),
-        threads(&arguments.threads),
-        |index| {
-            one(
-                &mask,
-                seeds[index],
-                path(seeds[index]).as_deref(),
-                &interrupt,
-                io,
-            )
-        },
-        |done| io.progress(&format!("{done} of {} crumpled", seeds.len())),
-    );
-    io.progress("");
-    let starts: Vec<Crumpled> = results?.into_iter().flatten().collect();
-    let cloths = CrumpledCloths {
-        params: Params::default().hash(),
-        grid: flat(&mask).grid,
-        outline: files::outline_of(&mask),
-        particles: mask.count(),
-        starts,
-    };
-    io.result(arguments.json, &cloths);
-    let (n_done, n_all) = (cloths.starts.len(), seeds.len());
-    if n_done < n_all {
-        io.talk(&format!("interrupted: {n_done} of {n_all} crumpled"));
-        return Ok(Exit::Interrupted);
-    }
+        let (positions, outline) = (&start.positions, start.outline.as_ref());
+        Ok(Crumpled {
+            seed,
+            file,
+            coverage: metrics::outlined_coverage(positions, &start.grid, outline),
+            true_coverage: metrics::true_coverage(positions, &triangles, flat_m2),
+            digest: start.digest(),
+        })
+    })?;
+    let params = Params::default().hash();
+    io.result(arguments.json, &CrumpledCloths { params, starts });
     Ok(Exit::Done)
 }
 
@@ -141,8 +105,7 @@ fn cloth(arguments: &CrumpleArguments) -> Result<(Mask, String), Failure> {
     let (mask, prefix) = match &arguments.outline {
         Some(path) => {
             let outline = path.file_stem().unwrap_or_default().to_string_lossy();
-            let mask = files::read_outline(path, SPACING_M as f32)?;
-            (mask, format!("{outline}_"))
+            (read_outline(path)?, format!("{outline}_"))
         }
         None => {
             let dims = &arguments.dims;
@@ -150,13 +113,20 @@ fn cloth(arguments: &CrumpleArguments) -> Result<(Mask, String), Failure> {
             (Mask::full(grid), String::new())
         }
     };
-    let fab_sim::Grid { dimx, dimy, .. } = mask.grid();
+    let Grid { dimx, dimy, .. } = mask.grid();
     Ok((mask, format!("crumpled_{prefix}{dimx}x{dimy}")))
+}
+
+fn read_outline(path: &Path) -> Result<Mask, Failure> {
+    let wrong =
+        |why: String| Failure::environment(format!("the outline `{}`: {why}", path.display()));
+    let text = sources::read_text(path).map_err(wrong)?;
+    Mask::parse(&text, SPACING_M as f32).map_err(|error| wrong(error.to_string()))
 }
 
 /// Lays the cloth flat.
 fn flat(mask: &Mask) -> Start {
-    let declared = program::Cloth {
+    let declared = Cloth {
         dimx: mask.grid().dimx as u32,
         dimy: mask.grid().dimy as u32,
         spacing_m: SPACING_M,
@@ -164,51 +134,9 @@ fn flat(mask: &Mask) -> Start {
         material: None,
     };
     Start {
-        outline: files::outline_of(mask),
+        outline: (!mask.is_full()).then(|| Outline::new(&mask.to_string())),
         ..Start::flat(&declared)
     }
-}
-
-/// Crumples one cloth, and writes it if there is a path; `None` if it was interrupted.
-fn one(
-    mask: &Mask,
-    seed: u64,
-    path: Option<&Path>,
-    interrupt: &Interrupt,
-    io: &Io,
-) -> Result<Option<Crumpled>, Failure> {
-    // A world needs a camera; this one takes no picture.
-    let world = SimulatedWorld::new(&camera(), Picker::default())?;
-    let (flat, cache) = (flat(mask), setting::cache(io));
-    let start = match crumple::start(&flat, seed, &world, &cache, interrupt, &mut || {}) {
-        Ok(crumpled) => crumpled.start,
-        Err(WorldError::Interrupted) => return Ok(None),
-        Err(error) => return Err(Failure::environment(format!("seed {seed}: {error}"))),
-    };
-    let Start {
-        positions, grid, ..
-    } = &start;
-    let (triangles, flat_m2) = (mesh::triangles(mask), mesh::flat_area_m2(mask));
-    let covered = Covered {
-        coverage: metrics::outlined_coverage(positions, grid, start.outline.as_ref()),
-        true_coverage: metrics::true_coverage(positions, &triangles, flat_m2),
-    };
-    if let Some(path) = path {
-        let params = Params::default().hash();
-        let origin = Origin {
-            params,
-            seed,
-            covered,
-        };
-        let description = files::Description::of(grid, mask, MADE_BY, origin);
-        files::write_positions(path, positions, &description)?;
-    }
-    Ok(Some(Crumpled {
-        seed,
-        file: path.map(|path| path.display().to_string()),
-        covered,
-        digest: start.digest(),
-    }))
 }
 
 impl Report for CrumpledCloths {
@@ -216,20 +144,14 @@ impl Report for CrumpledCloths {
         let number = |value: Option<f64>| value.map_or("-".to_owned(), |it| format!("{it:.3}"));
         let mut table = vec![["seed", "coverage", "true", "file"].map(str::to_owned)];
         table.extend(self.starts.iter().map(|start| {
-            let Covered {
-                coverage,
-                true_coverage,
-            } = start.covered;
-            let file = start.file.as_deref();
-            let file = file.unwrap_or("(not kept; `-o DIR` writes it)").to_owned();
+            let file = start.file.as_ref().map(|file| file.display().to_string());
             [
                 start.seed.to_string(),
-                number(coverage),
-                number(true_coverage),
-                file,
+                number(start.coverage),
+                number(start.true_coverage),
+                file.unwrap_or_else(|| "(not kept; `-o DIR` writes it)".to_owned()),
             ]
         }));
-        let columns = [Align::Right, Align::Right, Align::Right, Align::Left];
-        aligned(&columns, &table).join("\n")
+        aligned(&[Align::Right, Align::Right, Align::Right], &table).join("\n")
     }
 }

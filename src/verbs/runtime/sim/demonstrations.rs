@@ -4,202 +4,120 @@
 //! positions in the world frame. Recorded points are y-up: world = (x, -z, y).
 
 use crate::exit::Failure;
-use crate::sources;
-use fab_sim::{Params, Simulator};
-use fab_world::start::{Grid, Start, StartFrame, Up};
+use fab_base::files;
+use fab_base::wording::quoted;
+use fab_sim::{Grid, Params, Simulator};
+use fab_world::start::{self, Start, StartFrame, Up};
 use serde::Deserialize;
 use std::collections::BTreeSet;
-use std::fmt;
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
+/// The largest manifest accepted, bytes.
+const MAX_BYTES: u64 = 64 << 20;
+
+#[derive(Deserialize)]
+struct Manifest {
+    entries: Vec<Demonstration>,
+}
+
 /// One recorded demonstration; its positions stay on disk until needed.
+#[derive(Deserialize)]
 pub struct Demonstration {
     /// The task's name in the recorded data.
     pub task: String,
     /// Its number within the task.
     pub id: u64,
     /// The picks and places, in order.
-    pub picks: Vec<Pick>,
-    grid: fab_sim::Grid,
-    frame: StartFrame,
-    folder: PathBuf,
+    pub steps: Vec<Step>,
+    /// The folder of its positions.
+    dir: PathBuf,
+    #[serde(flatten)]
+    grid: start::Grid,
 }
 
 /// One recorded pick and place.
-pub struct Pick {
-    /// Pick point, table coordinates, world frame, metres.
-    pub pick: [f32; 2],
-    /// Place point, likewise.
-    pub place: [f32; 2],
-    /// Index of the held particle.
-    pub particle: usize,
-}
-
-/// Cloth states: `[particles]` points in grid order, world frame, metres.
-pub struct Positions {
-    /// Before the first pick.
-    pub start: Vec<[f32; 3]>,
-    /// After the last place.
-    pub end: Vec<[f32; 3]>,
-}
-
 #[derive(Deserialize)]
-struct Manifest {
-    entries: Vec<serde_json::Value>,
-}
-
-#[derive(Deserialize)]
-struct Entry {
-    task: String,
-    id: u64,
-    dir: PathBuf,
-    dimx: u32,
-    dimy: u32,
-    spacing_m: f64,
-    steps: Vec<Step>,
-}
-
-#[derive(Deserialize)]
-struct Step {
+pub struct Step {
     pick_world_m: [f64; 3],
     place_world_m: [f64; 3],
     pick_keypoint: usize,
 }
 
+impl Step {
+    /// Returns where it picks and places, table coordinates, world frame, metres.
+    pub fn ends_m(&self) -> [[f32; 2]; 2] {
+        [self.pick_world_m, self.place_world_m].map(|[x, _, z]| [x as f32, -z as f32])
+    }
+}
+
 /// Reads the manifest, and selects by task and by ids.
-///
-/// Fails on the first error and names its entry; [`Demonstration::positions`] checks the positions.
 pub fn read(
     folder: &Path,
     task: Option<&str>,
     ids: Option<&[u64]>,
 ) -> Result<Vec<Demonstration>, Failure> {
     let path = folder.join("manifest.json");
-    let shown = path.display();
-    let wrong =
-        |why: String| Failure::environment(format!("the manifest `{shown}` is wrong: {why}"));
-    let text = sources::read_text(&path).map_err(|why| {
+    let manifest: Manifest = files::read_json(&path, MAX_BYTES).map_err(|why| {
         Failure::environment(format!(
-            "cannot read `{shown}`: {why}; expected a folder of recorded demonstrations with a manifest.json"
+            "`{}` lists no recorded demonstrations: {why}",
+            path.display()
         ))
     })?;
-    let manifest: Manifest =
-        serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
-    if manifest.entries.is_empty() {
-        return Err(wrong("its `entries` are empty".to_owned()));
-    }
-    let mut found = Vec::new();
-    for (number, value) in manifest.entries.into_iter().enumerate() {
-        let entry = serde_json::from_value(value).map_err(|error| error.to_string());
-        let read = entry.and_then(|entry| demonstration(entry, folder));
-        let at = |why| wrong(format!("entry {number} (counted from 0): {why}"));
-        found.push(read.map_err(at)?);
-    }
-    if let Some(task) = task {
-        let there = listed(found.iter().map(|it| it.task.clone()));
-        found.retain(|it| it.task == task);
-        if found.is_empty() {
-            return Err(Failure::usage(format!(
-                "`--task {task}`: there is no such task; there are {there}"
-            )));
-        }
-    }
-    if let Some(ids) = ids {
-        if let Some(absent) = ids.iter().find(|id| found.iter().all(|it| it.id != **id)) {
-            return Err(Failure::usage(format!(
-                "no demonstration has the id {absent}; there are {}",
-                listed(found.iter().map(|it| it.id))
-            )));
-        }
-        found.retain(|it| ids.contains(&it.id));
-    }
-    Ok(found)
-}
-
-/// Lists the available values for a message, sorted and without duplicates; a very long list is cut.
-pub fn listed<T: Ord + fmt::Display>(values: impl Iterator<Item = T>) -> String {
-    const MOST: usize = 50;
-    let values: BTreeSet<T> = values.collect();
-    let mut names: Vec<String> = values.iter().take(MOST).map(T::to_string).collect();
-    if values.len() > MOST {
-        names.push(format!("and {} more", values.len() - MOST));
-    }
-    names.join(", ")
-}
-
-fn demonstration(entry: Entry, folder: &Path) -> Result<Demonstration, String> {
-    let (dimx, dimy, spacing_m) = (entry.dimx, entry.dimy, entry.spacing_m);
-    let grid = fab_sim::Grid::new(dimx as usize, dimy as usize, spacing_m as f32)
-        .map_err(|error| error.to_string())?;
-    if entry.steps.is_empty() {
-        return Err("it has no `steps`".to_owned());
-    }
-    let keypoints = keypoints(grid.dimx, grid.dimy);
-    let on_table = |[x, _, z]: [f64; 3]| [x as f32, -z as f32];
-    let picks = entry.steps.iter().map(|step| {
-        let particle = keypoints.get(step.pick_keypoint).copied();
-        Ok(Pick {
-            pick: on_table(step.pick_world_m),
-            place: on_table(step.place_world_m),
-            particle: particle.ok_or_else(|| {
-                let number = step.pick_keypoint;
-                format!("`pick_keypoint` {number} is not from 0 to 7")
-            })?,
-        })
+    let mut selected = manifest.entries;
+    let tasks: BTreeSet<String> = selected.iter().map(|it| it.task.clone()).collect();
+    selected.retain(|it| {
+        task.is_none_or(|task| task == it.task) && ids.is_none_or(|ids| ids.contains(&it.id))
     });
-    let declared = Grid {
-        dimx,
-        dimy,
-        spacing_m,
-    };
-    Ok(Demonstration {
-        picks: picks.collect::<Result<_, String>>()?,
-        frame: StartFrame {
-            grid: declared,
-            up: Up::Y,
-        },
-        folder: folder.join("..").join(&entry.dir),
-        task: entry.task,
-        id: entry.id,
-        grid,
-    })
-}
-
-/// Returns the particles at the four corners and at the middles of the four edges, in the recorded data's order.
-fn keypoints(dimx: usize, dimy: usize) -> [usize; 8] {
-    let (middle_x, middle_y) = ((dimx - 1) / 2, (dimy - 1) / 2);
-    [
-        0,
-        dimx * (dimy - 1),
-        dimx - 1,
-        dimx * dimy - 1,
-        middle_y * dimx,
-        middle_x,
-        dimx * (dimy - 1) + middle_x,
-        middle_y * dimx + dimx - 1,
-    ]
+    if selected.is_empty() {
+        return Err(Failure::usage(format!(
+            "no demonstration has that task and id; there are those of {}",
+            quoted(tasks)
+        )));
+    }
+    for demonstration in &mut selected {
+        demonstration.dir = folder.join("..").join(&demonstration.dir);
+    }
+    Ok(selected)
 }
 
 impl Demonstration {
-    /// Reads and checks the positions before and after.
-    pub fn positions(&self) -> Result<Positions, Failure> {
-        let load = |name| Start::load(&self.folder.join(name), Some(self.frame));
-        Ok(Positions {
-            start: load("init_pos.npy")?.positions,
-            end: load("final_pos.npy")?.positions,
-        })
+    /// Lays the cloth as it lay before the first pick; returns it, and its `[particles]` positions after the last place,
+    /// world frame, metres.
+    pub fn laid(&self, params: &Params) -> Result<(Simulator, Vec<[f32; 3]>), Failure> {
+        let (dimx, dimy) = (self.grid.dimx as usize, self.grid.dimy as usize);
+        let grid = Grid::new(dimx, dimy, self.grid.spacing_m as f32);
+        let grid = grid.map_err(|error| self.failure(error))?;
+        let frame = StartFrame {
+            grid: self.grid,
+            up: Up::Y,
+        };
+        let load = |name| Start::load(&self.dir.join(name), Some(frame));
+        let (start, end) = (load("init_pos.npy")?, load("final_pos.npy")?);
+        let cloth = Simulator::from_positions(grid, &start.positions, params);
+        let cloth = cloth.map_err(|error| self.failure(error))?;
+        Ok((cloth, end.positions))
     }
 
-    /// Lays the cloth at recorded positions.
-    pub fn lay(&self, start: &[[f32; 3]], params: &Params) -> Result<Simulator, Failure> {
-        Simulator::from_positions(self.grid, start, params).map_err(|error| {
-            Failure::environment(format!("the start of {self} is no cloth's: {error}"))
-        })
+    /// Returns the particle that a step held: at a corner or at the middle of an edge, in the recorded data's order.
+    pub fn held(&self, step: &Step) -> Option<usize> {
+        let (dimx, dimy) = (self.grid.dimx as usize, self.grid.dimy as usize);
+        let (middle_x, middle_y) = ((dimx - 1) / 2, (dimy - 1) / 2);
+        let keypoints = [
+            0,
+            dimx * (dimy - 1),
+            dimx - 1,
+            dimx * dimy - 1,
+            middle_y * dimx,
+            middle_x,
+            dimx * (dimy - 1) + middle_x,
+            middle_y * dimx + dimx - 1,
+        ];
+        keypoints.get(step.pick_keypoint).copied()
     }
-}
 
-impl fmt::Display for Demonstration {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "`{}` {}", self.task, self.id)
+    /// Returns an error in simulating this demonstration.
+    pub fn failure(&self, error: impl Display) -> Failure {
+        Failure::environment(format!("`{}` {}: {error}", self.task, self.id))
     }
 }

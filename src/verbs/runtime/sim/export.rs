@@ -23,20 +23,17 @@ pub struct ExportArguments {
     pub json: bool,
 }
 
-/// Marks a description as written by this verb, so that a later call may replace it.
-const MADE_BY: &str = "fabc sim export";
-
 /// The files that were written.
 #[derive(Serialize)]
 struct Exported {
     params: String,
-    files: Vec<String>,
+    files: Vec<PathBuf>,
     particles: usize,
 }
 
 /// Writes positions, and lists the files.
 pub fn run(arguments: &ExportArguments, io: &Io) -> Result<Exit, Failure> {
-    let path = &arguments.out;
+    let (path, input) = (&arguments.out, &arguments.state.file);
     let is_mesh = ends_in(path, "obj");
     if !is_mesh && !ends_in(path, "npy") {
         return Err(Failure::usage(format!(
@@ -44,25 +41,24 @@ pub fn run(arguments: &ExportArguments, io: &Io) -> Result<Exit, Failure> {
             path.display()
         )));
     }
-    let state = files::read_state(&arguments.state)?;
-    files::not_onto_itself(&arguments.state.file, path)?;
+    let (state, mask) = files::read_state(input, &arguments.state.frame)?;
     let mut written = vec![path.clone()];
     if is_mesh {
-        let text = mesh::obj(&state.mask, &state.positions)?;
-        write_file(path, text.as_bytes())?;
+        write_file(path, mesh::obj(&mask, &state.positions)?.as_bytes())?;
     } else {
-        files::check_replaceable(path, MADE_BY)?;
-        let description = files::Description::of(&state.grid, &state.mask, MADE_BY, ());
-        written.push(files::write_positions(
-            path,
-            &state.positions,
-            &description,
-        )?);
+        // Positions in another frame would be misread where they were recorded.
+        if path.canonicalize().ok() == Some(input.canonicalize()?) {
+            return Err(Failure::usage(format!(
+                "`-o {}` is the file that is read; name another one",
+                path.display()
+            )));
+        }
+        written.push(files::write_state(path, &state)?);
     }
     let exported = Exported {
         params: Params::default().hash(),
-        files: written.iter().map(|it| it.display().to_string()).collect(),
-        particles: state.mask.count(),
+        files: written,
+        particles: mask.count(),
     };
     io.result(arguments.json, &exported);
     Ok(Exit::Done)
@@ -70,6 +66,7 @@ pub fn run(arguments: &ExportArguments, io: &Io) -> Result<Exit, Failure> {
 
 impl Report for Exported {
     fn text(&self) -> String {
-        self.files.join("\n")
+        let files = self.files.iter().map(|file| file.display().to_string());
+        files.collect::<Vec<_>>().join("\n")
     }
 }

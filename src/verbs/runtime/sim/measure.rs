@@ -10,20 +10,12 @@ use fab_base::table::{Align, aligned};
 use fab_program::SmallestFold;
 use fab_sim::measure::{Reading, textile_table};
 use fab_sim::{Grid, Material, Params};
-use fab_world::corner_fold::{CARRIED_MM, CornerFold};
-use fab_world::{WorldError, simulated};
+use fab_world::corner_fold::CornerFold;
+use fab_world::simulated;
 use serde::Serialize;
-
-/// What `--help` says at its end.
-const EXAMPLES: &str = "Examples:
-  fabc sim measure cotton
-  fabc sim measure tasks/dishcloth.fab:dishcloth --smallest-fold
-
-docs/materials.md says how a cloth is measured on a desk, and what each line means.";
 
 /// Arguments of `sim measure`.
 #[derive(Args)]
-#[command(after_help = EXAMPLES)]
 pub struct MeasureArguments {
     /// The material: a shipped one (`cotton`, `towel`, `denim`, `silk`), or `FILE.fab:NAME` for one of a file.
     #[arg(value_name = "MATERIAL", value_hint = ValueHint::FilePath)]
@@ -46,86 +38,66 @@ struct Measured {
     material: Material,
     spacing_mm: f64,
     readings: Vec<Reading>,
-    corner: Corner,
     warnings: Vec<String>,
-}
-
-/// What becomes of a corner of a square of 340 mm that is carried along the diagonal.
-#[derive(Serialize)]
-struct Corner {
-    carried_mm: u32,
-    /// How far from its place it comes to rest; null if nothing was held.
-    stays_mm: Option<f64>,
-    /// Null if it was not asked for.
-    smallest_fold: Option<SmallestFold>,
 }
 
 /// Measures the material and reports.
 pub fn run(arguments: &MeasureArguments, io: &Io) -> Result<Exit, Failure> {
-    if arguments.material == "pyflex" {
-        return Err(Failure::usage(
-            "`pyflex` is the recorded scene's cloth of springs: it declares no value of a textile, and has no bending length, since each overhang shows another",
-        ));
-    }
+    let interrupt = io.interrupt()?;
     let material = simulated::material(&materials::find(&arguments.material, io)?);
-    let spacing_m = (0.001 * arguments.spacing) as f32;
-    Grid::new(2, 2, spacing_m)
-        .map_err(|error| Failure::usage(format!("`--spacing {}`: {error}", arguments.spacing)))?;
-    let warnings = material
-        .check(spacing_m)
-        .map_err(|error| Failure::environment(format!("`{}`: {error}", arguments.material)))?;
-    io.progress("measuring");
-    let readings = textile_table(&material, spacing_m)?;
+    let spacing_m = 0.001 * arguments.spacing;
+    let grid = Grid::new(2, 2, spacing_m as f32);
+    let spacing = arguments.spacing;
+    grid.map_err(|error| Failure::usage(format!("`--spacing {spacing}`: {error}")))?;
+    let warnings = material.check(spacing_m as f32)?;
+    let mut readings = textile_table(&material, spacing_m as f32)?;
     let params = Params {
         material: Some(material.clone()),
         ..Params::default()
     };
-    let measured = Measured {
-        params: params.hash(),
-        material,
-        spacing_mm: arguments.spacing,
-        readings,
-        corner: corner(arguments, params, io).map_err(|error| match error {
-            WorldError::Interrupted => Failure::interrupted(),
-            error => Failure::environment(error),
-        })?,
-        warnings: warnings.iter().map(ToString::to_string).collect(),
-    };
-    io.progress("");
-    io.result(arguments.json, &measured);
-    for reading in measured
-        .readings
-        .iter()
-        .filter(|it| !it.measured.is_finite())
-    {
-        let what = reading.what;
+    let hash = params.hash();
+    for Reading { what, .. } in readings.iter().filter(|it| !it.measured.is_finite()) {
         io.talk(&format!(
             "{what} has no reading at this spacing; choose a smaller `--spacing`"
         ));
     }
-    if !arguments.json {
-        measured
-            .warnings
-            .iter()
-            .for_each(|warning| io.talk(warning));
+    io.progress("folding corners");
+    let mut fold = CornerFold::new(params, spacing_m)?;
+    let (what, method) = ("corner carried 40 mm", "how far away it stays");
+    readings.push(of_corner(what, method, fold.stays_mm(&interrupt)?));
+    if arguments.smallest_fold {
+        let (method, mm) = match fold.smallest(&interrupt)? {
+            SmallestFold::From { mm } => ("carried so far, it stays", Some(mm.into())),
+            SmallestFold::NoneUpTo { .. } => ("none that the cloth has room for stays", None),
+        };
+        readings.push(of_corner("smallest corner fold", method, mm));
+    }
+    io.progress("");
+    let measured = Measured {
+        params: hash,
+        material,
+        spacing_mm: spacing,
+        readings,
+        warnings: warnings.iter().map(ToString::to_string).collect(),
+    };
+    io.result(arguments.json, &measured);
+    for warning in &measured.warnings {
+        io.talk(warning);
     }
     Ok(Exit::Done)
 }
 
-fn corner(arguments: &MeasureArguments, params: Params, io: &Io) -> Result<Corner, WorldError> {
-    let interrupt = io.interrupt().map_err(|why| WorldError::Motion {
-        why: why.to_string(),
-    })?;
-    let mut fold = CornerFold::new(params, 0.001 * arguments.spacing)?;
-    Ok(Corner {
-        carried_mm: CARRIED_MM,
-        stays_mm: fold.stays_mm(&interrupt)?,
-        smallest_fold: if arguments.smallest_fold {
-            Some(fold.smallest(&interrupt)?)
-        } else {
-            None
-        },
-    })
+/// Returns what becomes of a corner of a square of 340 mm that is carried along the diagonal.
+fn of_corner(what: &'static str, method: &'static str, mm: Option<f64>) -> Reading {
+    Reading {
+        what,
+        method,
+        unit: "mm",
+        declared: None,
+        expected: None,
+        measured: mm.unwrap_or(f64::NAN),
+        within: None,
+    }
 }
 
 impl Report for Measured {
@@ -136,30 +108,7 @@ impl Report for Measured {
         ];
         let mut table = vec![titles.map(str::to_owned)];
         table.extend(self.readings.iter().map(cells));
-        let Corner {
-            carried_mm,
-            stays_mm,
-            smallest_fold,
-        } = &self.corner;
-        let stays = stays_mm.map_or("-".to_owned(), |mm| format!("{mm:.1}"));
-        let (smallest, how) = match smallest_fold {
-            Some(SmallestFold::From { mm }) => {
-                (mm.to_string(), "carried so far, it stays".to_owned())
-            }
-            Some(SmallestFold::NoneUpTo { mm }) => {
-                ("-".to_owned(), format!("none up to {mm} mm stays"))
-            }
-            None => ("-".to_owned(), "`--smallest-fold` searches it".to_owned()),
-        };
-        let carried = format!("corner carried {carried_mm} mm");
-        for (what, measured, method) in [
-            (carried.as_str(), stays, "how far away it stays"),
-            ("smallest corner fold", smallest, &how),
-        ] {
-            table.push([what, "-", "-", &measured, "mm", "-", method].map(str::to_owned));
-        }
-        let columns = [Left, Right, Right, Right, Left, Left, Left];
-        aligned(&columns, &table).join("\n") + "\n"
+        aligned(&[Left, Right, Right, Right], &table).join("\n") + "\n"
     }
 }
 
@@ -169,13 +118,11 @@ fn cells(reading: &Reading) -> [String; 7] {
         ("mm", Some(declared)) if declared < 1.0 => 2,
         _ => 1,
     };
-    let value = |value: Option<f64>| match value {
-        Some(value) => format!("{value:.digits$}"),
-        None => "-".to_owned(),
-    };
-    let mark = match reading.is_within() {
-        Some(false) => "off: ",
-        _ => "",
+    let value = |value: Option<f64>| value.map_or("-".to_owned(), |it| format!("{it:.digits$}"));
+    let mark = if reading.is_within() == Some(false) {
+        "off: "
+    } else {
+        ""
     };
     let within = reading.within.map(|[least, most]| {
         // The bounds of small shares differ in one digit more.

@@ -1,5 +1,7 @@
-//! How many threads a verb of the simulator starts.
+//! Simulates many cloths side by side.
 
+use crate::exit::Failure;
+use crate::io::Io;
 use clap::Args;
 use std::num::NonZero;
 use std::thread;
@@ -20,4 +22,22 @@ pub fn threads(arguments: &ThreadArguments) -> usize {
         || thread::available_parallelism().map_or(1, NonZero::get),
         usize::from,
     )
+}
+
+/// Simulates `count` cloths, with a line of progress; the first failure or an interrupt ends all.
+///
+/// - `what`: what is done with each, such as `crumpled`.
+pub fn each<T: Send>(
+    count: usize,
+    arguments: &ThreadArguments,
+    what: &str,
+    io: &Io,
+    simulate: impl Fn(usize) -> Result<T, Failure> + Sync,
+) -> Result<Vec<T>, Failure> {
+    let show = |done: usize| io.progress(&format!("{done} of {count} {what}"));
+    show(0);
+    let simulate = |index| simulate(index).map(Some);
+    let results = in_parallel(count, threads(arguments), simulate, show);
+    io.progress("");
+    Ok(results?.into_iter().flatten().collect())
 }

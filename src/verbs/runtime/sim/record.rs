@@ -1,7 +1,6 @@
-//! `fabc sim record`: a film of picks and places, given or recorded, without any model.
+//! `fabc sim record`: a film of picks and places, without any model.
 
-use super::demonstrations;
-use super::files::{self, StateArguments};
+use super::files;
 use super::render::{self, CameraArgument};
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
@@ -10,18 +9,17 @@ use crate::verbs::runtime::setting::FrameArguments;
 use crate::verbs::runtime::setting::materials::MaterialArguments;
 use crate::verbs::runtime::video;
 use clap::{Args, ValueHint};
-use fab_sim::{Manner, Mask, Params, SimError, Simulator};
+use fab_sim::{Manner, Params, SimError, Simulator};
 use fab_world::film::{self, Film, FilmPlan, Recorder};
 use fab_world::simulated;
 use serde::Serialize;
 use std::path::PathBuf;
-use std::str::FromStr;
 
 /// Arguments of `sim record`.
 #[derive(Args)]
 pub struct RecordArguments {
-    /// Particle positions, or a folder of recorded demonstrations with manifest.json; default: a flat square cloth.
-    #[arg(value_name = "STATE.npy|DIR", value_hint = ValueHint::AnyPath)]
+    /// Particle positions; default: a flat square cloth.
+    #[arg(value_name = "STATE.npy", value_hint = ValueHint::FilePath)]
     pub from: Option<PathBuf>,
     #[command(flatten)]
     pub frame: FrameArguments,
@@ -31,17 +29,8 @@ pub struct RecordArguments {
     #[command(flatten)]
     pub cloth: MaterialArguments,
     /// Pick at the first point and place at the second: metres from the table's centre. One for each motion, in order.
-    #[arg(long = "move", value_name = "X,Y:X,Y", allow_hyphen_values = true)]
+    #[arg(long = "move", value_name = "X,Y:X,Y", value_parser = parse_move, allow_hyphen_values = true, required = true)]
     pub moves: Vec<Move>,
-    /// With DIR: the demonstration with this id.
-    #[arg(long, value_name = "ID", conflicts_with = "moves")]
-    pub id: Option<u64>,
-    /// With DIR: a demonstration of this task, by the recorded data's own name.
-    #[arg(long, value_name = "NAME", conflicts_with = "moves")]
-    pub task: Option<String>,
-    /// Whose camera over the table; the film shows as much.
-    #[arg(long, value_enum, default_value = "folding")]
-    pub camera: CameraArgument,
     /// The film.
     #[arg(short = 'o', long = "out", value_name = "FILE.gif", value_hint = ValueHint::FilePath)]
     pub out: PathBuf,
@@ -57,22 +46,17 @@ pub struct Move {
     place: [f32; 2],
 }
 
-impl FromStr for Move {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Move, String> {
-        let point = |text: &str| {
-            let (x, y) = text.split_once(',')?;
-            let number = |text: &str| text.trim().parse().ok().filter(|it: &f32| it.is_finite());
-            Some([number(x)?, number(y)?])
-        };
-        let points = text.split_once(':').and_then(|(pick, place)| {
-            let (pick, place) = (point(pick)?, point(place)?);
-            Some(Move { pick, place })
-        });
-        points.ok_or_else(|| {
-            "write the pick and the place in metres from the table's centre, such as `-0.12,0.12:0.1,-0.1`".to_owned()
-        })
+/// Parses `--move`.
+fn parse_move(text: &str) -> Result<Move, &'static str> {
+    let numbers = text.split([',', ':']).map(|number| number.trim().parse());
+    match numbers.collect::<Result<Vec<f32>, _>>().as_deref() {
+        Ok(&[x, y, to_x, to_y]) => Ok(Move {
+            pick: [x, y],
+            place: [to_x, to_y],
+        }),
+        _ => Err(
+            "write the pick and the place in metres from the table's centre, such as `-0.12,0.12:0.1,-0.1`",
+        ),
     }
 }
 
@@ -100,26 +84,25 @@ pub fn run(arguments: &RecordArguments, io: &Io) -> Result<Exit, Failure> {
     let interrupt = io.interrupt()?;
     video::check_file("--out", &arguments.out)?;
     let (params, material) = arguments.cloth.params(io)?;
-    let (mut cloth, asked) = cloth(arguments, &params)?;
+    let mut cloth = cloth(arguments, &params)?;
     let recorder = Recorder::new(FilmPlan {
         path: arguments.out.clone(),
-        camera: render::camera(arguments.camera, None)?,
-        motions: u32::try_from(asked.len()).unwrap_or(u32::MAX),
+        camera: render::camera(CameraArgument::Folding, None)?,
+        motions: arguments.moves.len() as u32,
         max_bytes: film::MAX_BYTES,
     });
     recorder.begin(&cloth, &simulated::look(material.as_ref()));
     let mut moves = Vec::new();
-    for (number, asked) in (1..).zip(asked.iter().copied()) {
+    for (number, asked) in (1..).zip(arguments.moves.iter().copied()) {
         io.progress(&format!("motion {number}"));
         let (manner, Move { pick, place }) = (Manner::default(), asked);
         let recorder = Some(&recorder);
         let done = film::pick_and_place(&mut cloth, &manner, pick, place, recorder, &interrupt);
         io.progress("");
-        let done = match done {
-            Ok(done) => done,
-            Err(SimError::Interrupted { .. }) => break,
-            Err(error) => return Err(Failure::environment(format!("motion {number}: {error}"))),
-        };
+        let done = done.map_err(|error| match error {
+            SimError::Interrupted { .. } => Failure::interrupted(),
+            error => Failure::environment(format!("motion {number}: {error}")),
+        })?;
         if done.grasped.is_none() {
             io.talk(&format!("note: motion {number} grasped nothing"));
         }
@@ -137,64 +120,16 @@ pub fn run(arguments: &RecordArguments, io: &Io) -> Result<Exit, Failure> {
         digest: cloth.digest(),
     };
     io.result(arguments.json, &recorded);
-    Ok(if recorded.moves.len() < asked.len() {
-        Exit::Interrupted
-    } else {
-        Exit::Done
-    })
+    Ok(Exit::Done)
 }
 
-/// Lays the cloth and lists what is to be done with it.
-fn cloth(arguments: &RecordArguments, params: &Params) -> Result<(Simulator, Vec<Move>), Failure> {
-    if let Some(folder) = arguments.from.as_ref().filter(|path| path.is_dir()) {
-        if !arguments.moves.is_empty() || arguments.frame.dims.is_some() {
-            return Err(Failure::usage(format!(
-                "`{}` is a folder of demonstrations, which have picks and a grid of their own; leave `--move`, `--dims` and `--up` out",
-                folder.display()
-            )));
-        }
-        let ids = arguments.id.map(|id| vec![id]);
-        let found = demonstrations::read(folder, arguments.task.as_deref(), ids.as_deref())?;
-        let [one] = &found[..] else {
-            return Err(Failure::usage(format!(
-                "one demonstration is filmed at a time; choose it with `--task NAME --id ID`: {}",
-                demonstrations::listed(found.iter().map(ToString::to_string))
-            )));
-        };
-        let moves = one.picks.iter().map(|it| Move {
-            pick: it.pick,
-            place: it.place,
-        });
-        return Ok((one.lay(&one.positions()?.start, params)?, moves.collect()));
-    }
-    if arguments.id.is_some() || arguments.task.is_some() {
-        return Err(Failure::usage(
-            "`--task` and `--id` choose a recorded demonstration; name the folder with its manifest.json",
-        ));
-    }
-    if arguments.moves.is_empty() {
-        return Err(Failure::usage(
-            "there is nothing to film; give `--move X,Y:X,Y`, or a folder of demonstrations",
-        ));
-    }
-    let (mask, positions, named) = match &arguments.from {
-        None => {
-            let grid = super::square(arguments.size)?;
-            let positions = grid.flat_positions(params);
-            (Mask::full(grid), positions, "the flat cloth".to_owned())
-        }
-        Some(file) => {
-            let state = files::read_state(&StateArguments {
-                file: file.clone(),
-                frame: arguments.frame.clone(),
-                outline: None,
-            })?;
-            (state.mask, state.positions, format!("`{}`", file.display()))
-        }
+/// Lays the cloth.
+fn cloth(arguments: &RecordArguments, params: &Params) -> Result<Simulator, Failure> {
+    let Some(file) = &arguments.from else {
+        return Ok(Simulator::flat(super::square(arguments.size)?, params));
     };
-    let laid = Simulator::from_positions(mask, &positions, params)
-        .map_err(|error| Failure::environment(format!("{named} is no cloth's state: {error}")))?;
-    Ok((laid, arguments.moves.clone()))
+    let (state, mask) = files::read_state(file, &arguments.frame)?;
+    Ok(Simulator::from_positions(mask, &state.positions, params)?)
 }
 
 impl Report for Recorded {

@@ -6,11 +6,11 @@ use crate::io::{Io, write_file};
 use crate::report::Report;
 use crate::verbs::runtime::setting::{self, materials::MaterialArguments};
 use clap::{Args, ValueEnum, ValueHint};
+use fab_picture::png;
 use fab_sim::{Frame, ImageUp, Params, TopDownCamera};
 use fab_world::simulated;
-use image::{DynamicImage, GrayImage, ImageFormat, RgbImage};
+use image::{GrayImage, RgbImage};
 use serde::Serialize;
-use std::io::Cursor;
 use std::path::PathBuf;
 
 /// Arguments of `sim render`.
@@ -18,9 +18,9 @@ use std::path::PathBuf;
 pub struct DrawArguments {
     #[command(flatten)]
     pub state: StateArguments,
-    /// The picture; default: STATE.png in the working folder.
+    /// The picture.
     #[arg(short = 'o', long = "out", value_name = "FILE.png", value_hint = ValueHint::FilePath)]
-    pub out: Option<PathBuf>,
+    pub out: PathBuf,
     /// Whose camera looks.
     #[arg(long, value_enum, default_value = "folding")]
     pub camera: CameraArgument,
@@ -63,26 +63,26 @@ struct Drawn {
 /// Draws the picture and writes it.
 pub fn run(arguments: &DrawArguments, io: &Io) -> Result<Exit, Failure> {
     let camera = camera(arguments.camera, arguments.size)?;
-    let path = output_path(arguments)?;
+    setting::check_ending("-o", &arguments.out, "png")?;
     let (_, material) = arguments.cloth.params(io)?;
-    let state = files::read_state(&arguments.state)?;
-    files::not_onto_itself(&arguments.state.file, &path)?;
+    let (state, mask) = files::read_state(&arguments.state.file, &arguments.state.frame)?;
     let look = simulated::look(material.as_ref());
-    let frame = camera.render(state.mask, &state.positions, &look);
+    let frame = camera.render(mask, &state.positions, &look);
     // The table is at the camera's height, up to rounding.
     let nearer = |depth: &&f32| **depth < camera.height_m - 1e-4;
     let cloth_px = frame.depth_m.iter().filter(nearer).count();
     if cloth_px == 0 {
         io.talk("note: no part of the cloth is in the picture");
     }
-    let mut bytes = Vec::new();
-    picture(frame, arguments.depth)
-        .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)
-        .expect("a picture in memory can be encoded");
-    write_file(&path, &bytes)?;
+    let picture = if arguments.depth {
+        depth_png(&frame)
+    } else {
+        colour_png(frame)
+    };
+    write_file(&arguments.out, &picture)?;
     let drawn = Drawn {
         params: Params::default().hash(),
-        file: path.display().to_string(),
+        file: arguments.out.display().to_string(),
         size_px: camera.size_px,
         camera: arguments.camera,
         cloth_px,
@@ -103,33 +103,19 @@ pub fn camera(camera: CameraArgument, side_px: Option<u32>) -> Result<TopDownCam
         .map_err(|error| Failure::usage(format!("`--size {size_px}`: {error}")))
 }
 
-/// Returns the path of the picture; a default path must not exist yet.
-fn output_path(arguments: &DrawArguments) -> Result<PathBuf, Failure> {
-    if let Some(path) = &arguments.out {
-        setting::check_ending("-o", path, "png")?;
-        return Ok(path.clone());
-    }
-    let stem = arguments.state.file.file_stem().unwrap_or_default();
-    let path = PathBuf::from(stem).with_added_extension("png");
-    if path.symlink_metadata().is_ok() {
-        return Err(Failure::environment(format!(
-            "`{0}` is there already; `-o {0}` replaces it",
-            path.display()
-        )));
-    }
-    Ok(path)
+const WHOLE: &str = "a frame holds width * height pixels";
+
+fn colour_png(frame: Frame) -> Vec<u8> {
+    let picture = RgbImage::from_raw(frame.width, frame.height, frame.rgb);
+    png::encode(&picture.expect(WHOLE))
 }
 
-fn picture(frame: Frame, is_depth: bool) -> DynamicImage {
-    let (width, height) = (frame.width, frame.height);
+fn depth_png(frame: &Frame) -> Vec<u8> {
     // Casts saturate: everything farther than 1 m is white.
     let grey = |depth_m: &f32| (GREY_PER_M * depth_m) as u8;
-    let picture = match is_depth {
-        true => GrayImage::from_raw(width, height, frame.depth_m.iter().map(grey).collect())
-            .map(DynamicImage::from),
-        false => RgbImage::from_raw(width, height, frame.rgb).map(DynamicImage::from),
-    };
-    picture.expect("a frame holds width * height pixels")
+    let levels = frame.depth_m.iter().map(grey).collect();
+    let picture = GrayImage::from_raw(frame.width, frame.height, levels);
+    png::encode_gray(&picture.expect(WHOLE))
 }
 
 impl Report for Drawn {

@@ -8,7 +8,7 @@ use fab_agent::scene::Scene;
 use fab_agent::subgoals::Demonstrated;
 use fab_program::scene::SceneView;
 use fab_program::{
-    ActionField, Choices, ClothPoint, Fold, KeypointShape, PixelPoint, Program, Value, space,
+    ActionField, Choices, Keypoint, KeypointShape, PixelPoint, Program, Value, space,
 };
 
 /// Largest distance of an offered point from a demonstrated one, pixels of a 224 px picture.
@@ -33,134 +33,82 @@ impl<'p> Offered<'p> {
     }
 
     /// Checks a step; ignores one in which nothing is found, since a run reports that better.
-    pub fn look(&mut self, demonstrated: Demonstrated<'_>) {
-        let Demonstrated {
-            number,
-            fold,
-            observation,
-            ends_px: [pick_px, place_px],
-        } = demonstrated;
+    pub fn look(&mut self, step: Demonstrated<'_>) {
         let program = self.program;
-        let Ok(scene) = Scene::of(program, observation, self.first.as_ref()) else {
+        let Ok(scene) = Scene::of(program, step.observation, self.first.as_ref()) else {
             return;
         };
-        let step = Step {
-            program,
-            number,
-            fold,
-            scene: &scene,
-        };
-        let ends = [
-            ("pick", &fold.pick, pick_px),
-            ("place", &fold.place, place_px),
-        ];
-        for (name, point, at) in ends {
+        let points = [("pick", &step.fold.pick), ("place", &step.fold.place)];
+        for ((name, point), at) in points.into_iter().zip(step.ends_px) {
             if let (Some(field), Some([u, v])) = (program.field(name), at) {
-                let pixel = PixelPoint::new(u.floor() as i32, v.floor() as i32);
-                self.notes.extend(step.note(field, point, pixel));
+                let at = PixelPoint::new(u.floor() as i32, v.floor() as i32);
+                let cure = cure(program, &scene, field, at);
+                self.notes.extend(cure.map(|cure| {
+                    let short = if name == "place" && step.fold.fraction != 1.0 {
+                        "short of "
+                    } else {
+                        ""
+                    };
+                    let (number, point) = (step.number + 1, point_text(point));
+                    format!(
+                        "step {number} {name}s {short}{point} at ({}, {}); {cure}",
+                        at.u, at.v
+                    )
+                }));
             }
         }
         self.first.get_or_insert(scene);
     }
 }
 
-/// One demonstrated step, before it is executed.
-struct Step<'s> {
-    program: &'s Program,
-    /// Its number, from 0.
-    number: usize,
-    fold: &'s Fold,
-    scene: &'s Scene,
-}
-
-impl Step<'_> {
-    /// Returns a note if a demonstrated point is not offered.
-    fn note(&self, field: &ActionField, point: &ClothPoint, at: PixelPoint) -> Option<String> {
-        let limit_px = limit_px(self.program);
-        let name = &field.name;
-        let nearest_px = match &field.choices {
-            Choices::Points { .. } => nearest(space::choices(field, self.scene), at)?,
-            Choices::Region { mask } => self.scene.distance_px(mask, at)?,
-            _ => return None,
-        };
-        if nearest_px <= limit_px {
-            return None;
-        }
-        let place = if name == "place" && self.fold.fraction != 1.0 {
-            format!("short of {}", point_text(point))
-        } else {
-            point_text(point)
-        };
-        Some(format!(
-            "step {} {name}s {place} at ({}, {}); the nearest offered `{name}` is {nearest_px:.0} px away, so that no \
-             answer can be that fold{}",
-            self.number + 1,
-            at.u,
-            at.v,
-            cure(self.program, self.scene, field, point, at)
-        ))
-    }
-}
-
-/// Returns how to offer the point, as the end of a sentence.
+/// Returns how far away the nearest offered point is and how to offer this one; `None` if it is offered.
 ///
 /// - `at`: where the point is in the picture behind `scene`.
-fn cure(
-    program: &Program,
-    scene: &Scene,
-    field: &ActionField,
-    point: &ClothPoint,
-    at: PixelPoint,
-) -> String {
-    let limit_px = limit_px(program);
-    let Choices::Points { keypoints } = &field.choices else {
-        return String::new();
+fn cure(program: &Program, scene: &Scene, field: &ActionField, at: PixelPoint) -> Option<String> {
+    let limit_px = NEAR_PX * f64::from(program.camera.image_px) / 224.0;
+    let name = &field.name;
+    let (nearest_px, keypoints) = match &field.choices {
+        Choices::Points { keypoints } => (nearest(space::choices(field, scene), at)?, keypoints),
+        Choices::Region { mask } => (scene.distance_px(mask, at)?, &Vec::new()),
+        _ => return None,
     };
-    let offer = |more: &str| format!("`{}: one of {}, {more}`", field.name, keypoints.join(", "));
-    let has_it = |name: &&String| {
-        let points = scene.points(name).unwrap_or_default();
-        nearest(points.into_iter().map(Value::Point).collect(), at)
-            .is_some_and(|distance_px| distance_px <= limit_px)
+    if nearest_px <= limit_px {
+        return None;
+    }
+    let has_it = |keypoint: &&Keypoint| {
+        let points = scene.points(&keypoint.name).unwrap_or_default();
+        let nearest_px = nearest(points.into_iter().map(Value::Point).collect(), at);
+        nearest_px.is_some_and(|distance_px| distance_px <= limit_px)
     };
-    let mut names = program.keypoints.iter().map(|keypoint| &keypoint.name);
-    if let Some(known) = names.find(has_it) {
-        return format!(": offer it, {}", offer(known));
-    }
-    let is_middle = matches!(
-        *point,
-        ClothPoint::Particle { right, front } if [right, front].contains(&0.5)
-            && [right, front].iter().any(|at| [0.0, 1.0].contains(at))
-    );
-    let has = |name: &str| program.keypoints.iter().any(|known| known.name == name);
-    if is_middle && has("cloth") && !has("rim") && !has("sides") {
-        return format!(
-            ": offer it,\n    keypoints {{\n        rim = contour(cloth, tolerance: 4px)\n        \
-             sides = edge_middles(rim)\n    }}\nand {}, and say `{{{{ sides }}}}` in a prompt",
-            offer("sides")
-        );
-    }
-    let masks = program.keypoints.iter().filter(|keypoint| {
+    let is_mask_there = |keypoint: &&Keypoint| {
         let is_mask = keypoint.extractor.shape() == KeypointShape::Mask;
         is_mask && scene.distance_px(&keypoint.name, at) == Some(0.0)
-    });
-    match masks.map(|keypoint| &keypoint.name).next() {
-        Some(mask) => format!(
-            "; no keypoint of the task finds it: `{}: any of {mask}` offers each point of the mask",
-            field.name
-        ),
-        None => "; offer a keypoint that finds it".to_owned(),
-    }
-}
-
-/// Returns how far an offered point may be from a demonstrated one, pixels.
-fn limit_px(program: &Program) -> f64 {
-    NEAR_PX * f64::from(program.camera.image_px) / 224.0
+    };
+    let mut all = program.keypoints.iter();
+    let help = if let Some(known) = all.clone().find(has_it) {
+        let names: Vec<&str> = keypoints
+            .iter()
+            .chain([&known.name])
+            .map(String::as_str)
+            .collect();
+        format!("offer it, `{name}: one of {}`", names.join(", "))
+    } else if let Some(mask) = all.find(is_mask_there) {
+        let mask = &mask.name;
+        format!(
+            "no keypoint of the task finds it: `{name}: any of {mask}` offers each point of the mask"
+        )
+    } else {
+        "offer a keypoint that finds it".to_owned()
+    };
+    Some(format!(
+        "the nearest offered `{name}` is {nearest_px:.0} px away, so that no answer can be that fold; {help}"
+    ))
 }
 
 /// Returns the distance of the nearest of some points, pixels.
 fn nearest(offered: Vec<Value>, at: PixelPoint) -> Option<f64> {
     let distances = offered.iter().filter_map(|value| match value {
-        Value::Point(point) => Some(f64::from(point.u - at.u).hypot(f64::from(point.v - at.v))),
+        Value::Point(point) => Some(point.distance_px(at)),
         _ => None,
     });
     distances.reduce(f64::min)

@@ -27,15 +27,15 @@ fn a_rehearsed_step_names_the_taken_answer_and_the_first_by_measure_and_place() 
     let rows = [
         (
             said(&four, Some(3), 3),
-            "4 answers, 0.93 (2nd) taken in place of 0.41 (1st), 3 more questions, 4.7 s",
+            "4 answers, answer 2 taken (0.93) in place of the first (0.41), 3 more questions, 4.7 s",
         ),
         (
             said(&four[..1], Some(2), 1),
-            "1 answer, 0.41 (1st) taken, 1 more question, 4.7 s",
+            "1 answer, the first taken (0.41), 1 more question, 4.7 s",
         ),
         (
             said(&[None, None, None], Some(4), 2),
-            "3 answers, the 3rd taken in place of the 1st, 2 more questions, 4.7 s",
+            "3 answers, answer 3 taken (no measure) in place of the first (no measure), 2 more questions, 4.7 s",
         ),
         (
             said(&[], None, 0),
