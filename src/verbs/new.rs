@@ -3,18 +3,18 @@
 //! In: a name, and pictures if a fold is drafted from them. Out: files, which were compiled before any was written, and
 //! the next steps. `fab_agent::draft` finds what the pictures show.
 
-mod names;
 #[cfg(feature = "runtime")]
 pub mod simulator;
 
 use crate::exit::{Exit, Failure};
 use crate::io::{Io, write_file};
+use crate::report::Report;
 use crate::shipped;
 use crate::sources;
 use clap::{Args, Subcommand, ValueHint};
 use fab_compiler::{LoadError, Loader};
 use fab_program::Program;
-use serde_json::json;
+use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -134,31 +134,38 @@ fn library(arguments: &LibraryArguments, io: &Io) -> Result<Exit, Failure> {
     for task in tasks {
         wanted.extend(shipped::task_files(task)?);
     }
-    let (mut written, mut kept) = (Vec::new(), Vec::new());
+    let mut copied = Copied::default();
     for (path, bytes) in wanted {
         let place = folder.join(path);
         if place.symlink_metadata().is_err() {
             write(&place, bytes)?;
-            written.push(shown(&place));
+            copied.files.push(shown(&place));
         } else if !fs::read(&place).is_ok_and(|present| present == bytes) {
-            kept.push(shown(&place));
+            let place = shown(&place);
+            io.talk(&format!(
+                "note: `{place}` differs from the shipped version, and stays as it is"
+            ));
+            copied.kept.push(place);
         }
     }
-    if arguments.json {
-        io.json(&json!({ "files": written, "kept": kept }));
-        return Ok(Exit::Done);
-    }
-    for place in kept {
-        io.talk(&format!(
-            "note: `{place}` differs from the shipped version, and stays as it is"
-        ));
-    }
-    if written.is_empty() {
+    if copied.files.is_empty() {
         io.talk("nothing is missing");
-    } else {
-        io.data(&written.join("\n"));
     }
+    io.result(arguments.json, &copied);
     Ok(Exit::Done)
+}
+
+/// The copied files, and those that were there with another content.
+#[derive(Default, Serialize)]
+struct Copied {
+    files: Vec<String>,
+    kept: Vec<String>,
+}
+
+impl Report for Copied {
+    fn text(&self) -> String {
+        self.files.join("\n")
+    }
 }
 
 fn fold(arguments: &NewFoldArguments, io: &Io) -> Result<Exit, Failure> {
@@ -233,18 +240,33 @@ fn begin(arguments: &NewTaskArguments, draft: Draft, io: &Io) -> Result<Exit, Fa
     }
     // Last, so that there is no task without what it uses.
     write(&files[0], draft.text.as_bytes())?;
-    let files: Vec<String> = files.iter().map(|file| shown(file)).collect();
-    if arguments.json {
-        io.json(&json!({ "files": files, "guesses": draft.guesses(), "next": draft.next }));
-        return Ok(Exit::Done);
+    let begun = Begun {
+        files: files.iter().map(|file| shown(file)).collect(),
+        guesses: draft.guesses(),
+        next: &draft.next,
+    };
+    io.result(arguments.json, &begun);
+    if !arguments.json {
+        for guess in begun.guesses {
+            io.talk(&format!("guessed: {guess}"));
+        }
+        io.talk(&format!("next:\n  {}", draft.next.join("\n  ")));
     }
-    for guess in draft.guesses() {
-        io.talk(&format!("guessed: {guess}"));
-    }
-    io.data(&files.join("\n"));
-    let next = draft.next.iter().map(|command| format!("\n  {command}"));
-    io.talk(&format!("next:{}", next.collect::<String>()));
     Ok(Exit::Done)
+}
+
+/// The files of a new task.
+#[derive(Serialize)]
+struct Begun<'d> {
+    files: Vec<String>,
+    guesses: Vec<&'d str>,
+    next: &'d [String],
+}
+
+impl Report for Begun<'_> {
+    fn text(&self) -> String {
+        self.files.join("\n")
+    }
 }
 
 /// Writes a file and the folders above it.
@@ -257,7 +279,7 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
 
 /// Rejects invalid names and existing files before any work is done.
 fn check_place(arguments: &NewTaskArguments) -> Result<(), Failure> {
-    names::check(&arguments.name)?;
+    check_name(&arguments.name)?;
     let folder = arguments.folder();
     if folder.is_file() {
         return Err(Failure::environment(format!(
@@ -272,6 +294,22 @@ fn check_place(arguments: &NewTaskArguments) -> Result<(), Failure> {
         )?;
     }
     Ok(())
+}
+
+fn check_name(name: &str) -> Result<(), Failure> {
+    let is_part = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
+    let begins_with_digit = name.starts_with(|first: char| first.is_ascii_digit());
+    let why = if fab_compiler::is_keyword(name) {
+        "the language uses this word itself"
+    } else if name.is_empty() || begins_with_digit || !name.chars().all(is_part) {
+        "one begins with a letter or `_`, and continues with letters, digits and `_`, without accents"
+    } else {
+        return Ok(());
+    };
+    let name = name.escape_debug();
+    Err(Failure::usage(format!(
+        "`{name}` cannot name a task: {why}"
+    )))
 }
 
 fn refuse_if_there(place: &Path, advice: &str) -> Result<(), Failure> {
@@ -329,7 +367,7 @@ fn compile(
         if library == shipped::text(path) {
             let name = &arguments.name;
             return Err(Failure::usage(format!(
-                "`{name}` cannot name a task: `{path}` has one of this name; `my_{name}` would be right"
+                "`{name}` cannot name a task: `{path}` has one of this name"
             )));
         }
         io.painted_talk(&sources::findings(&compiled, io.talk_color()));

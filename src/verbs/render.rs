@@ -11,18 +11,22 @@ mod why;
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
+use crate::report::Report;
 use crate::sources::TaskArguments;
 use crate::verbs::price::Price;
 use crate::{sources, watch};
 use clap::{Args, ValueHint};
 use fab_base::wording::quoted;
-use fab_program::render::{self, PromptPicture, PromptText, RenderError, Values};
+use fab_program::render::PromptPicture;
+#[cfg(not(feature = "runtime"))]
+use fab_program::render::{RenderError, Values};
 use fab_program::{Arrow, Layers, Picture, Program, Read, Stage, SubgoalStep};
-use page::{DisplayMessage, DisplayPart, ShownStage};
+use page::{DisplayPart, ShownStage};
 use scene_file::SceneFile;
-use serde_json::{Value, json};
+use serde::Serialize;
 use std::fs;
 use std::path::{Path, PathBuf};
+use why::Why;
 
 /// Arguments of `render`.
 #[derive(Args)]
@@ -74,9 +78,31 @@ pub fn run(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
 pub struct Rendered {
     /// The task, for the cloth that lies there.
     program: Program,
-    shown: Vec<ShownStage>,
+    stages: Vec<ShownStage>,
     /// What the model that is shown the messages costs, if one is named.
     price: Option<Price>,
+}
+
+/// The stages as they are printed.
+#[derive(Serialize)]
+struct Printed<'s> {
+    stages: Vec<PrintedStage<'s>>,
+    #[serde(skip)]
+    texts: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct PrintedStage<'s> {
+    #[serde(flatten)]
+    stage: &'s ShownStage,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    why: Option<Why<'s>>,
+}
+
+impl Report for Printed<'_> {
+    fn text(&self) -> String {
+        self.texts.join("\n").trim_end().to_owned()
+    }
 }
 
 fn render(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
@@ -87,37 +113,35 @@ fn render(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
     let rendered = rendered_without_camera(declared, arguments, io)?;
     let Rendered {
         program,
-        shown,
+        stages,
         price,
     } = &rendered;
-    say_placeholders(program, shown, io);
+    say_placeholders(program, stages, io);
     if let Some(folder) = &arguments.out {
-        write(folder, shown).map_err(|error| {
+        write(folder, stages).map_err(|error| {
             Failure::environment(format!("cannot write into `{}`: {error}", folder.display()))
         })?;
     }
     let folder = sources::folder_of(&arguments.task.file);
-    if arguments.json {
-        let stages = shown.iter().map(|stage| {
-            let mut json = as_json(stage);
-            if arguments.why {
-                json["why"] = why::as_json(stage, &folder, price.as_ref());
-            }
-            json
-        });
-        io.json(&json!({ "stages": stages.collect::<Vec<Value>>() }));
-    } else if arguments.out.is_none() || arguments.why {
-        let text = |stage: &ShownStage| {
-            if arguments.why {
-                why::text(stage, &folder, price.as_ref())
-            } else {
-                format!("=== stage {}\n{}", stage.name, stage.text())
-            }
-        };
-        let texts: Vec<String> = shown.iter().map(text).collect();
-        io.data(texts.join("\n").trim_end());
-    }
-    for stage in shown {
+    let text = |stage: &ShownStage| {
+        if arguments.why {
+            why::text(stage, &folder, price.as_ref())
+        } else if arguments.out.is_none() {
+            format!("=== stage {}\n{}", stage.name, stage.text())
+        } else {
+            String::new()
+        }
+    };
+    let printed = stages.iter().map(|stage| PrintedStage {
+        stage,
+        why: (arguments.why).then(|| why::of(stage, &folder, price.as_ref())),
+    });
+    let printed = Printed {
+        stages: printed.collect(),
+        texts: stages.iter().map(text).collect(),
+    };
+    io.result(arguments.json, &printed);
+    for stage in stages {
         for (finding, number) in stage.findings.iter().zip(1..) {
             io.talk(&format!("`{}`, answer {number}: {finding}", stage.name));
         }
@@ -175,7 +199,7 @@ fn rendered_without_camera(
     });
     let shown: Result<Vec<ShownStage>, RenderError> = shown.collect();
     Ok(Rendered {
-        shown: shown.map_err(Failure::environment)?,
+        stages: shown?,
         price: None,
         program,
     })
@@ -237,37 +261,6 @@ pub fn title(picture: &PromptPicture, step: u32) -> String {
     }
 }
 
-/// Returns what a model would be told if its answer were rejected; empty if the stage reads no action.
-pub fn corrections_of(
-    program: &Program,
-    stage: &Stage,
-    values: Values<'_>,
-) -> Result<Vec<(String, PromptText)>, RenderError> {
-    match stage.read {
-        Read::Action => render::corrections(program, values),
-        Read::Text { .. } => Ok(Vec::new()),
-    }
-}
-
-fn as_json(stage: &ShownStage) -> Value {
-    let part = |part: &DisplayPart| match part {
-        DisplayPart::Text(said) => json!({ "type": "text", "text": said.text }),
-        DisplayPart::Picture { title, png } => {
-            json!({ "type": "image", "shows": title, "bytes": png.as_ref().map(Vec::len) })
-        }
-    };
-    let message = |message: &DisplayMessage| json!({ "role": message.role, "parts": message.parts.iter().map(part).collect::<Vec<_>>() });
-    let correction =
-        |(check, said): &(String, PromptText)| json!({ "check": check, "text": said.text });
-    json!({
-        "stage": stage.name,
-        "messages": stage.messages.iter().map(message).collect::<Vec<_>>(),
-        "corrections": stage.corrections.iter().map(correction).collect::<Vec<_>>(),
-        "findings": stage.findings,
-        "results": stage.results,
-    })
-}
-
 /// Writes `STAGE.txt` and `STAGE_N.png` for every stage.
 fn write(folder: &Path, shown: &[ShownStage]) -> std::io::Result<()> {
     fs::create_dir_all(folder)?;
@@ -276,8 +269,8 @@ fn write(folder: &Path, shown: &[ShownStage]) -> std::io::Result<()> {
         fs::write(folder.join(format!("{name}.txt")), stage.text())?;
         let parts = stage.messages.iter().flat_map(|message| &message.parts);
         let pictures = parts.filter_map(|part| match part {
-            DisplayPart::Picture { png, .. } => png.as_ref(),
-            DisplayPart::Text(_) => None,
+            DisplayPart::Image { png, .. } => png.as_ref(),
+            DisplayPart::Text { .. } => None,
         });
         for (number, png) in pictures.enumerate() {
             fs::write(folder.join(format!("{name}_{}.png", number + 1)), png)?;

@@ -5,9 +5,10 @@
 //! unreadable accepted one counts as absent, since the pending one was made without it.
 
 use crate::exit::Failure;
-use crate::snapshots::{Contents, FOLDER, Folder, Info, Name, Side, Snapshot};
+use crate::io::Io;
+use crate::snapshots::{Contents, FOLDER, Folder, Info, Name, Side, Snapshot, picture_of};
+use serde::Serialize;
 use std::collections::BTreeSet;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use walkdir::{DirEntry, WalkDir};
@@ -25,72 +26,74 @@ pub struct ReviewItems {
 }
 
 /// A pending snapshot.
+#[derive(Serialize)]
 pub struct Pending {
+    #[serde(skip)]
     pub folder: Rc<Folder>,
     /// Its name, which is also its id.
+    #[serde(rename = "id")]
     pub name: Name,
     /// The file.
     pub path: PathBuf,
+    /// The file of the proposed picture, if it is one.
+    pub file: Option<PathBuf>,
     /// The accepted snapshot; `None` if this one is new.
+    #[serde(skip)]
     pub accepted: Option<Snapshot>,
-    /// Why the accepted snapshot cannot be read, if it exists and cannot.
-    pub unreadable: Option<String>,
+    #[serde(skip)]
     pub proposed: Snapshot,
     /// Details that `fabc` wrote about the proposed snapshot.
+    #[serde(flatten)]
     pub info: Info,
 }
 
 /// Finds the pending snapshots in the named places, or below the current folder.
-pub fn find(places: &[PathBuf]) -> Result<ReviewItems, Failure> {
+///
+/// - `only`: a part of the names of those to return; default: all.
+pub fn find(places: &[PathBuf], only: Option<&str>, io: &Io) -> Result<ReviewItems, Failure> {
     let here = [PathBuf::from(".")];
     let places = if places.is_empty() { &here } else { places };
-    let mut found = ReviewItems::default();
-    let mut seen = BTreeSet::new();
+    let mut folders = BTreeSet::new();
     for place in places {
         if place.is_file() {
-            let file = place.file_name().and_then(|name| name.to_str());
-            found.add(&place.with_file_name(FOLDER), file, &mut seen)?;
-            continue;
-        }
-        for folder in snapshot_folders(place)? {
-            found.add(&folder, None, &mut seen)?;
+            let source = place.file_name().and_then(|name| name.to_str());
+            folders.insert((place.with_file_name(FOLDER), source));
+        } else {
+            let found = snapshot_folders(place)?.into_iter();
+            folders.extend(found.map(|folder| (folder, None)));
         }
     }
+    let mut found = ReviewItems::default();
+    for (folder, source) in folders {
+        found.add(&folder, source, only.unwrap_or_default(), io)?;
+    }
+    // A folder and a file beside it may both be named.
+    let mut seen = BTreeSet::new();
+    found.pending.retain(|one| seen.insert(one.path.clone()));
     Ok(found)
 }
 
-/// Returns the snapshot folders in and below a folder; follows only links that are snapshot folders themselves.
+/// Returns the snapshot folders in and below a folder; links are not followed.
 fn snapshot_folders(place: &Path) -> Result<Vec<PathBuf>, Failure> {
     let is_meant = |entry: &DirEntry| {
         let name = entry.file_name().to_string_lossy();
         entry.depth() == 0 || !(name.starts_with('.') || SKIPPED.contains(&&*name))
     };
     let mut folders = Vec::new();
-    let mut entries = WalkDir::new(place).sort_by_file_name().into_iter();
-    while let Some(entry) = entries.next() {
-        let entry = match entry {
-            Ok(entry) => entry,
+    for entry in WalkDir::new(place).into_iter().filter_entry(is_meant) {
+        match entry {
+            Ok(entry) if entry.file_type().is_dir() && entry.path().ends_with(FOLDER) => {
+                let path = entry.path();
+                folders.push(path.strip_prefix(".").unwrap_or(path).to_owned());
+            }
             Err(error) if error.depth() == 0 => {
-                let why = error.io_error().map(ToString::to_string);
+                let path = place.display();
                 return Err(Failure::environment(format!(
-                    "cannot read `{}`: {}",
-                    place.display(),
-                    why.unwrap_or_default()
+                    "cannot read `{path}`: {error}"
                 )));
             }
             // An unreadable folder below a named one is skipped.
-            Err(_) => continue,
-        };
-        let path = entry.path();
-        if !is_meant(&entry) {
-            if entry.file_type().is_dir() {
-                entries.skip_current_dir();
-            }
-        } else if path.file_name().is_some_and(|name| name == FOLDER) && path.is_dir() {
-            folders.push(path.strip_prefix(".").unwrap_or(path).to_owned());
-            if entry.file_type().is_dir() {
-                entries.skip_current_dir();
-            }
+            _ => {}
         }
     }
     Ok(folders)
@@ -102,43 +105,41 @@ impl ReviewItems {
         &mut self,
         path: &Path,
         source: Option<&str>,
-        seen: &mut BTreeSet<PathBuf>,
+        only: &str,
+        io: &Io,
     ) -> Result<(), Failure> {
-        let folder = Rc::new(Folder::open(path).map_err(Failure::environment)?);
-        for name in &folder.pending {
-            let path = folder.file(name, Side::Pending);
+        let folder = Rc::new(Folder::open(path)?);
+        for name in folder.pending.iter().filter(|name| name.0.contains(only)) {
             let proposed = match folder.read(name, Side::Pending) {
-                Ok(Some(proposed)) => proposed,
-                Ok(None) => continue,
-                Err(_) if !name.is_ours() => {
-                    self.n_foreign += 1;
-                    continue;
-                }
-                Err(error) => {
-                    return Err(Failure::environment(error)
+                Err(_) if !name.is_ours() => None,
+                Err(failure) => {
+                    return Err(failure
                         .saying("run `fabc snap` again, which proposes anew what cannot be read"));
                 }
+                Ok(read) => read,
             };
-            let Some(info) = proposed.metadata.info.clone() else {
+            let info = proposed.as_ref().and_then(|it| it.metadata.info.clone());
+            let (Some(proposed), Some(info)) = (proposed, info) else {
                 self.n_foreign += 1;
                 continue;
             };
-            let is_meant =
-                source.is_none_or(|source| proposed.metadata.source.as_deref() == Some(source));
-            let place = fs::canonicalize(&path).unwrap_or_else(|_| path.clone());
-            if !is_meant || !seen.insert(place) {
+            if source.is_some() && proposed.metadata.source.as_deref() != source {
                 continue;
             }
-            let (accepted, unreadable) = match folder.read(name, Side::Accepted) {
-                Ok(accepted) => (accepted, None),
-                Err(error) => (None, Some(error.to_string())),
-            };
+            let accepted = folder.read(name, Side::Accepted).unwrap_or_else(|why| {
+                io.talk(&format!("counted as new: {why}"));
+                None
+            });
+            let path = folder.file(name, Side::Pending);
             self.pending.push(Pending {
                 folder: folder.clone(),
                 name: name.clone(),
+                file: match &proposed.contents {
+                    Contents::Picture(_) => Some(picture_of(&path)),
+                    Contents::Text(_) => None,
+                },
                 path,
                 accepted,
-                unreadable,
                 proposed,
                 info,
             });
@@ -148,14 +149,6 @@ impl ReviewItems {
 }
 
 impl Pending {
-    /// Returns the file of the proposed picture, if it is one.
-    pub fn picture_file(&self) -> Option<PathBuf> {
-        match self.proposed.contents {
-            Contents::Picture(_) => Some(self.path.with_added_extension("png")),
-            Contents::Text(_) => None,
-        }
-    }
-
     /// Returns both pictures, if a picture changed.
     pub fn pictures(&self) -> Option<[&[u8]; 2]> {
         match (&self.accepted.as_ref()?.contents, &self.proposed.contents) {
