@@ -48,7 +48,7 @@ pub fn run(
         let n_present = seen.values().flatten().count();
         let watched = counted(n_present, "file");
         io.talk(&format!("watching {watched}; Ctrl-C ends"));
-        wait_for_change(&files, &seen, &interrupt, io);
+        wait_for_change(&files, &seen, &interrupt);
     }
     Ok(Exit::Interrupted)
 }
@@ -68,28 +68,16 @@ fn stamps(files: &BTreeSet<PathBuf>) -> Stamps {
         .collect()
 }
 
-/// Waits until a file has changed and all earlier files exist again, or until an interrupt.
-fn wait_for_change(files: &BTreeSet<PathBuf>, seen: &Stamps, interrupt: &Interrupt, io: &Io) {
-    let mut reported = BTreeSet::new();
+/// Waits until a file has changed, or until an interrupt.
+fn wait_for_change(files: &BTreeSet<PathBuf>, seen: &Stamps, interrupt: &Interrupt) {
     let mut before = seen.clone();
     while !interrupt.is_raised() {
         thread::sleep(INTERVAL);
         let now = stamps(files);
-        if now != before {
-            before = now;
-            continue;
-        }
-        let is_gone = |path: &&PathBuf| seen[*path].is_some() && now[*path].is_none();
-        let gone: BTreeSet<&PathBuf> = files.iter().filter(is_gone).collect();
-        // A file that returns triggers a run even if unchanged, since its loss was reported.
-        if gone.is_empty() && (now != *seen || !reported.is_empty()) {
+        if now == before && now != *seen {
             return;
         }
-        for path in gone.difference(&reported) {
-            let path = path.display();
-            io.talk(&format!("`{path}` is gone; waiting until it is back"));
-        }
-        reported.extend(gone);
+        before = now;
     }
 }
 

@@ -87,16 +87,8 @@ struct CheckedTask {
 #[derive(Serialize)]
 struct CheckedMaterial {
     name: String,
-    sources: Vec<PropertySource>,
     /// How the simulated cloth differs from it.
     simulated: Option<Vec<String>>,
-}
-
-/// Where the values of one property come from.
-#[derive(Serialize)]
-struct PropertySource {
-    property: String,
-    from: String,
 }
 
 /// Checks every file; one file's faults do not stop the others.
@@ -230,7 +222,6 @@ impl CheckedTask {
             demonstration: unjudged(program, beside),
             material: material.map(|material| CheckedMaterial {
                 name: material.name.clone(),
-                sources: sources_of(material),
                 simulated: differs(material, program.cloth.spacing_m),
             }),
         }
@@ -252,23 +243,12 @@ impl CheckedTask {
         }
         if let Some(material) = &self.material {
             words.push_str(&format!("\n  made of {}", material.name));
-            for source in &material.sources {
-                words.push_str(&format!("\n    {}: {}", source.property, source.from));
-            }
             for difference in material.simulated.iter().flatten() {
                 words.push_str(&format!("\n    in the simulator, {difference}"));
             }
         }
         words
     }
-}
-
-fn sources_of(material: &Material) -> Vec<PropertySource> {
-    let sources = material.sources.iter().map(|source| PropertySource {
-        property: source.property.clone(),
-        from: source.from.clone(),
-    });
-    sources.collect()
 }
 
 /// Returns a note if the steps of the demonstration have not been judged.

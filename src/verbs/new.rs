@@ -136,17 +136,7 @@ fn library(arguments: &LibraryArguments, io: &Io) -> Result<Exit, Failure> {
     }
     let mut copied = Copied::default();
     for (path, bytes) in wanted {
-        let place = folder.join(path);
-        if place.symlink_metadata().is_err() {
-            write(&place, bytes)?;
-            copied.files.push(shown(&place));
-        } else if !fs::read(&place).is_ok_and(|present| present == bytes) {
-            let place = shown(&place);
-            io.talk(&format!(
-                "note: `{place}` differs from the shipped version, and stays as it is"
-            ));
-            copied.kept.push(place);
-        }
+        copied.add(folder.join(path), bytes, io)?;
     }
     if copied.files.is_empty() {
         io.talk("nothing is missing");
@@ -160,6 +150,23 @@ fn library(arguments: &LibraryArguments, io: &Io) -> Result<Exit, Failure> {
 struct Copied {
     files: Vec<String>,
     kept: Vec<String>,
+}
+
+impl Copied {
+    /// Writes a shipped file unless it is there; one of another content stays as it is, and is named.
+    fn add(&mut self, place: PathBuf, bytes: &[u8], io: &Io) -> Result<(), Failure> {
+        let name = shown(&place);
+        if place.symlink_metadata().is_err() {
+            write(&place, bytes)?;
+            self.files.push(name);
+        } else if !fs::read(&place).is_ok_and(|present| present == bytes) {
+            io.talk(&format!(
+                "note: `{name}` differs from the shipped version, and stays as it is"
+            ));
+            self.kept.push(name);
+        }
+        Ok(())
+    }
 }
 
 impl Report for Copied {
@@ -206,7 +213,7 @@ fn begin(arguments: &NewTaskArguments, draft: Draft, io: &Io) -> Result<Exit, Fa
     let folder = arguments.folder();
     let library = folder.join(draft.library);
     let shipped = shipped::text(draft.library);
-    let present = present_library(&folder, &library)?;
+    let present = present_library(&library)?;
     let program = compile(arguments, &draft, present.as_deref().unwrap_or(shipped), io)?;
     #[cfg(feature = "runtime")]
     let drawn = simulator::Drawn::of(&program, io)?;
@@ -217,31 +224,24 @@ fn begin(arguments: &NewTaskArguments, draft: Draft, io: &Io) -> Result<Exit, Fa
     for (path, _) in &draft.pictures {
         refuse_if_there(&folder.join(path), "choose another name, or remove it")?;
     }
-    let mut files = vec![arguments.file()];
-    match present {
-        Some(text) if text != shipped => io.talk(&format!(
-            "note: `{}` differs from the shipped version; the new task uses your version",
-            shown(&library)
-        )),
-        Some(_) => {}
-        None => {
-            write(&library, shipped.as_bytes())?;
-            files.push(library);
-        }
-    }
+    let mut copied = Copied::default();
+    copied.add(library, shipped.as_bytes(), io)?;
+    let mut files = vec![shown(&arguments.file())];
+    files.extend(copied.files);
     for (path, bytes) in &draft.pictures {
         let place = folder.join(path);
         write(&place, bytes)?;
-        files.push(place);
+        files.push(shown(&place));
     }
     #[cfg(feature = "runtime")]
     if let Some(drawn) = drawn {
-        files.extend(drawn.write(&program, &folder)?);
+        let drawn = drawn.write(&program, &folder)?;
+        files.extend(drawn.iter().map(|file| shown(file)));
     }
     // Last, so that there is no task without what it uses.
-    write(&files[0], draft.text.as_bytes())?;
+    write(&arguments.file(), draft.text.as_bytes())?;
     let begun = Begun {
-        files: files.iter().map(|file| shown(file)).collect(),
+        files,
         guesses: draft.guesses(),
         next: &draft.next,
     };
@@ -281,12 +281,6 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
 fn check_place(arguments: &NewTaskArguments) -> Result<(), Failure> {
     check_name(&arguments.name)?;
     let folder = arguments.folder();
-    if folder.is_file() {
-        return Err(Failure::environment(format!(
-            "`{}` is a file; --in takes a folder",
-            shown(&folder)
-        )));
-    }
     for ending in ["fab", "subgoals"] {
         refuse_if_there(
             &folder.join(format!("{}.{ending}", arguments.name)),
@@ -323,13 +317,11 @@ fn refuse_if_there(place: &Path, advice: &str) -> Result<(), Failure> {
 }
 
 /// Returns the text of the library if the folder already has it.
-fn present_library(folder: &Path, place: &Path) -> Result<Option<String>, Failure> {
+fn present_library(place: &Path) -> Result<Option<String>, Failure> {
     if place.symlink_metadata().is_err() {
         return Ok(None);
     }
-    let real = sources::inside(folder, place);
-    let text = real.and_then(|real| sources::read_text(&real));
-    text.map(Some).map_err(|why| {
+    sources::read_text(place).map(Some).map_err(|why| {
         Failure::environment(format!(
             "the new task needs `{}`, and it cannot be used: {why}; choose another folder with `--in DIR`",
             shown(place)

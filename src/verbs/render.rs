@@ -1,7 +1,7 @@
 //! `fabc render`: prints the exact messages of each stage, without asking a model.
 //!
 //! Points come from the camera at the chosen step, or from `--scene`. An earlier stage's answer, which only a model can
-//! give, comes from `--reply`; without it, a typed placeholder takes its place, and a line on stderr says so.
+//! give, comes from `--reply`; without it, a typed placeholder takes its place.
 
 #[cfg(feature = "runtime")]
 pub mod camera;
@@ -17,13 +17,14 @@ use crate::verbs::price::Price;
 use crate::{sources, watch};
 use clap::{Args, ValueHint};
 use fab_base::wording::quoted;
-use fab_program::render::PromptPicture;
-#[cfg(not(feature = "runtime"))]
-use fab_program::render::{RenderError, Values};
-use fab_program::{Arrow, Layers, Picture, Program, Read, Stage, SubgoalStep};
+use fab_program::facts::Facts;
+use fab_program::pointing::Pointing;
+use fab_program::render::{PromptPicture, Values};
+use fab_program::{Arrow, Layers, Picture, Program, Stage, SubgoalStep};
 use page::{DisplayPart, ShownStage};
 use scene_file::SceneFile;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use why::Why;
@@ -41,7 +42,7 @@ pub struct RenderArguments {
     pub step: u32,
     /// Points by keypoint name, as JSON: `{"corners": [[u, v], …], "center": [[u, v]]}`, instead of a camera's.
     #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath)]
-    #[cfg_attr(feature = "runtime", arg(conflicts_with = "start"))]
+    #[cfg_attr(feature = "runtime", arg(conflicts_with_all = ["start", "model", "marks"]))]
     pub scene: Option<PathBuf>,
     #[cfg(feature = "runtime")]
     #[command(flatten)]
@@ -76,8 +77,6 @@ pub fn run(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
 
 /// The stages of a task for display.
 pub struct Rendered {
-    /// The task, for the cloth that lies there.
-    program: Program,
     stages: Vec<ShownStage>,
     /// What the model that is shown the messages costs, if one is named.
     price: Option<Price>,
@@ -107,16 +106,25 @@ impl Report for Printed<'_> {
 
 fn render(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
     let declared = sources::compile_task(&arguments.task, io)?;
+    if arguments.step > declared.horizon {
+        return Err(Failure::usage(format!(
+            "`{}` has {} steps; there is no step {}",
+            declared.title(),
+            declared.horizon,
+            arguments.step
+        )));
+    }
+    let listed = arguments.scene.as_ref();
+    let listed = listed.map(|path| SceneFile::read(&declared, path));
+    let listed = listed.transpose()?;
     #[cfg(feature = "runtime")]
-    let rendered = camera::rendered(&declared, arguments, io)?;
+    let rendered = match listed {
+        Some(listed) => without_camera(&declared, Some(&listed), arguments)?,
+        None => camera::rendered(&declared, arguments, io)?,
+    };
     #[cfg(not(feature = "runtime"))]
-    let rendered = rendered_without_camera(declared, arguments, io)?;
-    let Rendered {
-        program,
-        stages,
-        price,
-    } = &rendered;
-    say_placeholders(program, stages, io);
+    let rendered = without_camera(&declared, listed.as_ref(), arguments)?;
+    let Rendered { stages, price } = &rendered;
     if let Some(folder) = &arguments.out {
         write(folder, stages).map_err(|error| {
             Failure::environment(format!("cannot write into `{}`: {error}", folder.display()))
@@ -149,59 +157,33 @@ fn render(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// Returns what the command line asks for: the stages, and the points of a file.
-fn wanted<'p>(
-    program: &'p Program,
+/// Renders stages with the points of a file, or with typed placeholders.
+fn without_camera(
+    program: &Program,
+    listed: Option<&SceneFile>,
     arguments: &RenderArguments,
-) -> Result<(Vec<&'p Stage>, Option<SceneFile>), Failure> {
-    let stages = chosen_stages(program, arguments.stage.as_deref())?;
-    if arguments.step > program.horizon {
-        return Err(Failure::usage(format!(
-            "`{}` has {} steps; there is no step {}",
-            program.title(),
-            program.horizon,
-            arguments.step
-        )));
-    }
-    let scene = arguments.scene.as_ref();
-    let scene = scene.map(|path| SceneFile::read(program, path));
-    Ok((stages, scene.transpose()?))
-}
-
-/// Renders stages with the points of a file, or with typed placeholders: the authoring tool has no camera.
-#[cfg(not(feature = "runtime"))]
-fn rendered_without_camera(
-    program: Program,
-    arguments: &RenderArguments,
-    io: &Io,
 ) -> Result<Rendered, Failure> {
-    let (stages, listed) = wanted(&program, arguments)?;
-    let texts = std::collections::BTreeMap::new();
-    let values = match &listed {
-        Some(scene) => Values::Partly(fab_program::facts::Facts {
+    let texts = BTreeMap::new();
+    let values = match listed {
+        Some(scene) => Values::Partly(Facts {
             scene,
             texts: &texts,
             step: arguments.step,
             last: None,
             proposal: None,
-            pointing: fab_program::pointing::Pointing::of_camera(&program.camera),
+            pointing: Pointing::of_camera(&program.camera),
         }),
-        None => {
-            io.talk(
-                "note: this build of fabc has no camera; points stand as placeholders (`--scene FILE.json` gives them)",
-            );
-            Values::Typed
-        }
+        None => Values::Typed,
     };
-    let shown = stages.iter().map(|stage| {
-        let messages = page::messages(&program, stage, values, arguments.step)?;
-        ShownStage::of(&program, stage, values, messages)
+    let folder = sources::folder_of(&arguments.task.file);
+    let stages = chosen_stages(program, arguments.stage.as_deref())?;
+    let stages = stages.into_iter().map(|stage| {
+        let messages = page::messages(program, &folder, stage, values, arguments.step)?;
+        Ok(ShownStage::of(program, stage, values, messages)?)
     });
-    let shown: Result<Vec<ShownStage>, RenderError> = shown.collect();
     Ok(Rendered {
-        stages: shown?,
+        stages: stages.collect::<Result<_, Failure>>()?,
         price: None,
-        program,
     })
 }
 
@@ -219,23 +201,6 @@ fn chosen_stages<'p>(
             program.task,
             quoted(program.stages.iter().map(|stage| &stage.name))
         ))),
-    }
-}
-
-/// Reports which texts are placeholders.
-fn say_placeholders(program: &Program, shown: &[ShownStage], io: &Io) {
-    for stage in &program.stages {
-        let Read::Text { name, .. } = &stage.read else {
-            continue;
-        };
-        let placeholder = format!("<{name}: ");
-        let mut texts = shown.iter().flat_map(ShownStage::texts);
-        if texts.any(|said| said.text.contains(&placeholder)) {
-            io.talk(&format!(
-                "note: `{name}` is the model's answer in stage `{}`; it is shown as a placeholder",
-                stage.name
-            ));
-        }
     }
 }
 

@@ -7,7 +7,6 @@ mod decide;
 mod edits;
 mod find;
 mod groups;
-mod pictures;
 mod session;
 mod show;
 #[cfg(test)]
@@ -17,12 +16,10 @@ use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use clap::Args;
 use decide::{Decision, Decisions, Outcome};
-use find::{Pending, ReviewItems};
-use groups::{Group, Kind};
-use pictures::Comparison;
+use find::Pending;
+use groups::Group;
 use serde::Serialize;
-use session::Session;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 const KEYS: &str = "\
 Without --json, --accept, --reject and --accept-all it asks on the terminal; `?` lists the keys.
@@ -48,9 +45,6 @@ pub struct ReviewArguments {
     /// Accept all that --reject does not name.
     #[arg(long, conflicts_with = "accept")]
     pub accept_all: bool,
-    /// Write the pictures before and after, and their difference, into this folder; default: a temporary one, when they are shown.
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,
@@ -61,8 +55,6 @@ pub struct ReviewArguments {
 struct Review<'r> {
     groups: Vec<ShownGroup<'r>>,
     pending: usize,
-    /// Pending snapshots that other programs wrote.
-    foreign: usize,
     #[serde(flatten)]
     outcome: Option<&'r Outcome>,
 }
@@ -72,16 +64,12 @@ struct Review<'r> {
 struct ShownGroup<'r> {
     #[serde(flatten)]
     group: &'r Group,
-    picture: Option<Comparison>,
     snapshots: Vec<&'r Pending>,
 }
 
 /// Reviews the pending snapshots.
 pub fn run(arguments: &ReviewArguments, io: &Io) -> Result<Exit, Failure> {
-    let ReviewItems {
-        mut pending,
-        n_foreign,
-    } = find::find(&arguments.places, arguments.only.as_deref(), io)?;
+    let mut pending = find::find(&arguments.places, arguments.only.as_deref(), io)?;
     let decides =
         arguments.accept_all || !arguments.accept.is_empty() || !arguments.reject.is_empty();
     let outcome = if decides {
@@ -91,17 +79,19 @@ pub fn run(arguments: &ReviewArguments, io: &Io) -> Result<Exit, Failure> {
     };
     let groups = groups::group(&pending);
     if arguments.json {
-        let review = Review {
-            groups: shown(&groups, &pending, arguments.out.as_deref())?,
+        let shown = groups.iter().map(|group| ShownGroup {
+            group,
+            snapshots: group.members.iter().map(|at| &pending[*at]).collect(),
+        });
+        io.json(&Review {
+            groups: shown.collect(),
             pending: pending.len(),
-            foreign: n_foreign,
             outcome: outcome.as_ref(),
-        };
-        io.json(&review);
+        });
     } else if let Some(outcome) = outcome {
         outcome.report(io);
     } else {
-        return ask(arguments, &pending, n_foreign, &groups, io);
+        return ask(&pending, &groups, io);
     }
     Ok(Exit::Done)
 }
@@ -125,18 +115,7 @@ fn decide(arguments: &ReviewArguments, pending: &mut Vec<Pending>) -> Result<Out
 }
 
 /// Asks about each group on the terminal.
-fn ask(
-    arguments: &ReviewArguments,
-    pending: &[Pending],
-    n_foreign: usize,
-    groups: &[Group],
-    io: &Io,
-) -> Result<Exit, Failure> {
-    if n_foreign > 0 {
-        io.talk(&format!(
-            "ignored: {n_foreign} pending snapshots that fabc did not write"
-        ));
-    }
+fn ask(pending: &[Pending], groups: &[Group], io: &Io) -> Result<Exit, Failure> {
     if pending.is_empty() {
         io.talk("nothing is pending");
         return Ok(Exit::Done);
@@ -147,33 +126,5 @@ fn ask(
             pending.len()
         )));
     }
-    let temporary = || std::env::temp_dir().join(format!("fabc-review-{}", std::process::id()));
-    let session = Session {
-        decisions: Decisions::about(pending, groups),
-        sheets: &arguments.out.clone().unwrap_or_else(temporary),
-    };
-    session.run(io)
-}
-
-/// Returns the groups with their snapshots, and with comparisons of pictures if a folder for them is named.
-fn shown<'r>(
-    groups: &'r [Group],
-    pending: &'r [Pending],
-    sheets: Option<&Path>,
-) -> Result<Vec<ShownGroup<'r>>, Failure> {
-    let shown = groups.iter().map(|group| {
-        let snapshots: Vec<&Pending> = group.members.iter().map(|at| &pending[*at]).collect();
-        let picture = match sheets {
-            Some(folder) if group.kind == Kind::Picture => {
-                Some(pictures::compare(snapshots[0], &group.id, folder)?)
-            }
-            _ => None,
-        };
-        Ok(ShownGroup {
-            group,
-            picture,
-            snapshots,
-        })
-    });
-    shown.collect()
+    session::run(Decisions::about(pending, groups), io)
 }

@@ -197,34 +197,27 @@ impl Taken {
 
     /// Reports the counts, and what can be done next.
     fn advise(&self, arguments: &SnapArguments, io: &Io) {
-        let Taken {
-            same,
-            unseen,
-            changed,
-            new,
-            orphaned,
-            pending,
-            ..
-        } = self;
         io.talk(&format!(
-            "{same} unchanged, {changed} changed, {new} new, {orphaned} orphaned"
+            "{} unchanged, {} changed, {} new, {} orphaned",
+            self.same, self.changed, self.new, self.orphaned
         ));
-        if *unseen > 0 {
+        if self.unseen > 0 {
+            let unseen = self.unseen;
             io.talk(&format!(
                 "{unseen} could not be checked by this build of fabc"
             ));
         }
         let files = arguments.files.join(" ");
-        if arguments.check && changed + new + pending > 0 {
+        if arguments.check && self.changed + self.new + self.pending > 0 {
             io.talk(&format!(
                 "run `fabc snap {files}` to write the new snapshots, then `fabc review {files}` to accept or reject them"
             ));
-        } else if *pending > 0 {
+        } else if self.pending > 0 {
             io.talk(&format!(
                 "`fabc review {files}` shows what waits, and accepts or rejects it"
             ));
         }
-        if *orphaned > 0 && !arguments.prune {
+        if self.orphaned > 0 && !arguments.prune {
             io.talk(
                 "an orphaned snapshot is of something that its file no longer declares; `fabc snap --prune` removes it",
             );

@@ -7,12 +7,11 @@ use crate::{shipped, sources, watch};
 use clap::Args;
 use clap::ValueHint;
 use fab_base::wording::counted;
-use fab_compiler::{Compiled, diag};
+use fab_compiler::diag;
 use fab_program::test::{Finding, Trial};
 use fab_program::{Expect, Program, Test};
 use serde::Serialize;
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
 
 /// Arguments of `test`.
 #[derive(Args)]
@@ -51,14 +50,12 @@ struct Tested {
     diagnostics: Vec<Value>,
 }
 
-/// The result of one test.
+/// A test and its result.
 #[derive(Serialize)]
 struct TestedOne {
     file: String,
-    line: u32,
-    task: String,
-    variant: Option<String>,
-    test: String,
+    #[serde(flatten)]
+    test: Test,
     passed: bool,
     found: Value,
     repairs: Vec<String>,
@@ -90,12 +87,24 @@ fn test(arguments: &TestArguments, io: &Io) -> Result<Exit, Failure> {
             }
             continue;
         }
-        for (test, program) in chosen(&compiled, arguments.only.as_deref()) {
-            let trial = fab_program::test::run(program, test);
+        for test in compiled.tests {
+            let is_of = |it: &&Program| it.task == test.task && it.variant == test.variant;
+            let program = compiled.programs.iter().find(is_of);
+            let words = arguments.only.as_deref().unwrap_or_default();
+            let Some(program) = program.filter(|_| test.name.contains(words)) else {
+                continue;
+            };
+            let trial = fab_program::test::run(program, &test);
             if !arguments.json {
-                io.data(&line(file, test, &trial));
+                io.data(&line(file, &test, &trial));
             }
-            tested.tests.push(TestedOne::of(file, test, trial));
+            tested.tests.push(TestedOne {
+                file: file.clone(),
+                test,
+                passed: trial.is_expected,
+                found: found(&trial.finding),
+                repairs: trial.repairs,
+            });
         }
     }
     if let (Some(words), true, Exit::Done) = (&arguments.only, tested.tests.is_empty(), exit) {
@@ -120,26 +129,6 @@ impl Report for Tested {
     }
 }
 
-/// Returns each selected test with the program of its task or variant.
-fn chosen<'c>(
-    compiled: &'c Compiled,
-    only: Option<&'c str>,
-) -> impl Iterator<Item = (&'c Test, &'c Program)> {
-    let wanted = move |test: &&Test| only.is_none_or(|words| test.name.contains(words));
-    let programs: BTreeMap<_, _> = compiled
-        .programs
-        .iter()
-        .map(|program| ((&program.task, &program.variant), program))
-        .collect();
-    let with_program =
-        move |test: &'c Test| Some((test, *programs.get(&(&test.task, &test.variant))?));
-    compiled
-        .tests
-        .iter()
-        .filter(wanted)
-        .filter_map(with_program)
-}
-
 fn line(file: &str, test: &Test, trial: &Trial) -> String {
     let verdict = if trial.is_expected { "ok  " } else { "FAIL" };
     let mut line = format!("{verdict} {file}:{}: {}", test.line, test.name);
@@ -160,21 +149,6 @@ fn expected(expect: &Expect) -> String {
         Expect::Reject { check } => format!("the check `{check}` refuses the answer"),
         Expect::Malformed => "the answer is malformed".to_owned(),
         Expect::Text { text } => format!("the answer's text is `{text}`"),
-    }
-}
-
-impl TestedOne {
-    fn of(file: &str, test: &Test, trial: Trial) -> TestedOne {
-        TestedOne {
-            file: file.to_owned(),
-            line: test.line,
-            task: test.task.clone(),
-            variant: test.variant.clone(),
-            test: test.name.clone(),
-            passed: trial.is_expected,
-            found: found(&trial.finding),
-            repairs: trial.repairs,
-        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Renders prompts of a scene from the world's camera, with the pictures that a model gets.
 
 use super::page::{DisplayMessage, DisplayPart, ShownStage};
-use super::{RenderArguments, Rendered, title, wanted};
+use super::{RenderArguments, Rendered, chosen_stages, title};
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::sources;
@@ -17,16 +17,15 @@ use clap::Args;
 use fab_agent::examples::Examples;
 use fab_agent::pictures::Pictures;
 use fab_agent::policy;
-use fab_agent::policy::{Conversation, Finding, MessagePart, Rehearsed, StepView, UndrawnMessage};
+use fab_agent::policy::{Conversation, Finding, MessagePart, StepView, UndrawnMessage};
 use fab_agent::subgoals::SubgoalSet;
 use fab_base::interrupt::Interrupt;
 use fab_model::{Message, Part, Speaker};
 use fab_program::facts::Facts;
 use fab_program::render::Values;
 use fab_program::reply::Stated;
-use fab_program::scene::SceneView;
 use fab_program::verify::Verdict;
-use fab_program::{ClothStart, Program, Stage};
+use fab_program::{ClothStart, Program};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -84,7 +83,7 @@ pub fn fitted_to_start(
     if !is_file {
         return Ok(declared.clone());
     }
-    let world = setting::world(declared).map_err(Failure::environment)?;
+    let world = setting::world(declared)?;
     let folder = sources::folder_of(&task.file);
     let start = setting::start(declared, &folder, start, world.as_ref(), interrupt, io)?;
     setting::fitted(task, declared, &start, io)
@@ -110,37 +109,40 @@ pub fn rendered(
     } else {
         Interrupt::default()
     };
-    let program = match arguments.scene {
-        Some(_) => declared.clone(),
-        None => fitted_to_start(&arguments.task, declared, start, &interrupt, io)?,
-    };
-    let (stages, listed) = wanted(&program, arguments)?;
+    let program = &fitted_to_start(&arguments.task, declared, start, &interrupt, io)?;
+    let stages = chosen_stages(program, arguments.stage.as_deref())?;
     let target = TargetModel::of(target, io)?;
     let (folder, step) = (sources::folder_of(&arguments.task.file), arguments.step);
-    let seen = Seen::at(&program, declared, &folder, start, step, &interrupt, io)?;
-    say_pictures(
-        &seen.subgoals,
-        &seen.pictures.examples,
-        &arguments.task.file,
-        io,
-    );
-    let scene: &dyn SceneView = match &listed {
-        Some(listed) => listed,
-        None => &seen.scene.scene,
-    };
+    let seen = Seen::at(program, declared, &folder, start, step, &interrupt, io)?;
+    let Seen {
+        scene: StepScene {
+            scene,
+            observation,
+            last,
+        },
+        pictures,
+        subgoals,
+    } = &seen;
+    say_pictures(subgoals, &pictures.examples, &arguments.task.file, io);
     let texts = BTreeMap::new();
     let values = Values::Partly(Facts {
         scene,
         texts: &texts,
         step,
-        last: seen.scene.last.as_ref(),
+        last: last.as_ref(),
         proposal: None,
-        pointing: target.lowering.pointing(seen.pictures.size()),
+        pointing: target.lowering.pointing(pictures.size()),
     });
-    let rehearsed = match &listed {
-        Some(_) => seen.conversations(&program, &stages, values, step, &target)?,
-        None => seen.rehearsed(&program, &stages, replies, step, &target)?,
-    };
+    let view =
+        StepView::without_rollout(program, scene, observation, step, last.as_ref(), pictures);
+    let lowering = |_| target.lowering;
+    let (rehearsed, left) = policy::rehearse(view, &stages, &lowering, replies.clone())?;
+    if !left.is_empty() {
+        return Err(Failure::usage(format!(
+            "the last {} of the answers given by `--reply` belong to no question: no more are asked",
+            left.len()
+        )));
+    }
     let mut shown = Vec::with_capacity(rehearsed.len());
     for (rehearsed, stage) in rehearsed.into_iter().zip(stages) {
         let Conversation { spoken, messages } = &rehearsed.conversation;
@@ -151,13 +153,12 @@ pub fn rendered(
             n_asked_first: rehearsed.n_asked_first,
             findings: findings.clone().map(in_words).collect(),
             results: findings.map(|it| serde_json::json!(it)).collect(),
-            ..ShownStage::of(&program, stage, values, messages.collect())?
+            ..ShownStage::of(program, stage, values, messages.collect())?
         });
     }
     Ok(Rendered {
         stages: shown,
         price: target.profile.map(|profile| Price::of(profile, io)),
-        program,
     })
 }
 
@@ -199,56 +200,6 @@ impl Seen {
             pictures,
             subgoals,
         })
-    }
-
-    /// Goes through the stages with the given answers.
-    fn rehearsed(
-        &self,
-        program: &Program,
-        stages: &[&Stage],
-        replies: &[String],
-        step: u32,
-        target: &TargetModel,
-    ) -> Result<Vec<Rehearsed>, Failure> {
-        let StepScene {
-            scene,
-            observation,
-            last,
-        } = &self.scene;
-        let pictures = &self.pictures;
-        let view =
-            StepView::without_rollout(program, scene, observation, step, last.as_ref(), pictures);
-        let lowering = |_| target.lowering;
-        let (rehearsed, left) = policy::rehearse(view, stages, &lowering, replies.to_vec())?;
-        match left.len() {
-            0 => Ok(rehearsed),
-            beyond => Err(Failure::usage(format!(
-                "the last {beyond} of the answers given by `--reply` belong to no question: no more are asked"
-            ))),
-        }
-    }
-
-    /// Returns the first question of each stage, with the points of a file.
-    fn conversations(
-        &self,
-        program: &Program,
-        stages: &[&Stage],
-        values: Values<'_>,
-        step: u32,
-        target: &TargetModel,
-    ) -> Result<Vec<Rehearsed>, Failure> {
-        let stages = stages.iter().map(|stage| {
-            let (pictures, lowering) = (&self.pictures, &target.lowering);
-            let conversation =
-                policy::conversation(program, stage, values, pictures, step, lowering)?;
-            Ok(Rehearsed {
-                stage: stage.name.clone(),
-                n_asked_first: conversation.messages.len(),
-                conversation,
-                findings: Vec::new(),
-            })
-        });
-        stages.collect()
     }
 }
 

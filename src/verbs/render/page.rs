@@ -3,9 +3,11 @@
 //! In: a stage's messages, whose texts record their origins. Out: the lines that `fabc render` prints and `fabc snap`
 //! pins, the same for both.
 
+use crate::exit::Failure;
 use fab_program::render::{self, Origin, PromptText, RenderError, Values};
 use fab_program::{Program, Read, Stage};
 use serde::{Serialize, Serializer};
+use std::path::Path;
 
 /// One message for display.
 #[derive(Serialize)]
@@ -79,32 +81,49 @@ fn length<S: Serializer>(png: &Option<Vec<u8>>, serializer: S) -> Result<S::Ok, 
     png.as_ref().map(Vec::len).serialize(serializer)
 }
 
-/// Returns the messages of a stage for display; the authoring tool draws no pictures, and reads no demonstrations.
-#[cfg(not(feature = "runtime"))]
+/// Returns the first question of a stage, without pictures, by the function that a rollout uses.
+///
+/// - `folder`: holds the program's file.
+#[cfg(feature = "runtime")]
 pub fn messages(
     program: &Program,
+    folder: &Path,
     stage: &Stage,
     values: Values<'_>,
     step: u32,
-) -> Result<Vec<DisplayMessage>, RenderError> {
+) -> Result<Vec<DisplayMessage>, Failure> {
+    let examples = fab_agent::examples::Examples::load(program, folder)?;
+    let spoken = fab_agent::policy::opening(program, stage, values, &examples, step)?;
+    let spoken = spoken.iter();
+    Ok(spoken
+        .map(|it| super::camera::displayed(it, None, step))
+        .collect())
+}
+
+/// Returns the first question of a stage, without pictures and demonstrations, which the authoring tool cannot read.
+#[cfg(not(feature = "runtime"))]
+pub fn messages(
+    program: &Program,
+    _folder: &Path,
+    stage: &Stage,
+    values: Values<'_>,
+    step: u32,
+) -> Result<Vec<DisplayMessage>, Failure> {
     use fab_program::render::PromptSpeaker;
     let messages = render::messages(program, stage, values)?.into_iter();
     let displayed = messages.map(|message| {
-        let pictures = message.pictures.iter().map(|picture| DisplayPart::Image {
+        let said = message.content;
+        let mut parts = vec![DisplayPart::Text { said }];
+        parts.extend(message.pictures.iter().map(|picture| DisplayPart::Image {
             title: super::title(picture, step),
             png: None,
-        });
-        let said = message.content;
-        DisplayMessage {
-            role: match message.speaker {
-                PromptSpeaker::System => "system",
-                PromptSpeaker::User => "user",
-                PromptSpeaker::Assistant => "assistant",
-            },
-            parts: std::iter::once(DisplayPart::Text { said })
-                .chain(pictures)
-                .collect(),
-        }
+        }));
+        let role = match message.speaker {
+            PromptSpeaker::System => "system",
+            PromptSpeaker::User => "user",
+            PromptSpeaker::Assistant => "assistant",
+        };
+        DisplayMessage { role, parts }
     });
     Ok(displayed.collect())
 }

@@ -83,12 +83,10 @@ impl<'r> Decisions<'r> {
         Ok(())
     }
 
-    /// Accepts every snapshot that no decision settles.
+    /// Accepts every group about which nothing was decided.
     pub fn accept_others(&mut self) {
-        for at in 0..self.pending.len() {
-            if self.of(at).is_none() {
-                self.made.insert(Selection::Snapshot(at), Decision::Accept);
-            }
+        for group in (0..self.groups.len()).map(Selection::Group) {
+            self.made.entry(group).or_insert(Decision::Accept);
         }
     }
 

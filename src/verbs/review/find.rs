@@ -1,7 +1,7 @@
 //! Finds pending snapshots, below folders or of files.
 //!
 //! In: the places named on the command line. Out: each pending snapshot with the accepted one. Snapshots that other
-//! tools wrote into such folders are counted and left alone. For our own, an unreadable pending snapshot is an error; an
+//! tools wrote into such folders are left alone. For our own, an unreadable pending snapshot is an error; an
 //! unreadable accepted one counts as absent, since the pending one was made without it.
 
 use crate::exit::Failure;
@@ -15,15 +15,6 @@ use walkdir::{DirEntry, WalkDir};
 
 /// Folders with generated or downloaded files.
 const SKIPPED: [&str; 3] = ["target", "node_modules", "runs"];
-
-/// Everything to review.
-#[derive(Default)]
-pub struct ReviewItems {
-    /// The pending snapshots, by folder and name.
-    pub pending: Vec<Pending>,
-    /// How many pending snapshots were not written by `fabc`.
-    pub n_foreign: usize,
-}
 
 /// A pending snapshot.
 #[derive(Serialize)]
@@ -50,7 +41,7 @@ pub struct Pending {
 /// Finds the pending snapshots in the named places, or below the current folder.
 ///
 /// - `only`: a part of the names of those to return; default: all.
-pub fn find(places: &[PathBuf], only: Option<&str>, io: &Io) -> Result<ReviewItems, Failure> {
+pub fn find(places: &[PathBuf], only: Option<&str>, io: &Io) -> Result<Vec<Pending>, Failure> {
     let here = [PathBuf::from(".")];
     let places = if places.is_empty() { &here } else { places };
     let mut folders = BTreeSet::new();
@@ -63,13 +54,13 @@ pub fn find(places: &[PathBuf], only: Option<&str>, io: &Io) -> Result<ReviewIte
             folders.extend(found.map(|folder| (folder, None)));
         }
     }
-    let mut found = ReviewItems::default();
+    let mut found = Vec::new();
     for (folder, source) in folders {
-        found.add(&folder, source, only.unwrap_or_default(), io)?;
+        found.extend(pending_in(&folder, source, only.unwrap_or_default(), io)?);
     }
     // A folder and a file beside it may both be named.
     let mut seen = BTreeSet::new();
-    found.pending.retain(|one| seen.insert(one.path.clone()));
+    found.retain(|one| seen.insert(one.path.clone()));
     Ok(found)
 }
 
@@ -99,56 +90,65 @@ fn snapshot_folders(place: &Path) -> Result<Vec<PathBuf>, Failure> {
     Ok(folders)
 }
 
-impl ReviewItems {
-    /// Adds what is pending in a folder, or only that of one source file.
-    fn add(
-        &mut self,
-        path: &Path,
-        source: Option<&str>,
-        only: &str,
-        io: &Io,
-    ) -> Result<(), Failure> {
-        let folder = Rc::new(Folder::open(path)?);
-        for name in folder.pending.iter().filter(|name| name.0.contains(only)) {
-            let proposed = match folder.read(name, Side::Pending) {
-                Err(_) if !name.is_ours() => None,
-                Err(failure) => {
-                    return Err(failure
-                        .saying("run `fabc snap` again, which proposes anew what cannot be read"));
-                }
-                Ok(read) => read,
-            };
-            let info = proposed.as_ref().and_then(|it| it.metadata.info.clone());
-            let (Some(proposed), Some(info)) = (proposed, info) else {
-                self.n_foreign += 1;
-                continue;
-            };
-            if source.is_some() && proposed.metadata.source.as_deref() != source {
-                continue;
+/// Returns what is pending in a folder, or only that of one source file.
+fn pending_in(
+    path: &Path,
+    source: Option<&str>,
+    only: &str,
+    io: &Io,
+) -> Result<Vec<Pending>, Failure> {
+    let folder = Rc::new(Folder::open(path)?);
+    let mut found = Vec::new();
+    for name in folder.pending.iter().filter(|name| name.0.contains(only)) {
+        let proposed = match folder.read(name, Side::Pending) {
+            Err(_) if !name.is_ours() => None,
+            Err(failure) => {
+                return Err(failure
+                    .saying("run `fabc snap` again, which proposes anew what cannot be read"));
             }
-            let accepted = folder.read(name, Side::Accepted).unwrap_or_else(|why| {
-                io.talk(&format!("counted as new: {why}"));
-                None
-            });
-            let path = folder.file(name, Side::Pending);
-            self.pending.push(Pending {
-                folder: folder.clone(),
-                name: name.clone(),
-                file: match &proposed.contents {
-                    Contents::Picture(_) => Some(picture_of(&path)),
-                    Contents::Text(_) => None,
-                },
-                path,
-                accepted,
-                proposed,
-                info,
-            });
+            Ok(read) => read,
+        };
+        let info = proposed.as_ref().and_then(|it| it.metadata.info.clone());
+        let (Some(proposed), Some(info)) = (proposed, info) else {
+            continue;
+        };
+        if source.is_some() && proposed.metadata.source.as_deref() != source {
+            continue;
         }
-        Ok(())
+        let accepted = folder.read(name, Side::Accepted).unwrap_or_else(|why| {
+            io.talk(&format!("counted as new: {why}"));
+            None
+        });
+        let path = folder.file(name, Side::Pending);
+        found.push(Pending {
+            folder: folder.clone(),
+            name: name.clone(),
+            file: match &proposed.contents {
+                Contents::Picture(_) => Some(picture_of(&path)),
+                Contents::Text(_) => None,
+            },
+            path,
+            accepted,
+            proposed,
+            info,
+        });
     }
+    Ok(found)
 }
 
 impl Pending {
+    /// Names the files of the accepted and the proposed picture, for a viewer of pictures.
+    pub fn pictures_to_look_at(&self) -> Option<String> {
+        let proposed = self.file.as_ref()?.display();
+        match &self.accepted {
+            None => Some(proposed.to_string()),
+            Some(_) => {
+                let accepted = self.folder.file(&self.name, Side::Accepted);
+                Some(format!("{} -> {proposed}", picture_of(&accepted).display()))
+            }
+        }
+    }
+
     /// Returns both pictures, if a picture changed.
     pub fn pictures(&self) -> Option<[&[u8]; 2]> {
         match (&self.accepted.as_ref()?.contents, &self.proposed.contents) {

@@ -4,14 +4,11 @@
 //! quitting keeps it; partial acceptances are discarded on quit.
 
 use super::decide::{self, Decision, Decisions};
-use super::groups::Kind;
-use super::pictures;
 use super::show::{self, Extent, View};
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use console::{Key, Term};
 use std::ops::Range;
-use std::path::Path;
 
 const KEYS: &str = "\
 a  accept: from now on this is what is compared with
@@ -25,96 +22,78 @@ const PROMPT: &str = "[a]ccept [r]eject [s]kip [f]ull [A]ccept all left [q]uit [
 /// The character that Ctrl-D sends.
 const END_OF_INPUT: char = '\u{4}';
 
-/// A review under way.
-pub struct Session<'r> {
-    pub decisions: Decisions<'r>,
-    /// The folder that gets the pictures of changes.
-    pub sheets: &'r Path,
+/// Shows each group in turn and applies the decisions.
+///
+/// Fails if there is no terminal, or if a folder cannot be changed.
+pub fn run(mut decisions: Decisions<'_>, io: &Io) -> Result<Exit, Failure> {
+    let ended = go_through(&mut decisions, io);
+    decisions.outcome().report(io);
+    ended
 }
 
-impl Session<'_> {
-    /// Shows each group in turn and applies the decisions.
-    ///
-    /// Fails if there is no terminal, or if a folder cannot be changed.
-    pub fn run(mut self, io: &Io) -> Result<Exit, Failure> {
-        let ended = self.go_through(io);
-        self.decisions.outcome().report(io);
-        ended
-    }
-
-    fn go_through(&mut self, io: &Io) -> Result<Exit, Failure> {
-        let groups = self.decisions.groups;
-        let mut view = View {
-            color: io.data_color(),
-            extent: Extent::Folded,
+fn go_through(decisions: &mut Decisions<'_>, io: &Io) -> Result<Exit, Failure> {
+    let groups = decisions.groups;
+    let mut view = View {
+        color: io.data_color(),
+        extent: Extent::Folded,
+    };
+    for (number, group) in groups.iter().enumerate() {
+        if group.members.iter().all(|at| decisions.is_settled(*at)) {
+            // Another edit of all these snapshots was rejected.
+            continue;
+        }
+        let show = |view: &View| {
+            io.data(&format!("\n{} of {}", number + 1, groups.len()));
+            io.painted_data(&show::group(group, decisions.pending, view));
         };
-        for (number, group) in groups.iter().enumerate() {
-            if group
-                .members
-                .iter()
-                .all(|at| self.decisions.is_settled(*at))
-            {
-                // Another edit of all these snapshots was rejected.
-                continue;
-            }
-            self.show(number, &view, io)?;
-            loop {
-                match key()? {
-                    Key::Char('a') => self.decide(number..number + 1, Decision::Accept, io)?,
-                    Key::Char('r') => self.decide(number..number + 1, Decision::Reject, io)?,
-                    Key::Char('s') => {}
-                    Key::Char('A') => {
-                        self.decide(number..groups.len(), Decision::Accept, io)?;
-                        return Ok(Exit::Done);
-                    }
-                    Key::Char('f') => {
-                        view.extent = match view.extent {
-                            Extent::Folded => Extent::Full,
-                            Extent::Full => Extent::Folded,
-                        };
-                        self.show(number, &view, io)?;
-                        continue;
-                    }
-                    Key::Char('q' | END_OF_INPUT) => return Ok(Exit::Done),
-                    Key::CtrlC => return Ok(Exit::Interrupted),
-                    Key::Char('?') => {
-                        io.data(KEYS);
-                        continue;
-                    }
-                    _ => continue,
+        show(&view);
+        let answer = loop {
+            match key()? {
+                Key::Char('f') => {
+                    view.extent = match view.extent {
+                        Extent::Folded => Extent::Full,
+                        Extent::Full => Extent::Folded,
+                    };
+                    show(&view);
                 }
+                Key::Char('?') => io.data(KEYS),
+                answer @ (Key::Char('a' | 'r' | 's' | 'A' | 'q' | END_OF_INPUT) | Key::CtrlC) => {
+                    break answer;
+                }
+                _ => {}
+            }
+        };
+        match answer {
+            Key::Char('a') => decide(decisions, number..number + 1, Decision::Accept, io)?,
+            Key::Char('r') => decide(decisions, number..number + 1, Decision::Reject, io)?,
+            Key::Char('s') => {}
+            Key::Char('A') => {
+                decide(decisions, number..groups.len(), Decision::Accept, io)?;
                 break;
             }
+            Key::CtrlC => return Ok(Exit::Interrupted),
+            _ => break,
         }
-        Ok(Exit::Done)
     }
+    Ok(Exit::Done)
+}
 
-    fn show(&self, number: usize, view: &View, io: &Io) -> Result<(), Failure> {
-        let Decisions {
-            pending, groups, ..
-        } = self.decisions;
-        let group = &groups[number];
-        io.data(&format!("\n{} of {}", number + 1, groups.len()));
-        io.painted_data(&show::group(group, pending, view));
-        if group.kind == Kind::Picture {
-            let first = &pending[group.members[0]];
-            io.data(&pictures::compare(first, &group.id, self.sheets)?.in_words());
-        }
-        Ok(())
+/// Decides about groups, and applies what that settles.
+fn decide(
+    decisions: &mut Decisions<'_>,
+    groups: Range<usize>,
+    decision: Decision,
+    io: &Io,
+) -> Result<(), Failure> {
+    for group in groups {
+        decisions.decide(group, decision);
     }
-
-    /// Decides about groups, and applies what that settles.
-    fn decide(&mut self, groups: Range<usize>, decision: Decision, io: &Io) -> Result<(), Failure> {
-        for group in groups {
-            self.decisions.decide(group, decision);
-        }
-        self.decisions.apply()?;
-        match self.decisions.outcome().waiting.len() {
-            0 => {}
-            count => io.data(&decide::waiting(count)),
-        }
-        Ok(())
+    decisions.apply()?;
+    match decisions.outcome().waiting.len() {
+        0 => {}
+        count => io.data(&decide::waiting(count)),
     }
+    Ok(())
 }
 
 /// Asks for a key, on a line of its own.

@@ -54,17 +54,15 @@ pub fn group(group: &Group, pending: &[Pending], view: &View) -> String {
         Kind::Edit | Kind::Scene if group.edits.is_empty() => {
             page.plain("  the text is the same; blank lines or what stands above it changed");
         }
-        Kind::New => {
-            page.new_texts(members());
-            let files = members().filter_map(|one| one.file.as_ref());
-            let files: Vec<String> = files.map(|file| file.display().to_string()).collect();
-            if !files.is_empty() {
-                page.plain("pictures to look at:");
-            }
-            page.list("  ", files, FOLDED_SNAPSHOTS);
-        }
+        Kind::New => page.new_texts(members()),
         _ => {}
     }
+    let pictures = members().filter_map(Pending::pictures_to_look_at);
+    let pictures: Vec<String> = pictures.collect();
+    if !pictures.is_empty() {
+        page.plain("pictures to look at:");
+    }
+    page.list("  ", pictures, FOLDED_SNAPSHOTS);
     page.plain("snapshots:");
     let names = members().map(|one| one.name.to_string());
     page.list("  ", names.collect(), FOLDED_SNAPSHOTS);

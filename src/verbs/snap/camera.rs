@@ -6,7 +6,7 @@
 use super::scene::{Moment, PinnedScene};
 use crate::exit::Failure;
 use crate::io::Io;
-use crate::verbs::render::page::DisplayMessage;
+use crate::verbs::render::page::{self, DisplayMessage};
 use fab_program::render::Values;
 use fab_program::{Picture, Program, Stage};
 use std::path::Path;
@@ -15,10 +15,8 @@ use std::path::Path;
 use {
     super::scene::PinnedAction,
     crate::sources::TaskArguments,
-    crate::verbs::render::camera::{Seen, displayed, fitted_to_start},
+    crate::verbs::render::camera::{Seen, fitted_to_start},
     crate::verbs::runtime::setting::{FrameArguments, StartArguments},
-    fab_agent::examples::Examples,
-    fab_agent::policy,
     fab_base::interrupt::Interrupt,
     fab_picture::png,
     fab_program::scene::SceneView,
@@ -30,7 +28,6 @@ pub struct Camera<'p> {
     program: &'p Program,
     moment: &'p Moment,
     /// Holds the program's file.
-    #[cfg(feature = "runtime")]
     folder: &'p Path,
     io: &'p Io,
     #[cfg(feature = "runtime")]
@@ -62,23 +59,7 @@ pub fn fitted(file: &str, programs: Vec<Program>, io: &Io) -> Result<Vec<Program
 }
 
 #[cfg(feature = "runtime")]
-impl<'p> Camera<'p> {
-    /// Makes a camera for a program; `folder` holds its file.
-    pub fn of(
-        program: &'p Program,
-        moment: &'p Moment,
-        folder: &'p Path,
-        io: &'p Io,
-    ) -> Camera<'p> {
-        Camera {
-            program,
-            moment,
-            folder,
-            io,
-            seen: OnceCell::new(),
-        }
-    }
-
+impl Camera<'_> {
     /// Returns what the camera sees.
     pub fn scene(&self, seen_of: String) -> Result<PinnedScene, Failure> {
         let seen = &self.seen()?.scene;
@@ -98,19 +79,6 @@ impl<'p> Camera<'p> {
             points: points.collect(),
             areas: areas.collect(),
         })
-    }
-
-    /// Returns the messages of a stage, by the function that a rollout uses.
-    pub fn messages(
-        &self,
-        stage: &Stage,
-        values: Values<'_>,
-    ) -> Result<Option<Vec<DisplayMessage>>, Failure> {
-        let step = self.moment.step;
-        let examples = Examples::load(self.program, self.folder)?;
-        let spoken = policy::opening(self.program, stage, values, &examples, step)?;
-        let messages = spoken.iter().map(|it| displayed(it, None, step));
-        Ok(Some(messages.collect()))
     }
 
     /// Draws a picture as it is sent to a model that works in the camera's pixels.
@@ -149,45 +117,33 @@ impl<'p> Camera<'p> {
     }
 }
 
-/// Returns the programs unchanged: the authoring tool lays no cloth.
-#[cfg(not(feature = "runtime"))]
-pub fn fitted(_file: &str, programs: Vec<Program>, _io: &Io) -> Result<Vec<Program>, Failure> {
-    Ok(programs)
-}
-
-#[cfg(not(feature = "runtime"))]
 impl<'p> Camera<'p> {
-    /// Makes what takes the place of a camera.
+    /// Makes a camera for a program; `folder` holds its file.
     pub fn of(
         program: &'p Program,
         moment: &'p Moment,
-        _folder: &'p Path,
+        folder: &'p Path,
         io: &'p Io,
     ) -> Camera<'p> {
         Camera {
             program,
             moment,
+            folder,
             io,
+            #[cfg(feature = "runtime")]
+            seen: OnceCell::new(),
         }
     }
 
-    /// Fails: there is no camera.
-    pub fn scene(&self, _seen_of: String) -> Result<PinnedScene, Failure> {
-        Err(Failure::environment(format!(
-            "the scene `{}` of `{}` is not pinned, or is of another cloth, camera or keypoints; this build of fabc has no camera to see it anew",
-            self.moment.name,
-            self.program.title()
-        )))
-    }
-
-    /// Returns the messages of a stage; `None` if they include demonstrations, which this build cannot read.
+    /// Returns the messages of a stage; `None` if they include demonstrations, and this build cannot read them.
     pub fn messages(
         &self,
         stage: &Stage,
         values: Values<'_>,
     ) -> Result<Option<Vec<DisplayMessage>>, Failure> {
         let program = self.program;
-        if program.demos.iter().any(|demos| demos.stage == stage.name) {
+        let mut demos = program.demos.iter();
+        if cfg!(not(feature = "runtime")) && demos.any(|demos| demos.stage == stage.name) {
             self.io.talk(&format!(
                 "note: `{}` is shown demonstrations in stage {}, which this build of fabc cannot read; its snapshots are not checked",
                 program.title(),
@@ -195,9 +151,25 @@ impl<'p> Camera<'p> {
             ));
             return Ok(None);
         }
-        let step = self.moment.step;
-        let messages = crate::verbs::render::page::messages(program, stage, values, step)?;
-        Ok(Some(messages))
+        page::messages(program, self.folder, stage, values, self.moment.step).map(Some)
+    }
+}
+
+/// Returns the programs unchanged: the authoring tool lays no cloth.
+#[cfg(not(feature = "runtime"))]
+pub fn fitted(_file: &str, programs: Vec<Program>, _io: &Io) -> Result<Vec<Program>, Failure> {
+    Ok(programs)
+}
+
+#[cfg(not(feature = "runtime"))]
+impl Camera<'_> {
+    /// Fails: there is no camera.
+    pub fn scene(&self, _seen_of: String) -> Result<PinnedScene, Failure> {
+        Err(Failure::environment(format!(
+            "the scene `{}` of `{}` is not pinned, or is of another cloth, camera or keypoints; this build of fabc has no camera to see it anew",
+            self.moment.name,
+            self.program.title()
+        )))
     }
 
     /// Returns `None`: this build cannot draw.

@@ -46,22 +46,8 @@ fn one_edit_of_forty_snapshots_is_one_group() {
 fn what_is_pending_is_told_as_json() {
     let folder = tempfile::tempdir().unwrap();
     each_kind(&folder.path().join("snapshots"));
-    let value = json(folder.path(), &["--out", "drawn"]);
+    let value = json(folder.path(), &[]);
     insta::assert_snapshot!(serde_json::to_string_pretty(&value).unwrap());
-    let group = value["groups"].as_array().unwrap();
-    let drawn = group.iter().find(|group| group["kind"] == "picture");
-    let path = drawn.unwrap()["picture"]["path"].as_str().unwrap();
-    let sheet = image::open(folder.path().join(path)).unwrap().into_rgb8();
-    // Three panels of 24 x 20 pixels and two gaps of 8.
-    assert_eq!(sheet.dimensions(), (88, 20));
-    let at = |column, row| sheet.get_pixel(column, row).0;
-    assert_eq!(at(5, 3), [90; 3]);
-    assert_eq!(at(32 + 5, 3), [255, 0, 0]);
-    assert_eq!(at(64 + 5, 3), [255, 0, 160]);
-    assert_eq!(at(64 + 7, 3), [200; 3]);
-    assert_eq!((at(3, 18), at(32 + 3, 18)), ([160; 3], [90; 3]));
-    assert_eq!(at(64 + 3, 18), [255, 0, 160]);
-    assert_eq!(at(26, 3), [40; 3]);
 }
 
 #[test]
@@ -109,10 +95,7 @@ fn groups_and_snapshots_are_accepted_and_rejected_by_id() {
     }
     let value = json(folder.path(), &["--accept-all"]);
     assert_eq!(value["accepted"], serde_json::json!(["half@start.points"]));
-    assert_eq!(
-        (&value["pending"], &value["foreign"]),
-        (&0.into(), &1.into())
-    );
+    assert_eq!(value["pending"], 0);
     assert_eq!(left(&snapshots), ["crate__theirs"]);
 }
 
