@@ -7,9 +7,8 @@
 use crate::exit::{Exit, Failure};
 use fab_base::files;
 use fab_base::interrupt::Interrupt;
-use fab_compiler::diag::{Color, is_hidden, visible};
+use fab_compiler::diag::{Color, visible};
 use serde::Serialize;
-use std::borrow::Cow;
 use std::ffi::{OsStr, OsString};
 use std::io::{BufRead, BufReader, Cursor, ErrorKind, IsTerminal, Read, Write};
 use std::path::{Path, PathBuf};
@@ -68,22 +67,6 @@ pub struct Captured {
     pub stdout: String,
     /// Captured talk.
     pub stderr: String,
-}
-
-/// Writes the hidden characters of a JSON document, which are all inside of its strings, as JSON escapes them.
-fn json_shown(text: &str) -> Cow<'_, str> {
-    if !text.chars().any(is_hidden) {
-        return Cow::Borrowed(text);
-    }
-    let mut result = String::with_capacity(text.len());
-    for character in text.chars() {
-        if is_hidden(character) {
-            result.push_str(&format!("\\u{:04x}", u32::from(character)));
-        } else {
-            result.push(character);
-        }
-    }
-    Cow::Owned(result)
 }
 
 fn lock<T: ?Sized>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -161,7 +144,7 @@ impl Io {
     pub(crate) fn json(&self, value: &impl Serialize) {
         let text = serde_json::to_string_pretty(value);
         let text = text.expect("a result has string keys and finite numbers");
-        self.painted_data(&json_shown(&text));
+        self.data(&text);
     }
 
     /// Writes a line of talk to stderr; hidden characters, such as those of a provider's error, are made visible.

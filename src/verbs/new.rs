@@ -352,7 +352,7 @@ fn compile(
         (entry.as_str(), draft.text.as_str()),
         (draft.library, library),
     ]));
-    let mut compiled = fab_compiler::compile(&entry, &files).map_err(Failure::environment)?;
+    let mut compiled = fab_compiler::compile(&entry, &files)?;
     if compiled.has_errors() || compiled.programs.is_empty() {
         let path = draft.library;
         // Every name that the language allows compiles, except names that the library uses for its own tasks.

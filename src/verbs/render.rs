@@ -17,14 +17,12 @@ use crate::verbs::price::Price;
 use crate::{sources, watch};
 use clap::{Args, ValueHint};
 use fab_base::wording::quoted;
-use fab_program::facts::Facts;
-use fab_program::pointing::Pointing;
-use fab_program::render::{PromptPicture, Values};
+use fab_program::render::PromptPicture;
+use fab_program::scene::SceneView;
 use fab_program::{Arrow, Layers, Picture, Program, Stage, SubgoalStep};
 use page::{DisplayPart, ShownStage};
 use scene_file::SceneFile;
 use serde::Serialize;
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use why::Why;
@@ -163,23 +161,11 @@ fn without_camera(
     listed: Option<&SceneFile>,
     arguments: &RenderArguments,
 ) -> Result<Rendered, Failure> {
-    let texts = BTreeMap::new();
-    let values = match listed {
-        Some(scene) => Values::Partly(Facts {
-            scene,
-            texts: &texts,
-            step: arguments.step,
-            last: None,
-            proposal: None,
-            pointing: Pointing::of_camera(&program.camera),
-        }),
-        None => Values::Typed,
-    };
     let folder = sources::folder_of(&arguments.task.file);
+    let scene = listed.map(|listed| listed as &dyn SceneView);
     let stages = chosen_stages(program, arguments.stage.as_deref())?;
     let stages = stages.into_iter().map(|stage| {
-        let messages = page::messages(program, &folder, stage, values, arguments.step)?;
-        Ok(ShownStage::of(program, stage, values, messages)?)
+        ShownStage::without_camera(program, &folder, stage, scene, None, arguments.step)
     });
     Ok(Rendered {
         stages: stages.collect::<Result<_, Failure>>()?,

@@ -61,14 +61,9 @@ impl SnapArguments {
             return Ok(None);
         };
         let is_plain = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
-        if name.is_empty() || !name.chars().all(is_plain) {
+        if name.is_empty() || !name.chars().all(is_plain) || USUAL.contains(&name.as_str()) {
             return Err(Failure::usage(format!(
-                "`--scene {name}` cannot name a scene; use letters, digits and `_`"
-            )));
-        }
-        if USUAL.contains(&name.as_str()) {
-            return Err(Failure::usage(format!(
-                "the scene `{name}` is always pinned where a task needs it; choose another name"
+                "`--scene {name}` cannot name a scene; use letters, digits and `_`, and neither `start` nor `later`, which are always pinned"
             )));
         }
         Ok(Some(Moment {

@@ -4,9 +4,13 @@
 //! pins, the same for both.
 
 use crate::exit::Failure;
+use fab_program::facts::{ExecutedAction, Facts};
+use fab_program::pointing::Pointing;
 use fab_program::render::{self, Origin, PromptText, RenderError, Values};
+use fab_program::scene::SceneView;
 use fab_program::{Program, Read, Stage};
 use serde::{Serialize, Serializer};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// One message for display.
@@ -85,7 +89,7 @@ fn length<S: Serializer>(png: &Option<Vec<u8>>, serializer: S) -> Result<S::Ok, 
 ///
 /// - `folder`: holds the program's file.
 #[cfg(feature = "runtime")]
-pub fn messages(
+fn messages(
     program: &Program,
     folder: &Path,
     stage: &Stage,
@@ -102,7 +106,7 @@ pub fn messages(
 
 /// Returns the first question of a stage, without pictures and demonstrations, which the authoring tool cannot read.
 #[cfg(not(feature = "runtime"))]
-pub fn messages(
+fn messages(
     program: &Program,
     _folder: &Path,
     stage: &Stage,
@@ -129,6 +133,34 @@ pub fn messages(
 }
 
 impl ShownStage {
+    /// Makes a stage of its first question, with the points of a scene or else with typed placeholders, and without
+    /// pictures.
+    ///
+    /// - `folder`: holds the program's file.
+    /// - `last`: the previous action.
+    pub fn without_camera(
+        program: &Program,
+        folder: &Path,
+        stage: &Stage,
+        scene: Option<&dyn SceneView>,
+        last: Option<&ExecutedAction>,
+        step: u32,
+    ) -> Result<ShownStage, Failure> {
+        let texts = BTreeMap::new();
+        let values = scene.map_or(Values::Typed, |scene| {
+            Values::Partly(Facts {
+                scene,
+                texts: &texts,
+                step,
+                last,
+                proposal: None,
+                pointing: Pointing::of_camera(&program.camera),
+            })
+        });
+        let messages = messages(program, folder, stage, values, step)?;
+        Ok(ShownStage::of(program, stage, values, messages)?)
+    }
+
     /// Makes a stage of its first question.
     pub fn of(
         program: &Program,

@@ -14,8 +14,6 @@ use std::path::Path;
 #[derive(Serialize)]
 struct Weight {
     said_by: String,
-    /// The file that declares it, in the user's spelling.
-    file: Option<String>,
     at_least: u64,
     at_most: u64,
     cost_nano_usd: Option<u64>,
@@ -79,7 +77,7 @@ pub fn text(stage: &ShownStage, folder: &Path, price: Option<&Price>) -> String 
         text.push_str(&format!("{}\n", numbered.trim_end()));
     }
     text.push('\n');
-    text.push_str(&table(stage, folder, price));
+    text.push_str(&table(stage, price));
     text
 }
 
@@ -88,33 +86,27 @@ fn named(folder: &Path, file: &str) -> String {
 }
 
 /// Weighs each component and picture of the first question.
-fn weighed(stage: &ShownStage, folder: &Path, price: Option<&Price>) -> Weights {
-    let cost = |tokens| price.and_then(|price| (price.nano_usd)(tokens));
-    let weight = |said_by: String, file, (at_least, at_most)| Weight {
+fn weighed(stage: &ShownStage, price: Option<&Price>) -> Weights {
+    let weight = |said_by: String, (at_least, at_most)| Weight {
         said_by,
-        file,
         at_least,
         at_most,
-        cost_nano_usd: cost(at_most),
+        cost_nano_usd: price.and_then(|price| (price.nano_usd)(at_most)),
     };
-    let mut texts: Vec<(String, Option<String>, String)> = Vec::new();
+    let mut texts: Vec<(String, String)> = Vec::new();
     for said in stage.texts() {
         for stretch in &said.stretches {
             let said_by = group(&stretch.origin);
             let words = &said.text[stretch.bytes.clone()];
-            match texts.iter_mut().find(|(known, ..)| *known == said_by) {
-                Some((.., all)) => all.push_str(words),
-                None => {
-                    let place = stretch.origin.place.as_ref();
-                    let file = place.map(|place| named(folder, &place.file));
-                    texts.push((said_by, file, words.to_owned()));
-                }
+            match texts.iter_mut().find(|(known, _)| *known == said_by) {
+                Some((_, all)) => all.push_str(words),
+                None => texts.push((said_by, words.to_owned())),
             }
         }
     }
-    let texts = texts.into_iter().map(|(said_by, file, words)| {
+    let texts = texts.into_iter().map(|(said_by, words)| {
         let tokens = tokens::of_text(&words);
-        weight(said_by, file, (tokens, tokens))
+        weight(said_by, (tokens, tokens))
     });
     let mut components: Vec<Weight> = texts.collect();
     let mut pictures_not_counted = 0;
@@ -124,14 +116,14 @@ fn weighed(stage: &ShownStage, folder: &Path, price: Option<&Price>) -> Weights 
         };
         let tokens = price.zip(png.as_ref());
         match tokens.and_then(|(price, png)| (price.picture_tokens)(png)) {
-            Some(tokens) => components.push(weight(format!("picture: {title}"), None, tokens)),
+            Some(tokens) => components.push(weight(format!("picture: {title}"), tokens)),
             None => pictures_not_counted += 1,
         }
     }
     let sum = |of: fn(&Weight) -> u64| components.iter().map(of).sum();
     let all = (sum(|it| it.at_least), sum(|it| it.at_most));
     Weights {
-        all: weight("in all".to_owned(), None, all),
+        all: weight("in all".to_owned(), all),
         components,
         pictures_not_counted,
     }
@@ -146,12 +138,12 @@ fn group(origin: &Origin) -> String {
     }
 }
 
-fn table(stage: &ShownStage, folder: &Path, price: Option<&Price>) -> String {
+fn table(stage: &ShownStage, price: Option<&Price>) -> String {
     let Weights {
         components,
         all,
         pictures_not_counted: uncounted,
-    } = weighed(stage, folder, price);
+    } = weighed(stage, price);
     let mut text = String::from("estimated tokens of the first question");
     if let Some(price) = price {
         text.push_str(&format!(", and their cost for {}", price.model));
@@ -215,6 +207,6 @@ pub fn of<'s>(stage: &'s ShownStage, folder: &Path, price: Option<&Price>) -> Wh
     }
     Why {
         stretches,
-        estimated_tokens: weighed(stage, folder, price),
+        estimated_tokens: weighed(stage, price),
     }
 }

@@ -4,7 +4,7 @@
 //! quitting keeps it; partial acceptances are discarded on quit.
 
 use super::decide::{self, Decision, Decisions};
-use super::show::{self, Extent, View};
+use super::show;
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use console::{Key, Term};
@@ -14,11 +14,10 @@ const KEYS: &str = "\
 a  accept: from now on this is what is compared with
 r  reject: what is pending goes, what was accepted stays
 s  skip: it stays pending
-f  all of the lists and texts, or the first of them
 A  accept all that are left
 q  quit, as Ctrl-C and Ctrl-D do; what was settled is kept
 ?  these keys";
-const PROMPT: &str = "[a]ccept [r]eject [s]kip [f]ull [A]ccept all left [q]uit [?] ";
+const PROMPT: &str = "[a]ccept [r]eject [s]kip [A]ccept all left [q]uit [?] ";
 /// The character that Ctrl-D sends.
 const END_OF_INPUT: char = '\u{4}';
 
@@ -33,46 +32,32 @@ pub fn run(mut decisions: Decisions<'_>, io: &Io) -> Result<Exit, Failure> {
 
 fn go_through(decisions: &mut Decisions<'_>, io: &Io) -> Result<Exit, Failure> {
     let groups = decisions.groups;
-    let mut view = View {
-        color: io.data_color(),
-        extent: Extent::Folded,
-    };
     for (number, group) in groups.iter().enumerate() {
         if group.members.iter().all(|at| decisions.is_settled(*at)) {
             // Another edit of all these snapshots was rejected.
             continue;
         }
-        let show = |view: &View| {
-            io.data(&format!("\n{} of {}", number + 1, groups.len()));
-            io.painted_data(&show::group(group, decisions.pending, view));
-        };
-        show(&view);
-        let answer = loop {
+        io.data(&format!("\n{} of {}", number + 1, groups.len()));
+        io.painted_data(&show::group(group, decisions.pending, io.data_color()));
+        let this = number..number + 1;
+        loop {
             match key()? {
-                Key::Char('f') => {
-                    view.extent = match view.extent {
-                        Extent::Folded => Extent::Full,
-                        Extent::Full => Extent::Folded,
-                    };
-                    show(&view);
+                Key::Char('a') => decide(decisions, this, Decision::Accept, io)?,
+                Key::Char('r') => decide(decisions, this, Decision::Reject, io)?,
+                Key::Char('s') => {}
+                Key::Char('A') => {
+                    decide(decisions, number..groups.len(), Decision::Accept, io)?;
+                    return Ok(Exit::Done);
                 }
-                Key::Char('?') => io.data(KEYS),
-                answer @ (Key::Char('a' | 'r' | 's' | 'A' | 'q' | END_OF_INPUT) | Key::CtrlC) => {
-                    break answer;
+                Key::Char('q' | END_OF_INPUT) => return Ok(Exit::Done),
+                Key::CtrlC => return Ok(Exit::Interrupted),
+                Key::Char('?') => {
+                    io.data(KEYS);
+                    continue;
                 }
-                _ => {}
+                _ => continue,
             }
-        };
-        match answer {
-            Key::Char('a') => decide(decisions, number..number + 1, Decision::Accept, io)?,
-            Key::Char('r') => decide(decisions, number..number + 1, Decision::Reject, io)?,
-            Key::Char('s') => {}
-            Key::Char('A') => {
-                decide(decisions, number..groups.len(), Decision::Accept, io)?;
-                break;
-            }
-            Key::CtrlC => return Ok(Exit::Interrupted),
-            _ => break,
+            break;
         }
     }
     Ok(Exit::Done)

@@ -11,33 +11,13 @@ use fab_base::wording::counted;
 use fab_compiler::diag::{Color, visible};
 use similar::{ChangeTag, TextDiff};
 
-/// How much of a long list is shown.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Extent {
-    /// Only its beginning.
-    Folded,
-    /// Everything.
-    Full,
-}
-
-/// How groups are shown.
-#[derive(Clone, Copy, Debug)]
-pub struct View {
-    /// Whether colours are wanted.
-    pub color: Color,
-    /// How much of a long list is shown.
-    pub extent: Extent,
-}
-
-/// Items shown of a folded list: snapshots or files, causes, lines of a new text.
-const FOLDED_SNAPSHOTS: usize = 8;
-const FOLDED_CAUSES: usize = 4;
-const FOLDED_LINES: usize = 12;
+/// Causes and names of snapshots that are listed; `--json` lists all.
+const LISTED: usize = 8;
 
 /// Returns a group as lines for the terminal.
-pub fn group(group: &Group, pending: &[Pending], view: &View) -> String {
+pub fn group(group: &Group, pending: &[Pending], color: Color) -> String {
     let mut page = Page {
-        view,
+        color,
         lines: Vec::new(),
     };
     let members = || group.members.iter().map(|at| &pending[*at]);
@@ -46,7 +26,7 @@ pub fn group(group: &Group, pending: &[Pending], view: &View) -> String {
     // The first cause of an edit is in the heading.
     let shown = usize::from(group.kind == Kind::Edit);
     let causes = group.causes.iter().skip(shown).map(place);
-    page.list("   ", causes.collect(), FOLDED_CAUSES);
+    page.list("   ", causes);
     for edit in &group.edits {
         page.edit(edit);
     }
@@ -57,15 +37,11 @@ pub fn group(group: &Group, pending: &[Pending], view: &View) -> String {
         Kind::New => page.new_texts(members()),
         _ => {}
     }
-    let pictures = members().filter_map(Pending::pictures_to_look_at);
-    let pictures: Vec<String> = pictures.collect();
-    if !pictures.is_empty() {
-        page.plain("pictures to look at:");
+    for picture in members().filter_map(Pending::pictures_to_look_at) {
+        page.plain(&format!("look at {picture}"));
     }
-    page.list("  ", pictures, FOLDED_SNAPSHOTS);
     page.plain("snapshots:");
-    let names = members().map(|one| one.name.to_string());
-    page.list("  ", names.collect(), FOLDED_SNAPSHOTS);
+    page.list("  ", members().map(|one| one.name.to_string()));
     if let Some(tokens) = group.tokens {
         let change = tokens.after as i64 - tokens.before as i64;
         let questions = counted(group.members.len(), "question");
@@ -100,15 +76,15 @@ fn place(cause: &Cause) -> String {
 }
 
 /// Lines under construction.
-struct Page<'a> {
-    view: &'a View,
+struct Page {
+    color: Color,
     lines: Vec<String>,
 }
 
-impl Page<'_> {
+impl Page {
     /// Returns a style that has an effect only if colours are wanted.
     fn style(&self) -> Style {
-        Style::new().force_styling(self.view.color == Color::Ansi)
+        Style::new().force_styling(self.color == Color::Ansi)
     }
 
     fn plain(&mut self, text: &str) {
@@ -120,18 +96,14 @@ impl Page<'_> {
         self.lines.push(style.apply_to(shown(text)).to_string());
     }
 
-    /// Adds the lines of a list, or the first of them.
-    fn list(&mut self, indent: &str, items: Vec<String>, n_folded: usize) {
-        let n_shown = match self.view.extent {
-            // Folding a single line would save nothing.
-            Extent::Folded if items.len() > n_folded + 1 => n_folded,
-            _ => items.len(),
-        };
-        for item in &items[..n_shown] {
+    /// Adds the first lines of a list, and how many more there are.
+    fn list(&mut self, indent: &str, items: impl Iterator<Item = String>) {
+        let items: Vec<String> = items.collect();
+        for item in items.iter().take(LISTED) {
             self.plain(&format!("{indent}{item}"));
         }
-        if n_shown < items.len() {
-            self.plain(&format!("  … and {} more", items.len() - n_shown));
+        if items.len() > LISTED {
+            self.plain(&format!("{indent}… and {} more", items.len() - LISTED));
         }
     }
 
@@ -172,20 +144,14 @@ impl Page<'_> {
         }
     }
 
-    /// Adds the new texts, or the beginning of the first.
     fn new_texts<'p>(&mut self, members: impl Iterator<Item = &'p Pending>) {
-        let texts = members.filter_map(|one| match &one.proposed.contents {
-            Contents::Text(text) => Some((&one.name, text)),
-            Contents::Picture(_) => None,
-        });
-        let n_texts = match self.view.extent {
-            Extent::Folded => 1,
-            Extent::Full => usize::MAX,
-        };
-        for (name, text) in texts.take(n_texts) {
-            self.line(&format!("@@ {name}"), &self.style().dim());
-            let lines = text.lines().map(str::to_owned).collect();
-            self.list("+ ", lines, FOLDED_LINES);
+        for one in members {
+            if let Contents::Text(text) = &one.proposed.contents {
+                self.line(&format!("@@ {}", one.name), &self.style().dim());
+                for line in text.lines() {
+                    self.plain(&format!("+ {line}"));
+                }
+            }
         }
     }
 }

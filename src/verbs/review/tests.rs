@@ -3,7 +3,7 @@
 
 use super::find::Pending;
 use super::groups::{self, Group, Kind};
-use super::show::{self, Extent, View};
+use super::show;
 use crate::snapshots::{Contents, Folder, Info, Name, Origin, Snapshot};
 use fab_compiler::diag::Color;
 use std::path::PathBuf;
@@ -121,11 +121,11 @@ fn a_component_dropped_anywhere_is_one_edit() {
     assert_eq!((groups.len(), groups[0].edits.len()), (1, 0));
 }
 
-fn shown(before: &str, after: &str, view: &View) -> String {
+fn shown(before: &str, after: &str, color: Color) -> String {
     let pending = [pending(before, after)];
     let groups = groups::group(&pending);
     assert_eq!(groups.len(), 1);
-    show::group(&groups[0], &pending, view)
+    show::group(&groups[0], &pending, color)
 }
 
 fn without_colour(text: &str) -> String {
@@ -134,31 +134,22 @@ fn without_colour(text: &str) -> String {
     parts.fold(first, |all, part| all + part.split_once('m').unwrap().1)
 }
 
-const PLAIN: View = View {
-    color: Color::Plain,
-    extent: Extent::Folded,
-};
-
 #[test]
 fn words_that_differ_are_marked_in_colour_only() {
-    let color = View {
-        color: Color::Ansi,
-        ..PLAIN
-    };
     let (before, after) = ("the red dots are corners", "the blue dots are corners");
-    let text = shown(before, after, &color);
+    let text = shown(before, after, Color::Ansi);
     for (code, word) in [(31, "red"), (32, "blue")] {
         let marked = format!("\x1b[{code}m\x1b[1m\x1b[4m{word}\x1b[0m");
         assert!(text.contains(&marked), "{text:?}");
     }
-    let plain = shown(before, after, &PLAIN);
+    let plain = shown(before, after, Color::Plain);
     assert_eq!(without_colour(&text), plain);
     assert!(!plain.contains('\x1b'));
 }
 
 #[test]
 fn what_a_terminal_would_obey_is_shown_as_a_sign() {
-    let text = shown("a", "a\x1b]0;title\x07\u{202e}b\u{9b}2J\tc", &PLAIN);
+    let text = shown("a", "a\x1b]0;title\x07\u{202e}b\u{9b}2J\tc", Color::Plain);
     assert!(
         text.contains("+ a\\u{1b}]0;title\\u{7}\\u{202e}b\\u{9b}2J    c"),
         "{text:?}"
@@ -173,7 +164,7 @@ fn a_text_in_place_of_a_picture_is_no_edit() {
 }
 
 #[test]
-fn new_pictures_are_listed_by_file_and_folded() {
+fn new_pictures_are_listed_by_file() {
     let pictures: Vec<Pending> = (10..22)
         .map(|number| {
             let mut one = pending("", "");
@@ -184,11 +175,10 @@ fn new_pictures_are_listed_by_file_and_folded() {
         })
         .collect();
     let groups = groups::group(&pictures);
-    let shown = |extent| show::group(&groups[0], &pictures, &View { extent, ..PLAIN });
-    let folded = shown(Extent::Folded);
-    let list = "\npictures to look at:\n  snapshots/half@10.snap.new.png\n";
-    assert!(folded.contains(list), "{folded}");
-    let end = "\n  snapshots/half@17.snap.new.png\n  … and 4 more\n";
-    assert!(folded.contains(end), "{folded}");
-    assert!(shown(Extent::Full).contains("\n  snapshots/half@21.snap.new.png\n"));
+    let text = show::group(&groups[0], &pictures, Color::Plain);
+    for number in 10..22 {
+        let line = format!("\nlook at snapshots/half@{number}.snap.new.png\n");
+        assert!(text.contains(&line), "{text}");
+    }
+    assert!(text.contains("\n  … and 4 more\n"), "{text}");
 }

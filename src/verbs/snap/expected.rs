@@ -11,9 +11,7 @@ use crate::io::Io;
 use crate::snapshots::{Contents, Info, Name, Origin, Side, Snapshot};
 use crate::verbs::render::page::ShownStage;
 use crate::verbs::render::title;
-use fab_program::facts::Facts;
-use fab_program::pointing::Pointing;
-use fab_program::render::{PromptPicture, Values};
+use fab_program::render::PromptPicture;
 use fab_program::tokens;
 use fab_program::{Picture, Program, Stage};
 use serde_json::json;
@@ -174,22 +172,14 @@ impl Page<'_> {
 
     /// Returns the text of a stage.
     fn stage(&self, stage: &Stage, scene: &PinnedScene) -> Result<Expected, Failure> {
-        let program = self.program;
-        let texts = BTreeMap::new();
-        let last = scene.last(program);
-        let values = Values::Partly(Facts {
-            scene,
-            texts: &texts,
-            step: self.moment.step,
-            last: last.as_ref(),
-            proposal: None,
-            pointing: Pointing::of_camera(&program.camera),
-        });
         let name = self.name(Some(&stage.name), None);
-        let Some(messages) = self.camera.messages(stage, values)? else {
+        if !self.camera.can_tell(stage) {
             return Ok((name, None));
-        };
-        let shown = ShownStage::of(program, stage, values, messages)?;
+        }
+        let (program, folder) = (self.program, self.source.folder);
+        let (last, step) = (scene.last(program), self.moment.step);
+        let shown =
+            ShownStage::without_camera(program, folder, stage, Some(scene), last.as_ref(), step)?;
         let tokens = shown.texts().map(|said| tokens::of_text(&said.text));
         let info = Info {
             stage: Some(stage.name.clone()),
