@@ -108,14 +108,17 @@ impl Folder {
         let file = format::write(snapshot).map_err(Failure::environment)?;
         let write = || {
             fs::create_dir_all(&self.path)?;
+            let picture = picture_of(&path);
             // A reader never finds a file without its picture.
-            if let Contents::Picture(bytes) = &snapshot.contents {
-                replace(&picture_of(&path), bytes)?;
-            }
-            replace(&path, file.as_bytes())?;
             match &snapshot.contents {
-                Contents::Text(_) => remove_file(&picture_of(&path)),
-                Contents::Picture(_) => Ok(()),
+                Contents::Picture(bytes) => {
+                    replace(&picture, bytes)?;
+                    replace(&path, file.as_bytes())
+                }
+                Contents::Text(_) => {
+                    replace(&path, file.as_bytes())?;
+                    remove_file(&picture)
+                }
             }
         };
         write().map_err(|error| Failure::unwritable(&path, error))

@@ -5,7 +5,6 @@
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
-use std::fmt;
 
 /// The extension of pictures; this is the only supported binary format.
 pub const PICTURE: &str = "png";
@@ -132,19 +131,13 @@ pub struct Origin {
     pub place: Option<(String, u32)>,
 }
 
-impl fmt::Display for Origin {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}-{} {}", self.from, self.to, self.component)?;
-        match &self.place {
-            Some((file, line)) => write!(f, " {file}:{line}"),
-            None => Ok(()),
-        }
-    }
-}
-
 impl From<Origin> for String {
     fn from(origin: Origin) -> String {
-        origin.to_string()
+        let text = format!("{}-{} {}", origin.from, origin.to, origin.component);
+        match origin.place {
+            Some((file, line)) => format!("{text} {file}:{line}"),
+            None => text,
+        }
     }
 }
 

@@ -80,14 +80,9 @@ struct CheckedTask {
     /// Set if the steps of its demonstration have not been judged.
     demonstration: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    material: Option<CheckedMaterial>,
-}
-
-/// The material of a task's cloth.
-#[derive(Serialize)]
-struct CheckedMaterial {
-    name: String,
-    /// How the simulated cloth differs from it.
+    material: Option<String>,
+    /// How the simulated cloth differs from its material; `None` if it cannot be laid.
+    #[serde(skip_serializing_if = "Option::is_none")]
     simulated: Option<Vec<String>>,
 }
 
@@ -220,10 +215,8 @@ impl CheckedTask {
             max_calls: u64::from(per_step) * u64::from(program.horizon),
             about: program.about.clone(),
             demonstration: unjudged(program, beside),
-            material: material.map(|material| CheckedMaterial {
-                name: material.name.clone(),
-                simulated: differs(material, program.cloth.spacing_m),
-            }),
+            material: material.map(|it| it.name.clone()),
+            simulated: material.and_then(|it| differs(it, program.cloth.spacing_m)),
         }
     }
 
@@ -242,10 +235,10 @@ impl CheckedTask {
             words.push_str(&format!("\n  {unjudged}"));
         }
         if let Some(material) = &self.material {
-            words.push_str(&format!("\n  made of {}", material.name));
-            for difference in material.simulated.iter().flatten() {
-                words.push_str(&format!("\n    in the simulator, {difference}"));
-            }
+            words.push_str(&format!("\n  made of {material}"));
+        }
+        for difference in self.simulated.iter().flatten() {
+            words.push_str(&format!("\n    in the simulator, {difference}"));
         }
         words
     }

@@ -192,16 +192,14 @@ impl Taken {
 
     /// Reports the counts, and what can be done next.
     fn advise(&self, arguments: &SnapArguments, io: &Io) {
+        let unseen = match self.unseen {
+            0 => String::new(),
+            count => format!(", {count} that this build of fabc cannot check"),
+        };
         io.talk(&format!(
-            "{} unchanged, {} changed, {} new, {} orphaned",
+            "{} unchanged, {} changed, {} new, {} orphaned{unseen}",
             self.same, self.changed, self.new, self.orphaned
         ));
-        if self.unseen > 0 {
-            let unseen = self.unseen;
-            io.talk(&format!(
-                "{unseen} could not be checked by this build of fabc"
-            ));
-        }
         let files = arguments.files.join(" ");
         if arguments.check && self.changed + self.new + self.pending > 0 {
             io.talk(&format!(
