@@ -17,7 +17,7 @@ use clap::Args;
 use expected::Source;
 use fab_base::parallel::in_parallel;
 use fab_program::Program;
-use plan::{Expected, Plan, SnapshotState, State};
+use plan::{Plan, SnapshotState, State};
 use scene::{Moment, USUAL};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -147,7 +147,7 @@ fn planned(
     let expected = |number: usize| {
         let (name, programs) = &declared[number];
         let source = Source { name, folder };
-        expected_of(programs, &source, arguments, &plan, io).map(Some)
+        expected::of_file(programs, &source, arguments, &plan, io).map(Some)
     };
     let threads = thread::available_parallelism().map_or(1, NonZero::get);
     let found = in_parallel(declared.len(), threads, expected, |_| {})?;
@@ -155,22 +155,6 @@ fn planned(
         plan.expect(name, found)?;
     }
     Ok(plan)
-}
-
-/// Returns the snapshots that the programs of a file should have.
-fn expected_of(
-    programs: &[Program],
-    source: &Source<'_>,
-    arguments: &SnapArguments,
-    plan: &Plan,
-    io: &Io,
-) -> Result<Vec<Expected>, Failure> {
-    let mut found = Vec::new();
-    // A task and its variants follow each other.
-    for programs in programs.chunk_by(|one, other| one.task == other.task) {
-        found.extend(expected::of_task(programs, source, arguments, plan, io)?);
-    }
-    Ok(found)
 }
 
 impl Taken {

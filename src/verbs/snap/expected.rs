@@ -47,8 +47,8 @@ struct Shared {
     pictures: BTreeMap<String, String>,
 }
 
-/// Finds the snapshots of a task, which is the first program, and of its variants.
-pub fn of_task(
+/// Finds the snapshots of the programs of a file.
+pub fn of_file(
     programs: &[Program],
     source: &Source<'_>,
     arguments: &SnapArguments,
@@ -56,21 +56,24 @@ pub fn of_task(
     io: &Io,
 ) -> Result<Vec<Expected>, Failure> {
     let mut found = Vec::new();
-    for moment in &moments(programs, arguments, plan)? {
-        let mut shared = Shared::default();
-        for program in programs.iter().filter(|it| moment.step <= it.horizon) {
-            let page = Page {
-                program,
-                moment,
-                source,
-                plan,
-                camera: Camera::of(program, moment, source.folder, io),
-            };
-            let scene = page.scene(&mut shared, &mut found)?;
-            for stage in &program.stages {
-                found.push(page.stage(stage, &scene)?);
+    // A task and its variants follow each other.
+    for programs in programs.chunk_by(|one, other| one.task == other.task) {
+        for moment in &moments(programs, arguments, plan)? {
+            let mut shared = Shared::default();
+            for program in programs.iter().filter(|it| moment.step <= it.horizon) {
+                let page = Page {
+                    program,
+                    moment,
+                    source,
+                    plan,
+                    camera: Camera::of(program, moment, source.folder, io),
+                };
+                let scene = page.scene(&mut shared, &mut found)?;
+                for stage in &program.stages {
+                    found.push(page.stage(stage, &scene)?);
+                }
+                page.pictures(&scene, arguments.redraw, &mut shared, &mut found)?;
             }
-            page.pictures(&scene, arguments.redraw, &mut shared, &mut found)?;
         }
     }
     Ok(found)
@@ -103,17 +106,8 @@ fn moments(
             task.task, task.horizon, wanted.step
         )));
     }
-    let is_other = |known: &&Moment| known.name == wanted.name && **known != wanted;
-    if let Some(known) = moments.iter().find(is_other) {
-        let start = match known.start {
-            Some(seed) => format!("start {seed}"),
-            None => "the task's own start".to_owned(),
-        };
-        return Err(Failure::usage(format!(
-            "the scene `{}` of `{}` is pinned already: {start}, step {}; choose another name, or remove its `.points.snap`",
-            wanted.name, task.task, known.step
-        )));
-    }
+    // Another start or step replaces what was pinned under this name, as a change to review.
+    moments.retain(|known| known.name != wanted.name);
     moments.insert(wanted);
     Ok(moments)
 }
