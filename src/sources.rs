@@ -92,23 +92,42 @@ fn similar_file(path: &Path) -> Option<String> {
 /// The largest file that a check looks into, bytes; as much as a start may have.
 const MAX_LOOKED_AT: u64 = 64 << 20;
 
-/// A loader that also looks into the files that tasks name.
+/// A loader that also looks into the files that tasks name, and remembers every file that was asked for.
 ///
-/// Only `fabc check` looks: other verbs read what they need, and say themselves what is missing.
+/// Only `fabc check` reports what it sees: other verbs read what they need, and say themselves what is missing.
 struct Looking {
     disk: Disk,
     /// What was found, because each task that inherits a file asks again.
     found: RefCell<BTreeMap<(String, Wanted), Listed>>,
     /// What is done to the pictures to show them as a viewer does.
     notes: RefCell<Vec<String>>,
+    /// The files that were asked for, including missing ones.
+    asked: RefCell<BTreeSet<PathBuf>>,
+}
+
+impl Looking {
+    fn beside(file: &str) -> Looking {
+        Looking {
+            disk: Disk::beside(file),
+            found: RefCell::default(),
+            notes: RefCell::default(),
+            asked: RefCell::default(),
+        }
+    }
+
+    fn ask(&self, path: impl Into<PathBuf>) {
+        self.asked.borrow_mut().insert(path.into());
+    }
 }
 
 impl Loader for Looking {
     fn load(&self, name: &str) -> Result<String, LoadError> {
+        self.ask(name);
         self.disk.load(name)
     }
 
     fn look(&self, path: &str, wanted: Wanted) -> Listed {
+        self.ask(self.disk.folder.join(path));
         let mut found = self.found.borrow_mut();
         let look = || {
             let seen = listed(&self.disk.folder, &self.disk.folder.join(path), wanted);
@@ -121,6 +140,7 @@ impl Loader for Looking {
     }
 
     fn trial(&self, title: &str) -> Option<Trial> {
+        self.ask(self.disk.folder.join(pins_folder(title)).join(PINS_FILE));
         pinned_trial(&self.disk.folder, title)
     }
 
@@ -203,13 +223,17 @@ fn are_json_lines(bytes: &[u8]) -> Result<(), String> {
 
 /// Compiles a file, and looks for the files that its tasks name; returns what is done to pictures to show them, too.
 pub fn compile_looking(file: &str) -> Result<(Compiled, Vec<String>), Failure> {
-    let loader = Looking {
-        disk: Disk::beside(file),
-        found: RefCell::default(),
-        notes: RefCell::default(),
-    };
+    let loader = Looking::beside(file);
     let compiled = fab_compiler::compile(file, &loader)?;
     Ok((compiled, loader.notes.into_inner()))
+}
+
+/// Returns a file of tasks and all files that it uses, including missing ones.
+pub fn used_files(file: &str) -> BTreeSet<PathBuf> {
+    let loader = Looking::beside(file);
+    // What is wrong is for a verb to report.
+    let _ = fab_compiler::compile(file, &loader);
+    loader.asked.into_inner()
 }
 
 /// Returns the folder that holds a file.

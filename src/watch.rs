@@ -6,15 +6,12 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::sources::{self, Disk};
+use crate::sources;
 use fab_base::interrupt::Interrupt;
 use fab_base::wording::counted;
-use fab_compiler::{Listed, LoadError, Loader, Wanted};
-use fab_program::{PINS_FILE, Trial, pins_folder};
-use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::thread;
 use std::time::{Duration, SystemTime};
 
@@ -34,7 +31,8 @@ pub fn run(
 ) -> Result<Exit, Failure> {
     let interrupt = io.interrupt()?;
     while !interrupt.is_raised() {
-        let files = files(entries, others);
+        let mut files: BTreeSet<PathBuf> = others.iter().cloned().collect();
+        files.extend(entries.iter().flat_map(|entry| sources::used_files(entry)));
         // Taken before the verb reads the files, so that a change during its run counts.
         let seen = stamps(&files);
         io.clear();
@@ -78,47 +76,5 @@ fn wait_for_change(files: &BTreeSet<PathBuf>, seen: &Stamps, interrupt: &Interru
             return;
         }
         before = now;
-    }
-}
-
-/// Returns the files of a command line and all files that they use, including missing ones.
-fn files(entries: &[String], others: &[PathBuf]) -> BTreeSet<PathBuf> {
-    let mut files: BTreeSet<PathBuf> = others.iter().cloned().collect();
-    for entry in entries {
-        let loader = RecordingLoader {
-            disk: Disk::beside(entry),
-            folder: sources::folder_of(entry),
-            asked: RefCell::default(),
-        };
-        // Its findings are the verb's to report.
-        let _ = fab_compiler::compile(entry, &loader);
-        files.extend(loader.asked.into_inner());
-    }
-    files
-}
-
-/// A loader that reads from disk and records the requested files.
-struct RecordingLoader {
-    disk: Disk,
-    folder: PathBuf,
-    asked: RefCell<BTreeSet<PathBuf>>,
-}
-
-impl Loader for RecordingLoader {
-    fn load(&self, name: &str) -> Result<String, LoadError> {
-        self.asked.borrow_mut().insert(PathBuf::from(name));
-        self.disk.load(name)
-    }
-
-    fn look(&self, path: &str, _wanted: Wanted) -> Listed {
-        self.asked.borrow_mut().insert(self.folder.join(path));
-        Listed::Unknown
-    }
-
-    /// `fabc subgoals` writes this description after the pictures.
-    fn trial(&self, title: &str) -> Option<Trial> {
-        let pins = Path::new(&pins_folder(title)).join(PINS_FILE);
-        self.asked.borrow_mut().insert(self.folder.join(pins));
-        None
     }
 }
