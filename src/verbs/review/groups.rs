@@ -1,7 +1,7 @@
 //! Groups pending snapshots: an edit that changes forty snapshots is one thing to look at.
 //!
 //! In: pending snapshots. Out: groups, whose ids are stable from run to run. Each edit is one group, so it is reviewed
-//! once; a text with several edits is in the group of each. [`super::decide`] applies the decisions.
+//! once; a text with several edits is in the group of each. The module `decide` applies the decisions.
 
 use super::edits::{self, Cause, Edit};
 use super::find::Pending;
