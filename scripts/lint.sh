@@ -31,12 +31,12 @@ step cargo clippy --workspace --exclude fab-arm-ros --exclude fab-arm-ros2 --lib
 
 # Fails if a package's build needs a crate that finds or binds a system library: no_system_library PACKAGE [ARGUMENT...]
 #
-# psm and ring are allowed: they compile their own C and assembler, with a C compiler alone. inotify-sys,
-# linux-raw-sys and netlink-sys are allowed: they declare kernel calls and link nothing. So is dirs-sys, which asks the C
-# library for the user's home.
+# psm and ring are allowed: they compile their own C and assembler, with a C compiler alone. linux-raw-sys and
+# netlink-sys are allowed: they declare kernel calls and link nothing. So is dirs-sys, which asks the C library for the
+# user's home.
 no_system_library() {
     tree=$(cargo tree --edges normal,build --prefix none --locked --package "$@")
-    if printf '%s\n' "$tree" | grep -v -E '^(dirs|inotify|linux-raw|netlink)-sys v' | grep -E '^(opencv|bindgen|clang-sys|cmake|pkg-config|vcpkg|[^ ]*-sys) v'; then
+    if printf '%s\n' "$tree" | grep -v -E '^(dirs|linux-raw|netlink)-sys v' | grep -E '^(opencv|bindgen|clang-sys|cmake|pkg-config|vcpkg|[^ ]*-sys) v'; then
         echo "$1 depends on the crates named above, which need a system library" >&2
         exit 1
     fi

@@ -7,8 +7,8 @@
 use crate::exit::{Exit, Failure};
 use fab_base::files;
 use fab_base::interrupt::Interrupt;
-use fab_compiler::diag::{Color, is_hidden, visible};
-use std::borrow::Cow;
+use fab_compiler::diag::{Color, visible};
+use serde::Serialize;
 use std::ffi::{OsStr, OsString};
 use std::io::{BufRead, BufReader, Cursor, ErrorKind, IsTerminal, Read, Write};
 use std::path::{Path, PathBuf};
@@ -69,22 +69,6 @@ pub struct Captured {
     pub stderr: String,
 }
 
-/// Writes the hidden characters of a JSON document, which are all inside of its strings, as JSON escapes them.
-fn json_shown(text: &str) -> Cow<'_, str> {
-    if !text.chars().any(is_hidden) {
-        return Cow::Borrowed(text);
-    }
-    let mut result = String::with_capacity(text.len());
-    for character in text.chars() {
-        if is_hidden(character) {
-            result.push_str(&format!("\\u{:04x}", u32::from(character)));
-        } else {
-            result.push(character);
-        }
-    }
-    Cow::Owned(result)
-}
-
 fn lock<T: ?Sized>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -122,12 +106,6 @@ impl Io {
         }
     }
 
-    /// Returns the same surroundings, writing talk to a stream instead of capturing it.
-    pub fn with_stderr(self, writer: impl Write + Send + 'static) -> Io {
-        *lock(&self.streams.stderr) = Sink::To(Box::new(writer));
-        self
-    }
-
     /// Returns what the command wrote, if output was captured.
     pub fn captured(&self) -> Captured {
         Captured {
@@ -148,7 +126,7 @@ impl Io {
         }
     }
 
-    /// Does the same as [`Io::data`] for a text with the command's own colours, whose foreign parts are visible.
+    /// Writes data that has the command's own colours; the caller has made its foreign parts visible.
     pub(crate) fn painted_data(&self, text: &str) {
         self.write_data(&format!("{text}\n"));
     }
@@ -163,23 +141,10 @@ impl Io {
     }
 
     /// Writes one JSON document to stdout.
-    pub(crate) fn json(&self, value: &serde_json::Value) {
-        let text = serde_json::to_string_pretty(value).expect("a JSON value can be written");
-        self.painted_data(&json_shown(&text));
-    }
-
-    /// Writes a verb's result: as JSON if `--json` was given, otherwise as text.
-    pub(crate) fn report(
-        &self,
-        json: bool,
-        to_json: impl FnOnce() -> serde_json::Value,
-        to_text: impl FnOnce() -> String,
-    ) {
-        if json {
-            self.json(&to_json());
-        } else {
-            self.data(&to_text());
-        }
+    pub(crate) fn json(&self, value: &impl Serialize) {
+        let text = serde_json::to_string_pretty(value);
+        let text = text.expect("a result has string keys and finite numbers");
+        self.data(&text);
     }
 
     /// Writes a line of talk to stderr; hidden characters, such as those of a provider's error, are made visible.
@@ -187,7 +152,7 @@ impl Io {
         self.painted_talk(&visible(text));
     }
 
-    /// Does the same as [`Io::talk`] for a text with the command's own colours, whose foreign parts are visible.
+    /// Writes talk that has the command's own colours; the caller has made its foreign parts visible.
     pub(crate) fn painted_talk(&self, text: &str) {
         let _ = lock(&self.streams.stderr).write(&format!("{text}\n"));
     }

@@ -50,7 +50,7 @@ pub fn find(word: &str, io: &Io) -> Result<String, Failure> {
     find_beside(Path::new(""), word, io)
 }
 
-/// Does the same for a word in a file of `folder`, which is searched instead of the working folder.
+/// Returns the file that a word in a file of `folder` names; that folder is searched instead of the working folder.
 pub fn find_beside(folder: &Path, word: &str, io: &Io) -> Result<String, Failure> {
     let own = folder.join(word);
     if !is_name(word) || (own.exists() && !own.is_dir()) {

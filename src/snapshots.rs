@@ -12,13 +12,11 @@ mod format;
 #[cfg(test)]
 mod tests;
 
-pub use folder::{Folder, Side};
+pub use folder::{Folder, Side, picture_of};
 pub use format::{Contents, Info, Origin, Snapshot};
 
 use serde::Serialize;
 use std::fmt;
-use std::io;
-use std::path::PathBuf;
 
 /// Name of the folder that holds snapshots, beside their source files.
 pub const FOLDER: &str = "snapshots";
@@ -39,39 +37,4 @@ impl fmt::Display for Name {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0)
     }
-}
-
-/// Why a snapshot folder cannot be read or changed.
-#[derive(Debug, thiserror::Error)]
-pub enum SnapshotError {
-    /// A file or folder cannot be read.
-    #[error("cannot read `{path}`: {why}")]
-    Unreadable {
-        /// The file or folder.
-        path: PathBuf,
-        /// The reason.
-        why: String,
-    },
-    /// A file cannot be written, renamed or removed.
-    #[error("cannot change `{path}`: {error}")]
-    Unwritable {
-        /// The file.
-        path: PathBuf,
-        /// The system's message.
-        error: io::Error,
-    },
-    /// A file does not have the snapshot format.
-    #[error("`{path}` is not a snapshot that can be read: {why}")]
-    Format {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        why: String,
-    },
-    /// The pending snapshot is not the one that was shown.
-    #[error("`{path}` has changed since it was shown, and was not accepted; look at it again")]
-    Changed {
-        /// The pending file.
-        path: PathBuf,
-    },
 }

@@ -16,7 +16,7 @@ use serde::Deserialize;
 use serde::Serialize;
 use serde_json::json;
 use std::cell::RefCell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Which task of a file is meant.
@@ -74,54 +74,60 @@ impl Loader for Disk {
     }
 }
 
-/// Returns what was probably meant in place of a file that does not exist: the name of a similar one beside it, or a library
-/// in the folder above.
+/// Returns the name of a similar file beside one that does not exist.
 fn similar_file(path: &Path) -> Option<String> {
-    let folder = path.parent()?;
     let name = path.file_name()?.to_str()?;
     if path.exists() {
         return None;
     }
-    let here = Path::new(".").join(folder);
+    let here = Path::new(".").join(path.parent()?);
     let files = std::fs::read_dir(here).into_iter().flatten().flatten();
-    let mut files: Vec<String> = { files }
+    let files: BTreeSet<String> = { files }
         .filter_map(|file| file.file_name().into_string().ok())
         .filter(|file| file.ends_with(".fab"))
         .collect();
-    files.sort();
-    if let Some(meant) = diag::nearest(name, files.iter().map(String::as_str)) {
-        return Some(meant.to_owned());
-    }
-    let library = Path::new("../lib").join(name);
-    let is_library = folder.file_name()? == "lib";
-    let is_above = is_library
-        && Path::new(".")
-            .join(folder.parent()?)
-            .join(&library)
-            .is_file();
-    is_above.then(|| library.display().to_string())
+    diag::nearest(name, files.iter().map(String::as_str)).map(str::to_owned)
 }
 
 /// The largest file that a check looks into, bytes; as much as a start may have.
 const MAX_LOOKED_AT: u64 = 64 << 20;
 
-/// A loader that also looks into the files that tasks name.
+/// A loader that also looks into the files that tasks name, and remembers every file that was asked for.
 ///
-/// Only `fabc check` looks: other verbs read what they need, and say themselves what is missing.
+/// Only `fabc check` reports what it sees: other verbs read what they need, and say themselves what is missing.
 struct Looking {
     disk: Disk,
     /// What was found, because each task that inherits a file asks again.
     found: RefCell<BTreeMap<(String, Wanted), Listed>>,
     /// What is done to the pictures to show them as a viewer does.
     notes: RefCell<Vec<String>>,
+    /// The files that were asked for, including missing ones.
+    asked: RefCell<BTreeSet<PathBuf>>,
+}
+
+impl Looking {
+    fn beside(file: &str) -> Looking {
+        Looking {
+            disk: Disk::beside(file),
+            found: RefCell::default(),
+            notes: RefCell::default(),
+            asked: RefCell::default(),
+        }
+    }
+
+    fn ask(&self, path: impl Into<PathBuf>) {
+        self.asked.borrow_mut().insert(path.into());
+    }
 }
 
 impl Loader for Looking {
     fn load(&self, name: &str) -> Result<String, LoadError> {
+        self.ask(name);
         self.disk.load(name)
     }
 
     fn look(&self, path: &str, wanted: Wanted) -> Listed {
+        self.ask(self.disk.folder.join(path));
         let mut found = self.found.borrow_mut();
         let look = || {
             let seen = listed(&self.disk.folder, &self.disk.folder.join(path), wanted);
@@ -134,6 +140,7 @@ impl Loader for Looking {
     }
 
     fn trial(&self, title: &str) -> Option<Trial> {
+        self.ask(self.disk.folder.join(pins_folder(title)).join(PINS_FILE));
         pinned_trial(&self.disk.folder, title)
     }
 
@@ -198,34 +205,35 @@ fn are_positions(bytes: &[u8]) -> Result<(), String> {
 /// Checks that bytes are lines with a JSON object each, the first of which states the format.
 fn are_json_lines(bytes: &[u8]) -> Result<(), String> {
     let text = files::text(without_mark(bytes).to_vec())?;
-    let lines = || {
-        (1..)
-            .zip(text.lines())
-            .filter(|(_, line)| !line.trim().is_empty())
-    };
-    if lines().next().is_none() {
-        return Err("it is empty".to_owned());
-    }
-    for (number, line) in lines() {
+    let mut states_format = false;
+    for (number, line) in (1..).zip(text.lines()) {
+        if line.trim().is_empty() {
+            continue;
+        }
         let object: serde_json::Map<String, serde_json::Value> = serde_json::from_str(line)
             .map_err(|error| format!("line {number} is no JSON object: {error}"))?;
-        if number == 1 && !object.contains_key("format") {
-            return Err("its first line does not state a `format`".to_owned());
-        }
+        states_format |= number == 1 && object.contains_key("format");
     }
-    Ok(())
+    if states_format {
+        Ok(())
+    } else {
+        Err("its first line does not state a `format`".to_owned())
+    }
 }
 
 /// Compiles a file, and looks for the files that its tasks name; returns what is done to pictures to show them, too.
 pub fn compile_looking(file: &str) -> Result<(Compiled, Vec<String>), Failure> {
-    let loader = Looking {
-        disk: Disk::beside(file),
-        found: RefCell::default(),
-        notes: RefCell::default(),
-    };
-    let compiled = fab_compiler::compile(file, &loader);
-    let compiled = compiled.map_err(|error| Failure::environment(error.message))?;
+    let loader = Looking::beside(file);
+    let compiled = fab_compiler::compile(file, &loader)?;
     Ok((compiled, loader.notes.into_inner()))
+}
+
+/// Returns a file of tasks and all files that it uses, including missing ones.
+pub fn used_files(file: &str) -> BTreeSet<PathBuf> {
+    let loader = Looking::beside(file);
+    // What is wrong is for a verb to report.
+    let _ = fab_compiler::compile(file, &loader);
+    loader.asked.into_inner()
 }
 
 /// Returns the folder that holds a file.
@@ -258,7 +266,7 @@ pub fn inside(folder: &Path, path: &Path) -> Result<PathBuf, String> {
     ))
 }
 
-/// Does the same as [`inside`], but also allows files in the folder `lib` beside `folder`.
+/// Returns the real path of a file in `folder`, or in the folder `lib` beside it; the error says why it is elsewhere.
 fn inside_or_library(folder: &Path, path: &Path) -> Result<PathBuf, String> {
     let found = inside(folder, path);
     if found.is_ok() {
@@ -280,8 +288,7 @@ pub fn read_bounded(path: &Path) -> Result<Vec<u8>, String> {
 
 /// Compiles a file.
 pub fn compile(file: &str) -> Result<Compiled, Failure> {
-    fab_compiler::compile(file, &Disk::beside(file))
-        .map_err(|error| Failure::environment(error.message))
+    Ok(fab_compiler::compile(file, &Disk::beside(file))?)
 }
 
 /// Formats diagnostics for people, and says how many are left out.
@@ -356,15 +363,14 @@ pub fn compile_task_for(
     )
 }
 
-/// Compiles a file again for a cloth of another grid; returns the same as [`compile_tasks`].
+/// Compiles a file again for a cloth of another grid, and returns its tasks with their variants, or only the `wanted` task.
 pub fn compile_tasks_for(
     file: &str,
     wanted: Option<&str>,
     grid: [u32; 2],
     io: &Io,
 ) -> Result<Vec<Program>, Failure> {
-    let compiled = fab_compiler::compile_for(file, &Disk::beside(file), Some(grid))
-        .map_err(|error| Failure::environment(error.message))?;
+    let compiled = fab_compiler::compile_for(file, &Disk::beside(file), Some(grid))?;
     if compiled.has_errors() {
         io.painted_talk(&findings(&compiled, io.talk_color()));
     }

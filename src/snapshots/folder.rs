@@ -2,10 +2,12 @@
 //!
 //! In: its path. Out: the names and contents of its snapshots, and changed files. Other files are left alone.
 
+use super::Name;
 use super::format::{self, Contents, Snapshot};
-use super::{Name, SnapshotError};
+use crate::exit::Failure;
 use fab_base::files;
 use std::collections::BTreeSet;
+use std::fmt::Display;
 use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -45,38 +47,30 @@ pub struct Folder {
 
 impl Folder {
     /// Lists the snapshots of a folder; one that does not exist is empty.
-    pub fn open(path: impl Into<PathBuf>) -> Result<Folder, SnapshotError> {
-        let mut folder = Folder {
-            path: path.into(),
-            accepted: BTreeSet::new(),
-            pending: BTreeSet::new(),
-        };
-        let files = fs::read_dir(&folder.path).and_then(|entries| {
+    pub fn open(path: impl Into<PathBuf>) -> Result<Folder, Failure> {
+        let path = path.into();
+        let files = fs::read_dir(&path).and_then(|entries| {
             let names = entries.map(|entry| entry.map(|entry| entry.file_name()));
             names.collect::<io::Result<Vec<_>>>()
         });
-        match files {
-            Ok(names) => {
-                for name in names {
-                    folder.add(&name.to_string_lossy());
-                }
-                Ok(folder)
-            }
-            Err(error) if error.kind() == ErrorKind::NotFound => Ok(folder),
-            Err(error) => Err(SnapshotError::Unreadable {
-                path: folder.path,
-                why: error.to_string(),
-            }),
-        }
-    }
-
-    fn add(&mut self, file: &str) {
-        let name = |name: &str| Name(name.to_owned());
-        if let Some(accepted) = file.strip_suffix(Side::Accepted.extension()) {
-            self.accepted.insert(name(accepted));
-        } else if let Some(pending) = file.strip_suffix(Side::Pending.extension()) {
-            self.pending.insert(name(pending));
-        }
+        let files = match files {
+            Ok(files) => files,
+            Err(error) if error.kind() == ErrorKind::NotFound => Vec::new(),
+            Err(error) => return Err(unreadable(&path, error)),
+        };
+        let on = |side: Side| {
+            let files = files.iter().map(|file| file.to_string_lossy());
+            let names = files.filter_map(|file| {
+                let name = file.strip_suffix(side.extension())?;
+                Some(Name(name.to_owned()))
+            });
+            names.collect()
+        };
+        Ok(Folder {
+            accepted: on(Side::Accepted),
+            pending: on(Side::Pending),
+            path,
+        })
     }
 
     /// Returns the path of a snapshot, whether or not it exists.
@@ -85,56 +79,59 @@ impl Folder {
     }
 
     /// Reads a snapshot; `None` if there is none.
-    pub fn read(&self, name: &Name, side: Side) -> Result<Option<Snapshot>, SnapshotError> {
+    pub fn read(&self, name: &Name, side: Side) -> Result<Option<Snapshot>, Failure> {
         let path = self.file(name, side);
         if !path.exists() {
             return Ok(None);
         }
-        let read = |path: &Path, most| {
-            files::read(path, most).map_err(|why| SnapshotError::Unreadable {
-                path: path.to_owned(),
-                why,
-            })
-        };
-        let bytes = read(&path, MAX_TEXT_BYTES)?;
-        let (metadata, text) = format::parse(&bytes).map_err(|why| SnapshotError::Format {
-            path: path.clone(),
-            why,
+        let text = files::read_text(&path, MAX_TEXT_BYTES).map_err(|why| unreadable(&path, why))?;
+        let (metadata, text) = format::parse(&text).map_err(|why| {
+            let path = path.display();
+            Failure::environment(format!(
+                "`{path}` is not a snapshot that can be read: {why}"
+            ))
         })?;
         let contents = match text {
             Some(text) => Contents::Text(text),
-            None => Contents::Picture(read(&picture_of(&path), MAX_PICTURE_BYTES)?),
+            None => {
+                let path = picture_of(&path);
+                let picture = files::read(&path, MAX_PICTURE_BYTES);
+                Contents::Picture(picture.map_err(|why| unreadable(&path, why))?)
+            }
         };
         Ok(Some(Snapshot { metadata, contents }))
     }
 
     /// Makes a snapshot pending, in place of one that is pending under its name.
-    pub fn propose(&self, name: &Name, snapshot: &Snapshot) -> Result<(), SnapshotError> {
+    pub fn propose(&self, name: &Name, snapshot: &Snapshot) -> Result<(), Failure> {
         let path = self.file(name, Side::Pending);
-        let file = format::write(snapshot).map_err(|why| SnapshotError::Format {
-            path: path.clone(),
-            why,
-        })?;
+        let file = format::write(snapshot).map_err(Failure::environment)?;
         let write = || {
             fs::create_dir_all(&self.path)?;
+            let picture = picture_of(&path);
             // A reader never finds a file without its picture.
-            if let Contents::Picture(bytes) = &snapshot.contents {
-                replace(&picture_of(&path), bytes)?;
-            }
-            replace(&path, file.as_bytes())?;
             match &snapshot.contents {
-                Contents::Text(_) => remove_file(&picture_of(&path)),
-                Contents::Picture(_) => Ok(()),
+                Contents::Picture(bytes) => {
+                    replace(&picture, bytes)?;
+                    replace(&path, file.as_bytes())
+                }
+                Contents::Text(_) => {
+                    replace(&path, file.as_bytes())?;
+                    remove_file(&picture)
+                }
             }
         };
-        or_unwritable(&path, write())
+        write().map_err(|error| Failure::unwritable(&path, error))
     }
 
     /// Accepts a pending snapshot; fails if it is no longer the one that the user looked at.
-    pub fn accept(&self, name: &Name, seen: &Snapshot) -> Result<(), SnapshotError> {
+    pub fn accept(&self, name: &Name, seen: &Snapshot) -> Result<(), Failure> {
         let [from, to] = [Side::Pending, Side::Accepted].map(|side| self.file(name, side));
         if self.read(name, Side::Pending)?.as_ref() != Some(seen) {
-            return Err(SnapshotError::Changed { path: from });
+            return Err(Failure::environment(format!(
+                "`{}` has changed since it was shown, and was not accepted; look at it again",
+                from.display()
+            )));
         }
         let moved = match seen.contents {
             Contents::Text(_) => {
@@ -144,19 +141,19 @@ impl Folder {
                 fs::rename(picture_of(&from), picture_of(&to)).and_then(|()| fs::rename(&from, &to))
             }
         };
-        or_unwritable(&to, moved)
+        moved.map_err(|error| Failure::unwritable(&to, error))
     }
 
     /// Removes a snapshot, if there is one.
-    pub fn remove(&self, name: &Name, side: Side) -> Result<(), SnapshotError> {
+    pub fn remove(&self, name: &Name, side: Side) -> Result<(), Failure> {
         let path = self.file(name, side);
         let removed = remove_file(&path).and_then(|()| remove_file(&picture_of(&path)));
-        or_unwritable(&path, removed)
+        removed.map_err(|error| Failure::unwritable(&path, error))
     }
 }
 
 /// Returns the path of the picture that belongs to a snapshot file.
-fn picture_of(file: &Path) -> PathBuf {
+pub fn picture_of(file: &Path) -> PathBuf {
     file.with_added_extension(format::PICTURE)
 }
 
@@ -174,9 +171,6 @@ fn remove_file(path: &Path) -> io::Result<()> {
     }
 }
 
-fn or_unwritable(path: &Path, changed: io::Result<()>) -> Result<(), SnapshotError> {
-    changed.map_err(|error| SnapshotError::Unwritable {
-        path: path.to_owned(),
-        error,
-    })
+fn unreadable(path: &Path, why: impl Display) -> Failure {
+    Failure::environment(format!("cannot read `{}`: {why}", path.display()))
 }

@@ -2,11 +2,9 @@
 //!
 //! In: text. Out: a [`Snapshot`], or an error message; and back. Nothing here touches files.
 
-use fab_base::kinds::without_mark;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
-use std::fmt;
 
 /// The extension of pictures; this is the only supported binary format.
 pub const PICTURE: &str = "png";
@@ -133,19 +131,13 @@ pub struct Origin {
     pub place: Option<(String, u32)>,
 }
 
-impl fmt::Display for Origin {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}-{} {}", self.from, self.to, self.component)?;
-        match &self.place {
-            Some((file, line)) => write!(f, " {file}:{line}"),
-            None => Ok(()),
-        }
-    }
-}
-
 impl From<Origin> for String {
     fn from(origin: Origin) -> String {
-        origin.to_string()
+        let text = format!("{}-{} {}", origin.from, origin.to, origin.component);
+        match origin.place {
+            Some((file, line)) => format!("{text} {file}:{line}"),
+            None => text,
+        }
     }
 }
 
@@ -165,8 +157,7 @@ impl TryFrom<String> for Origin {
                 }
                 None => None,
             };
-            let is_range = 1 <= from && from <= to && !component.is_empty();
-            is_range.then_some(Origin {
+            Some(Origin {
                 from,
                 to,
                 component,
@@ -180,24 +171,16 @@ impl TryFrom<String> for Origin {
 }
 
 /// Reads a snapshot file: its metadata, and its text or `None` if its contents are a picture beside it.
-pub fn parse(bytes: &[u8]) -> Result<(Metadata, Option<String>), String> {
-    let text = std::str::from_utf8(without_mark(bytes)).map_err(|error| {
-        let at = error.valid_up_to() + 1;
-        format!("it is not UTF-8 from byte {at} on")
-    })?;
-    let text = text.replace("\r\n", "\n");
+pub fn parse(text: &str) -> Result<(Metadata, Option<String>), String> {
+    let text = text.replace("\r\n", "\n") + "\n";
     if let Some(at) = text.lines().position(|line| line.starts_with(CONFLICT)) {
         return Err(format!("line {} begins a merge conflict", at + 1));
     }
-    let rest = text.strip_prefix("---\n");
+    let rest = text.strip_prefix(FENCE);
     let rest = rest.ok_or("it does not begin with a line `---`")?;
-    let (yaml, text) = match rest.strip_prefix("---\n") {
-        Some(text) => ("", text),
-        None => rest
-            .split_once("\n---\n")
-            .or_else(|| Some((rest.strip_suffix("\n---")?, "")))
-            .ok_or("the line `---` after the metadata is missing")?,
-    };
+    let (yaml, text) = rest
+        .split_once("\n---\n")
+        .ok_or("the line `---` after the metadata is missing")?;
     let mut metadata = match yaml {
         "" => Metadata::default(),
         yaml => read_yaml(yaml)?,
@@ -237,11 +220,7 @@ fn normal(text: &str) -> String {
 }
 
 fn read_yaml(text: &str) -> Result<Metadata, String> {
-    // A snapshot may come with somebody else's checkout: no alias may blow it up.
-    let options = serde_saphyr::options! {
-        budget: serde_saphyr::budget! { max_nodes: 100_000, max_depth: 64, max_aliases: 0, max_anchors: 0 },
-        with_snippet: false,
-    };
+    let options = serde_saphyr::options! { with_snippet: false };
     serde_saphyr::from_str_with_options(text, options)
         .map_err(|error| format!("its metadata cannot be read: {error}"))
 }

@@ -110,7 +110,7 @@ fn a_file_looks_as_insta_writes_it() {
 
 #[test]
 fn line_ends_and_blanks_at_the_end_do_not_count() {
-    let read = |file: &str| format::parse(file.as_bytes()).unwrap().1.unwrap();
+    let read = |file: &str| format::parse(file).unwrap().1.unwrap();
     assert_eq!(
         read("---\nsource: a\n---\none\ntwo\n"),
         read("---\r\nsource: a\r\n---\r\none\r\ntwo")
@@ -136,16 +136,12 @@ fn files_that_are_no_snapshots_say_why() {
         ("---\nsource: [a\n---\n", "its metadata cannot be read: "),
         ("---\n- a\n---\n", "its metadata cannot be read: "),
         (
-            "---\na: &a [x]\nb: *a\n---\n",
-            "its metadata cannot be read: ",
-        ),
-        (
             "---\ninfo: {task: half, tokens: many}\n---\n",
             "its metadata cannot be read: `info`: invalid type",
         ),
         (
-            "---\ninfo: {task: half, origin: [6-3 frame]}\n---\n",
-            "its metadata cannot be read: `info`: `6-3 frame` is not an origin; one is `FROM-TO COMPONENT FILE:LINE`",
+            "---\ninfo: {task: half, origin: [6 frame]}\n---\n",
+            "its metadata cannot be read: `info`: `6 frame` is not an origin; one is `FROM-TO COMPONENT FILE:LINE`",
         ),
         (
             "---\nsnapshot_kind: binary\nextension: ../x\n---\n",
@@ -157,21 +153,19 @@ fn files_that_are_no_snapshots_say_why() {
         ),
     ];
     for (file, why) in cases {
-        let found = format::parse(file.as_bytes()).unwrap_err();
+        let found = format::parse(file).unwrap_err();
         assert!(found.starts_with(why), "{file:?}: {found}");
         assert!(!found.contains('\n'), "{file:?}: {found}");
     }
     let deep = format!("---\na: {}\n---\n", "[".repeat(10_000));
-    assert!(format::parse(deep.as_bytes()).is_err());
-    let found = format::parse(b"---\n---\nab\xff").unwrap_err();
-    assert_eq!(found, "it is not UTF-8 from byte 11 on");
+    assert!(format::parse(&deep).is_err());
 }
 
 #[test]
 fn snapshots_of_others_are_read_without_what_fabc_says() {
     for info in ["text", "{a: 1}", "[1]", "{task: 3}", "~"] {
         let file = format!("---\nsource: a.rs\ninfo: {info}\nassertion_line: 3\n---\nx\n");
-        let (metadata, text) = format::parse(file.as_bytes()).unwrap();
+        let (metadata, text) = format::parse(&file).unwrap();
         assert_eq!(metadata.info, None, "{info}");
         assert_eq!(text.as_deref(), Some("x"));
     }
@@ -214,8 +208,11 @@ fn a_pending_snapshot_that_was_not_seen_is_not_accepted() {
     let half = name("half@start");
     folder.propose(&half, &text("newer")).unwrap();
     for name in [&half, &name("none")] {
-        let refused = folder.accept(name, &text("seen"));
-        assert!(matches!(refused, Err(SnapshotError::Changed { .. })));
+        let refused = folder.accept(name, &text("seen")).unwrap_err().to_string();
+        assert!(
+            refused.contains("has changed since it was shown"),
+            "{refused}"
+        );
     }
     let read = |side| folder.read(&half, side).unwrap();
     assert_eq!(read(Side::Pending), Some(text("newer")));
@@ -242,8 +239,8 @@ fn files_that_cannot_be_taken_are_named() {
         assert!(found.contains(&format!("{file}`: {why}")), "{found}");
     }
     fs::write(path("file"), "").unwrap();
-    let found = Folder::open(path("file")).unwrap_err();
-    assert!(matches!(found, SnapshotError::Unreadable { .. }));
+    let found = Folder::open(path("file")).unwrap_err().to_string();
+    assert!(found.starts_with("cannot read `"), "{found}");
 }
 
 #[cfg(unix)]

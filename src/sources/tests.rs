@@ -206,7 +206,7 @@ fn a_check_looks_into_starts_and_demonstrations() {
             "empty.jsonl",
             Wanted::Demonstrations,
             b"",
-            Some("it is empty"),
+            Some("its first line does not state a `format`"),
         ),
         (
             "text.jsonl",

@@ -2,11 +2,13 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::{Io, write_file};
+use crate::report::Report;
 use crate::sources;
 use clap::Args;
 use clap::ValueEnum;
 use clap::ValueHint;
 use fab_emit::{self, Artifact, Target};
+use serde::Serialize;
 use serde_json::json;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -48,17 +50,25 @@ pub fn run(arguments: &BuildArguments, io: &Io) -> Result<Exit, Failure> {
     let targets: Vec<Target> = arguments.emit.iter().map(|it| target(*it)).collect();
     let artifacts = fab_emit::emit(&programs, &targets)
         .map_err(|error| Failure::author(error.to_string(), json!([])))?;
-    let mut files = Vec::with_capacity(artifacts.len());
-    for artifact in &artifacts {
-        files.push(write(&arguments.out, artifact)?);
-    }
-    let names: Vec<String> = files.iter().map(|it| it.display().to_string()).collect();
-    io.report(
-        arguments.json,
-        || json!({ "files": names }),
-        || names.join("\n"),
-    );
+    let files = artifacts.iter();
+    let files = files.map(|artifact| write(&arguments.out, artifact));
+    let built = Built {
+        files: files.collect::<Result<_, Failure>>()?,
+    };
+    io.result(arguments.json, &built);
     Ok(Exit::Done)
+}
+
+/// The files that were written.
+#[derive(Serialize)]
+struct Built {
+    files: Vec<String>,
+}
+
+impl Report for Built {
+    fn text(&self) -> String {
+        self.files.join("\n")
+    }
 }
 
 fn target(argument: EmitArgument) -> Target {
@@ -70,11 +80,11 @@ fn target(argument: EmitArgument) -> Target {
 }
 
 /// Writes one file, and creates the folders above it; returns its path.
-fn write(folder: &Path, artifact: &Artifact) -> Result<PathBuf, Failure> {
+fn write(folder: &Path, artifact: &Artifact) -> Result<String, Failure> {
     let path = folder.join(&artifact.path);
     let above = path.parent().unwrap_or(folder);
     // The message names the file, not its folder.
     fs::create_dir_all(above).map_err(|error| Failure::unwritable(&path, error))?;
     write_file(&path, artifact.text.as_bytes())?;
-    Ok(path)
+    Ok(path.display().to_string())
 }

@@ -8,10 +8,12 @@ use crate::{shipped, sources, watch};
 use clap::Args;
 use clap::ValueHint;
 use fab_base::wording::counted;
+use fab_compiler::Compiled;
 use fab_compiler::diag::{self, Severity};
 use fab_program::{Material, Program};
 use fix::Effect;
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::Value;
 use std::path::Path;
 
 /// Arguments of `check`.
@@ -46,135 +48,200 @@ pub fn run(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
     }
 }
 
+/// What a check found in all files.
+#[derive(Default, Serialize)]
+struct Checked {
+    diagnostics: Vec<Value>,
+    diagnostics_left_out: usize,
+    tasks: Vec<CheckedTask>,
+    errors: Vec<String>,
+    /// The changes that `--fix --diff` shows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    diff: Option<String>,
+    #[serde(skip)]
+    n_warnings: usize,
+    #[serde(skip)]
+    has_errors: bool,
+}
+
+/// A task without errors.
+#[derive(Serialize)]
+struct CheckedTask {
+    task: String,
+    variant: Option<String>,
+    file: String,
+    /// The hash of its program.
+    program: String,
+    horizon: u32,
+    max_calls_per_step: u32,
+    max_calls: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    about: Option<String>,
+    /// Set if the steps of its demonstration have not been judged.
+    demonstration: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    material: Option<String>,
+    /// How the simulated cloth differs from its material; `None` if it cannot be laid.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    simulated: Option<Vec<String>>,
+}
+
 /// Checks every file; one file's faults do not stop the others.
 fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
-    let mut exit = Exit::Done;
-    let mut diagnostics = Vec::new();
-    let mut tasks = Vec::new();
-    let mut errors = Vec::new();
-    let mut left_out = 0;
-    let mut n_warnings = 0;
+    let mut checked = Checked::default();
     let found = arguments.files.iter().map(|file| shipped::find(file, io));
     let mut found: Vec<Result<String, Failure>> = found.collect();
-    let effect = if arguments.diff {
-        Effect::Show
-    } else {
-        Effect::Write
-    };
     // A file may use one that is named after it, so all are fixed before any is reported.
-    let diff = if arguments.fix {
-        fix::run(&mut found, effect, io)
-    } else {
-        String::new()
-    };
-    if effect == Effect::Show && !arguments.json && !diff.is_empty() {
-        io.data(diff.trim_end_matches('\n'));
+    if arguments.diff {
+        let diff = fix::run(&mut found, Effect::Show, io);
+        if !arguments.json && !diff.is_empty() {
+            io.data(diff.trim_end_matches('\n'));
+        }
+        checked.diff = Some(diff);
+    } else if arguments.fix {
+        fix::run(&mut found, Effect::Write, io);
     }
     for (file, found) in arguments.files.iter().zip(found) {
-        let named = diag::visible(file);
-        let beside = sources::folder_of(found.as_deref().unwrap_or(file));
-        let compiled = found.and_then(|file| sources::compile_looking(&file));
-        let (compiled, notes_on_pictures) = match compiled {
-            Ok(compiled) => compiled,
+        let compiled = found.and_then(|found| {
+            let beside = sources::folder_of(&found);
+            Ok((sources::compile_looking(&found)?, beside))
+        });
+        match compiled {
+            Ok(((compiled, notes), beside)) => {
+                for note in notes {
+                    io.talk(&format!("note: {note}"));
+                }
+                let tasks = checked.add(file, &compiled, &beside);
+                if !arguments.json {
+                    report(file, &compiled, tasks, io);
+                }
+            }
             Err(failure) => {
                 io.talk(&format!("error: {failure}"));
-                errors.push(failure.to_string());
-                exit = Exit::Environment;
-                continue;
+                checked.errors.push(failure.to_string());
             }
-        };
-        for note in notes_on_pictures {
-            io.talk(&format!("note: {note}"));
-        }
-        let severities = compiled.diagnostics.iter().map(|it| it.severity);
-        n_warnings += severities.filter(|it| *it == Severity::Warning).count();
-        if compiled.has_errors() && exit == Exit::Done {
-            exit = Exit::Author;
-        }
-        left_out += compiled.left_out;
-        if arguments.json {
-            if let Value::Array(found) = diag::to_json(&compiled.diagnostics, &compiled.sources) {
-                diagnostics.extend(found);
-            }
-        } else if !compiled.diagnostics.is_empty() {
-            io.painted_data(&sources::findings(&compiled, io.data_color()));
-        }
-        for (number, program) in compiled.programs.iter().enumerate() {
-            let per_step = program.calls_per_step();
-            let calls = u64::from(per_step) * u64::from(program.horizon);
-            if !arguments.json && program.variant.is_none() {
-                io.data(&format!(
-                    "{named}: task `{}` has no errors; at most {per_step} model calls per step, {calls} in {}{}{}{}",
-                    program.task,
-                    counted(program.horizon as usize, "step"),
-                    notes(program, &beside),
-                    variants(&compiled.programs[number + 1..]),
-                    broken_variants(&compiled.broken_variants, &program.task),
-                ));
-            }
-            let mut task = json!({
-                "task": program.task,
-                "variant": program.variant,
-                "file": file,
-                "program": program.hash(),
-                "horizon": program.horizon,
-                "max_calls_per_step": per_step,
-                "max_calls": calls,
-            });
-            for (name, note) in program.notes() {
-                task[name] = json!(note);
-            }
-            task["demonstration"] = json!(unjudged(program, &beside));
-            if let Some(material) = &program.cloth.material {
-                let differs = differs(material, program.cloth.spacing_m);
-                task["material"] = json!({ "name": material.name, "sources": material.sources, "simulated": differs });
-            }
-            tasks.push(task);
-        }
-        if !arguments.json && compiled.programs.is_empty() && !compiled.has_errors() {
-            io.data(&format!(
-                "{named}: no errors; it declares no task that can run by itself"
-            ));
         }
     }
-    if arguments.deny_warnings && n_warnings > 0 && exit == Exit::Done {
-        let count = counted(n_warnings, "warning");
+    let is_denied = arguments.deny_warnings && checked.n_warnings > 0;
+    let exit = if !checked.errors.is_empty() {
+        Exit::Environment
+    } else if checked.has_errors || is_denied {
+        Exit::Author
+    } else {
+        Exit::Done
+    };
+    if exit == Exit::Author && !checked.has_errors {
+        let count = counted(checked.n_warnings, "warning");
         io.talk(&format!(
             "error: {count}, and `--deny-warnings` allows none"
         ));
-        exit = Exit::Author;
     }
     if arguments.json {
-        let mut document = json!({ "diagnostics": diagnostics, "diagnostics_left_out": left_out, "tasks": tasks, "errors": errors });
-        if effect == Effect::Show {
-            document["diff"] = json!(diff);
-        }
-        io.json(&document);
+        io.json(&checked);
     }
     Ok(exit)
 }
 
-/// Formats the notes about a task, where its material's values come from, and how the simulated cloth differs from it, one
-/// per line.
-///
-/// - `beside`: the task's folder.
-fn notes(program: &Program, beside: &Path) -> String {
-    let notes = program.notes().into_iter();
-    let notes = notes.map(|(name, note)| format!("\n  {name}: {note}"));
-    let unjudged = unjudged(program, beside).map(|why| format!("\n  {why}"));
-    let material = program.cloth.material.iter().flat_map(|material| {
-        let sources = material.sources.iter();
-        let sources = sources.map(|it| format!("\n    {}: {}", it.property, it.from));
-        let differs = differs(material, program.cloth.spacing_m);
-        let differs = differs
-            .into_iter()
-            .flatten()
-            .map(|it| format!("\n    in the simulator, {it}"));
-        std::iter::once(format!("\n  made of {}", material.name))
-            .chain(sources)
-            .chain(differs)
-    });
-    notes.chain(unjudged).chain(material).collect()
+impl Checked {
+    /// Adds what was found in a file; returns its tasks.
+    fn add(&mut self, file: &str, compiled: &Compiled, beside: &Path) -> &[CheckedTask] {
+        let severities = compiled.diagnostics.iter().map(|it| it.severity);
+        self.n_warnings += severities.filter(|it| *it == Severity::Warning).count();
+        self.has_errors |= compiled.has_errors();
+        self.diagnostics_left_out += compiled.left_out;
+        if let Value::Array(found) = diag::to_json(&compiled.diagnostics, &compiled.sources) {
+            self.diagnostics.extend(found);
+        }
+        let earlier = self.tasks.len();
+        let tasks = compiled.programs.iter();
+        self.tasks
+            .extend(tasks.map(|program| CheckedTask::of(program, file, beside)));
+        &self.tasks[earlier..]
+    }
+}
+
+/// Prints what was found in a file.
+fn report(file: &str, compiled: &Compiled, tasks: &[CheckedTask], io: &Io) {
+    if !compiled.diagnostics.is_empty() {
+        io.painted_data(&sources::findings(compiled, io.data_color()));
+    }
+    let file = diag::visible(file);
+    // Each task is followed by its variants.
+    for tasks in tasks.chunk_by(|_, next| next.variant.is_some()) {
+        let [task, variants @ ..] = tasks else {
+            continue;
+        };
+        let variants = variants.iter().filter_map(|it| it.variant.as_deref());
+        let broken = compiled.broken_variants.iter();
+        let broken = broken.filter(|(of, _)| *of == task.task);
+        io.data(&format!(
+            "{file}: {}{}{}",
+            task.in_words(),
+            listed("likewise its variants", variants),
+            listed(
+                "its variants with errors",
+                broken.map(|(_, it)| it.as_str())
+            )
+        ));
+    }
+    if tasks.is_empty() && !compiled.has_errors() {
+        io.data(&format!(
+            "{file}: no errors; it declares no task that can run by itself"
+        ));
+    }
+}
+
+/// Lists names on a line of their own, if there are any.
+fn listed<'n>(what: &str, names: impl Iterator<Item = &'n str>) -> String {
+    let names: Vec<&str> = names.collect();
+    if names.is_empty() {
+        return String::new();
+    }
+    format!("\n  {what}: {}", names.join(", "))
+}
+
+impl CheckedTask {
+    /// Describes a program; `beside` is the folder of its file.
+    fn of(program: &Program, file: &str, beside: &Path) -> CheckedTask {
+        let per_step = program.calls_per_step();
+        let material = program.cloth.material.as_ref();
+        CheckedTask {
+            task: program.task.clone(),
+            variant: program.variant.clone(),
+            file: file.to_owned(),
+            program: program.hash(),
+            horizon: program.horizon,
+            max_calls_per_step: per_step,
+            max_calls: u64::from(per_step) * u64::from(program.horizon),
+            about: program.about.clone(),
+            demonstration: unjudged(program, beside),
+            material: material.map(|it| it.name.clone()),
+            simulated: material.and_then(|it| differs(it, program.cloth.spacing_m)),
+        }
+    }
+
+    fn in_words(&self) -> String {
+        let mut words = format!(
+            "task `{}` has no errors; at most {} model calls per step, {} in {}",
+            self.task,
+            self.max_calls_per_step,
+            self.max_calls,
+            counted(self.horizon as usize, "step")
+        );
+        if let Some(about) = &self.about {
+            words.push_str(&format!("\n  about: {about}"));
+        }
+        if let Some(unjudged) = self.demonstration {
+            words.push_str(&format!("\n  {unjudged}"));
+        }
+        if let Some(material) = &self.material {
+            words.push_str(&format!("\n  made of {material}"));
+        }
+        for difference in self.simulated.iter().flatten() {
+            words.push_str(&format!("\n    in the simulator, {difference}"));
+        }
+        words
+    }
 }
 
 /// Returns a note if the steps of the demonstration have not been judged.
@@ -205,27 +272,4 @@ fn differs(material: &Material, spacing_m: f64) -> Option<Vec<String>> {
 #[cfg(not(feature = "runtime"))]
 fn differs(_: &Material, _: f64) -> Option<Vec<String>> {
     None
-}
-
-/// Lists the variants of a task, which follow it in `following`.
-fn variants(following: &[Program]) -> String {
-    let names: Vec<&str> = following
-        .iter()
-        .map_while(|program| program.variant.as_deref())
-        .collect();
-    if names.is_empty() {
-        String::new()
-    } else {
-        format!("\n  likewise its variants: {}", names.join(", "))
-    }
-}
-
-/// Names the variants of a task that have errors of their own.
-fn broken_variants(broken: &[(String, String)], task: &str) -> String {
-    let own = broken.iter().filter(|(of, _)| of == task);
-    let names: Vec<&str> = own.map(|(_, variant)| variant.as_str()).collect();
-    match names.as_slice() {
-        [] => String::new(),
-        names => format!("\n  its variants with errors: {}", names.join(", ")),
-    }
 }

@@ -3,18 +3,18 @@
 //! In: a name, and pictures if a fold is drafted from them. Out: files, which were compiled before any was written, and
 //! the next steps. `fab_agent::draft` finds what the pictures show.
 
-mod names;
 #[cfg(feature = "runtime")]
 pub mod simulator;
 
 use crate::exit::{Exit, Failure};
 use crate::io::{Io, write_file};
+use crate::report::Report;
 use crate::shipped;
 use crate::sources;
 use clap::{Args, Subcommand, ValueHint};
 use fab_compiler::{LoadError, Loader};
 use fab_program::Program;
-use serde_json::json;
+use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -134,31 +134,45 @@ fn library(arguments: &LibraryArguments, io: &Io) -> Result<Exit, Failure> {
     for task in tasks {
         wanted.extend(shipped::task_files(task)?);
     }
-    let (mut written, mut kept) = (Vec::new(), Vec::new());
+    let mut copied = Copied::default();
     for (path, bytes) in wanted {
-        let place = folder.join(path);
+        copied.add(folder.join(path), bytes, io)?;
+    }
+    if copied.files.is_empty() {
+        io.talk("nothing is missing");
+    }
+    io.result(arguments.json, &copied);
+    Ok(Exit::Done)
+}
+
+/// The copied files, and those that were there with another content.
+#[derive(Default, Serialize)]
+struct Copied {
+    files: Vec<String>,
+    kept: Vec<String>,
+}
+
+impl Copied {
+    /// Writes a shipped file unless it is there; one of another content stays as it is, and is named.
+    fn add(&mut self, place: PathBuf, bytes: &[u8], io: &Io) -> Result<(), Failure> {
+        let name = shown(&place);
         if place.symlink_metadata().is_err() {
             write(&place, bytes)?;
-            written.push(shown(&place));
+            self.files.push(name);
         } else if !fs::read(&place).is_ok_and(|present| present == bytes) {
-            kept.push(shown(&place));
+            io.talk(&format!(
+                "note: `{name}` differs from the shipped version, and stays as it is"
+            ));
+            self.kept.push(name);
         }
+        Ok(())
     }
-    if arguments.json {
-        io.json(&json!({ "files": written, "kept": kept }));
-        return Ok(Exit::Done);
+}
+
+impl Report for Copied {
+    fn text(&self) -> String {
+        self.files.join("\n")
     }
-    for place in kept {
-        io.talk(&format!(
-            "note: `{place}` differs from the shipped version, and stays as it is"
-        ));
-    }
-    if written.is_empty() {
-        io.talk("nothing is missing");
-    } else {
-        io.data(&written.join("\n"));
-    }
-    Ok(Exit::Done)
 }
 
 fn fold(arguments: &NewFoldArguments, io: &Io) -> Result<Exit, Failure> {
@@ -199,7 +213,7 @@ fn begin(arguments: &NewTaskArguments, draft: Draft, io: &Io) -> Result<Exit, Fa
     let folder = arguments.folder();
     let library = folder.join(draft.library);
     let shipped = shipped::text(draft.library);
-    let present = present_library(&folder, &library)?;
+    let present = present_library(&library)?;
     let program = compile(arguments, &draft, present.as_deref().unwrap_or(shipped), io)?;
     #[cfg(feature = "runtime")]
     let drawn = simulator::Drawn::of(&program, io)?;
@@ -210,41 +224,49 @@ fn begin(arguments: &NewTaskArguments, draft: Draft, io: &Io) -> Result<Exit, Fa
     for (path, _) in &draft.pictures {
         refuse_if_there(&folder.join(path), "choose another name, or remove it")?;
     }
-    let mut files = vec![arguments.file()];
-    match present {
-        Some(text) if text != shipped => io.talk(&format!(
-            "note: `{}` differs from the shipped version; the new task uses your version",
-            shown(&library)
-        )),
-        Some(_) => {}
-        None => {
-            write(&library, shipped.as_bytes())?;
-            files.push(library);
-        }
-    }
+    let mut copied = Copied::default();
+    copied.add(library, shipped.as_bytes(), io)?;
+    let mut files = vec![shown(&arguments.file())];
+    files.extend(copied.files);
     for (path, bytes) in &draft.pictures {
         let place = folder.join(path);
         write(&place, bytes)?;
-        files.push(place);
+        files.push(shown(&place));
     }
     #[cfg(feature = "runtime")]
     if let Some(drawn) = drawn {
-        files.extend(drawn.write(&program, &folder)?);
+        let drawn = drawn.write(&program, &folder)?;
+        files.extend(drawn.iter().map(|file| shown(file)));
     }
     // Last, so that there is no task without what it uses.
-    write(&files[0], draft.text.as_bytes())?;
-    let files: Vec<String> = files.iter().map(|file| shown(file)).collect();
-    if arguments.json {
-        io.json(&json!({ "files": files, "guesses": draft.guesses(), "next": draft.next }));
-        return Ok(Exit::Done);
+    write(&arguments.file(), draft.text.as_bytes())?;
+    let begun = Begun {
+        files,
+        guesses: draft.guesses(),
+        next: &draft.next,
+    };
+    io.result(arguments.json, &begun);
+    if !arguments.json {
+        for guess in begun.guesses {
+            io.talk(&format!("guessed: {guess}"));
+        }
+        io.talk(&format!("next:\n  {}", draft.next.join("\n  ")));
     }
-    for guess in draft.guesses() {
-        io.talk(&format!("guessed: {guess}"));
-    }
-    io.data(&files.join("\n"));
-    let next = draft.next.iter().map(|command| format!("\n  {command}"));
-    io.talk(&format!("next:{}", next.collect::<String>()));
     Ok(Exit::Done)
+}
+
+/// The files of a new task.
+#[derive(Serialize)]
+struct Begun<'d> {
+    files: Vec<String>,
+    guesses: Vec<&'d str>,
+    next: &'d [String],
+}
+
+impl Report for Begun<'_> {
+    fn text(&self) -> String {
+        self.files.join("\n")
+    }
 }
 
 /// Writes a file and the folders above it.
@@ -257,14 +279,8 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
 
 /// Rejects invalid names and existing files before any work is done.
 fn check_place(arguments: &NewTaskArguments) -> Result<(), Failure> {
-    names::check(&arguments.name)?;
+    check_name(&arguments.name)?;
     let folder = arguments.folder();
-    if folder.is_file() {
-        return Err(Failure::environment(format!(
-            "`{}` is a file; --in takes a folder",
-            shown(&folder)
-        )));
-    }
     for ending in ["fab", "subgoals"] {
         refuse_if_there(
             &folder.join(format!("{}.{ending}", arguments.name)),
@@ -272,6 +288,22 @@ fn check_place(arguments: &NewTaskArguments) -> Result<(), Failure> {
         )?;
     }
     Ok(())
+}
+
+fn check_name(name: &str) -> Result<(), Failure> {
+    let is_part = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
+    let begins_with_digit = name.starts_with(|first: char| first.is_ascii_digit());
+    let why = if fab_compiler::is_keyword(name) {
+        "the language uses this word itself"
+    } else if name.is_empty() || begins_with_digit || !name.chars().all(is_part) {
+        "one begins with a letter or `_`, and continues with letters, digits and `_`, without accents"
+    } else {
+        return Ok(());
+    };
+    let name = name.escape_debug();
+    Err(Failure::usage(format!(
+        "`{name}` cannot name a task: {why}"
+    )))
 }
 
 fn refuse_if_there(place: &Path, advice: &str) -> Result<(), Failure> {
@@ -285,13 +317,11 @@ fn refuse_if_there(place: &Path, advice: &str) -> Result<(), Failure> {
 }
 
 /// Returns the text of the library if the folder already has it.
-fn present_library(folder: &Path, place: &Path) -> Result<Option<String>, Failure> {
+fn present_library(place: &Path) -> Result<Option<String>, Failure> {
     if place.symlink_metadata().is_err() {
         return Ok(None);
     }
-    let real = sources::inside(folder, place);
-    let text = real.and_then(|real| sources::read_text(&real));
-    text.map(Some).map_err(|why| {
+    sources::read_text(place).map(Some).map_err(|why| {
         Failure::environment(format!(
             "the new task needs `{}`, and it cannot be used: {why}; choose another folder with `--in DIR`",
             shown(place)
@@ -322,14 +352,14 @@ fn compile(
         (entry.as_str(), draft.text.as_str()),
         (draft.library, library),
     ]));
-    let mut compiled = fab_compiler::compile(&entry, &files).map_err(Failure::environment)?;
+    let mut compiled = fab_compiler::compile(&entry, &files)?;
     if compiled.has_errors() || compiled.programs.is_empty() {
         let path = draft.library;
         // Every name that the language allows compiles, except names that the library uses for its own tasks.
         if library == shipped::text(path) {
             let name = &arguments.name;
             return Err(Failure::usage(format!(
-                "`{name}` cannot name a task: `{path}` has one of this name; `my_{name}` would be right"
+                "`{name}` cannot name a task: `{path}` has one of this name"
             )));
         }
         io.painted_talk(&sources::findings(&compiled, io.talk_color()));

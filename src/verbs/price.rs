@@ -1,4 +1,4 @@
-//! A model's price of a question, as `review` and `render --why` show it.
+//! A model's price of a question, as `render --why` shows it.
 
 #[cfg(feature = "runtime")]
 use {

@@ -1,7 +1,7 @@
 //! `fabc render`: prints the exact messages of each stage, without asking a model.
 //!
 //! Points come from the camera at the chosen step, or from `--scene`. An earlier stage's answer, which only a model can
-//! give, comes from `--reply`; without it, a typed placeholder takes its place, and a line on stderr says so.
+//! give, comes from `--reply`; without it, a typed placeholder takes its place.
 
 #[cfg(feature = "runtime")]
 pub mod camera;
@@ -11,18 +11,21 @@ mod why;
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
+use crate::report::Report;
 use crate::sources::TaskArguments;
 use crate::verbs::price::Price;
 use crate::{sources, watch};
 use clap::{Args, ValueHint};
 use fab_base::wording::quoted;
-use fab_program::render::{self, PromptPicture, PromptText, RenderError, Values};
-use fab_program::{Arrow, Layers, Picture, Program, Read, Stage, SubgoalStep};
-use page::{DisplayMessage, DisplayPart, ShownStage};
+use fab_program::render::PromptPicture;
+use fab_program::scene::SceneView;
+use fab_program::{Arrow, Layers, Picture, Program, Stage, SubgoalStep};
+use page::{DisplayPart, ShownStage};
 use scene_file::SceneFile;
-use serde_json::{Value, json};
+use serde::Serialize;
 use std::fs;
 use std::path::{Path, PathBuf};
+use why::Why;
 
 /// Arguments of `render`.
 #[derive(Args)]
@@ -37,7 +40,7 @@ pub struct RenderArguments {
     pub step: u32,
     /// Points by keypoint name, as JSON: `{"corners": [[u, v], …], "center": [[u, v]]}`, instead of a camera's.
     #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath)]
-    #[cfg_attr(feature = "runtime", arg(conflicts_with = "start"))]
+    #[cfg_attr(feature = "runtime", arg(conflicts_with_all = ["start", "model", "marks"]))]
     pub scene: Option<PathBuf>,
     #[cfg(feature = "runtime")]
     #[command(flatten)]
@@ -72,52 +75,79 @@ pub fn run(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
 
 /// The stages of a task for display.
 pub struct Rendered {
-    /// The task, for the cloth that lies there.
-    program: Program,
-    shown: Vec<ShownStage>,
+    stages: Vec<ShownStage>,
     /// What the model that is shown the messages costs, if one is named.
     price: Option<Price>,
 }
 
+/// The stages as they are printed.
+#[derive(Serialize)]
+struct Printed<'s> {
+    stages: Vec<PrintedStage<'s>>,
+    #[serde(skip)]
+    texts: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct PrintedStage<'s> {
+    #[serde(flatten)]
+    stage: &'s ShownStage,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    why: Option<Why<'s>>,
+}
+
+impl Report for Printed<'_> {
+    fn text(&self) -> String {
+        self.texts.join("\n").trim_end().to_owned()
+    }
+}
+
 fn render(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
     let declared = sources::compile_task(&arguments.task, io)?;
+    if arguments.step > declared.horizon {
+        return Err(Failure::usage(format!(
+            "`{}` has {} steps; there is no step {}",
+            declared.title(),
+            declared.horizon,
+            arguments.step
+        )));
+    }
+    let listed = arguments.scene.as_ref();
+    let listed = listed.map(|path| SceneFile::read(&declared, path));
+    let listed = listed.transpose()?;
     #[cfg(feature = "runtime")]
-    let rendered = camera::rendered(&declared, arguments, io)?;
+    let rendered = match listed {
+        Some(listed) => without_camera(&declared, Some(&listed), arguments)?,
+        None => camera::rendered(&declared, arguments, io)?,
+    };
     #[cfg(not(feature = "runtime"))]
-    let rendered = rendered_without_camera(declared, arguments, io)?;
-    let Rendered {
-        program,
-        shown,
-        price,
-    } = &rendered;
-    say_placeholders(program, shown, io);
+    let rendered = without_camera(&declared, listed.as_ref(), arguments)?;
+    let Rendered { stages, price } = &rendered;
     if let Some(folder) = &arguments.out {
-        write(folder, shown).map_err(|error| {
+        write(folder, stages).map_err(|error| {
             Failure::environment(format!("cannot write into `{}`: {error}", folder.display()))
         })?;
     }
     let folder = sources::folder_of(&arguments.task.file);
-    if arguments.json {
-        let stages = shown.iter().map(|stage| {
-            let mut json = as_json(stage);
-            if arguments.why {
-                json["why"] = why::as_json(stage, &folder, price.as_ref());
-            }
-            json
-        });
-        io.json(&json!({ "stages": stages.collect::<Vec<Value>>() }));
-    } else if arguments.out.is_none() || arguments.why {
-        let text = |stage: &ShownStage| {
-            if arguments.why {
-                why::text(stage, &folder, price.as_ref())
-            } else {
-                format!("=== stage {}\n{}", stage.name, stage.text())
-            }
-        };
-        let texts: Vec<String> = shown.iter().map(text).collect();
-        io.data(texts.join("\n").trim_end());
-    }
-    for stage in shown {
+    let text = |stage: &ShownStage| {
+        if arguments.why {
+            why::text(stage, &folder, price.as_ref())
+        } else if arguments.out.is_none() {
+            format!("=== stage {}\n{}", stage.name, stage.text())
+        } else {
+            String::new()
+        }
+    };
+    let printed = stages.iter().map(|stage| PrintedStage {
+        stage,
+        why: (arguments.why).then(|| why::of(stage, &folder, price.as_ref())),
+    });
+    let printed = Printed {
+        stages: printed.collect(),
+        texts: stages.iter().map(text).collect(),
+    };
+    io.result(arguments.json, &printed);
+    for stage in stages {
         for (finding, number) in stage.findings.iter().zip(1..) {
             io.talk(&format!("`{}`, answer {number}: {finding}", stage.name));
         }
@@ -125,59 +155,21 @@ fn render(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// Returns what the command line asks for: the stages, and the points of a file.
-fn wanted<'p>(
-    program: &'p Program,
+/// Renders stages with the points of a file, or with typed placeholders.
+fn without_camera(
+    program: &Program,
+    listed: Option<&SceneFile>,
     arguments: &RenderArguments,
-) -> Result<(Vec<&'p Stage>, Option<SceneFile>), Failure> {
-    let stages = chosen_stages(program, arguments.stage.as_deref())?;
-    if arguments.step > program.horizon {
-        return Err(Failure::usage(format!(
-            "`{}` has {} steps; there is no step {}",
-            program.title(),
-            program.horizon,
-            arguments.step
-        )));
-    }
-    let scene = arguments.scene.as_ref();
-    let scene = scene.map(|path| SceneFile::read(program, path));
-    Ok((stages, scene.transpose()?))
-}
-
-/// Renders stages with the points of a file, or with typed placeholders: the authoring tool has no camera.
-#[cfg(not(feature = "runtime"))]
-fn rendered_without_camera(
-    program: Program,
-    arguments: &RenderArguments,
-    io: &Io,
 ) -> Result<Rendered, Failure> {
-    let (stages, listed) = wanted(&program, arguments)?;
-    let texts = std::collections::BTreeMap::new();
-    let values = match &listed {
-        Some(scene) => Values::Partly(fab_program::facts::Facts {
-            scene,
-            texts: &texts,
-            step: arguments.step,
-            last: None,
-            proposal: None,
-            pointing: fab_program::pointing::Pointing::of_camera(&program.camera),
-        }),
-        None => {
-            io.talk(
-                "note: this build of fabc has no camera; points stand as placeholders (`--scene FILE.json` gives them)",
-            );
-            Values::Typed
-        }
-    };
-    let shown = stages.iter().map(|stage| {
-        let messages = page::messages(&program, stage, values, arguments.step)?;
-        ShownStage::of(&program, stage, values, messages)
+    let folder = sources::folder_of(&arguments.task.file);
+    let scene = listed.map(|listed| listed as &dyn SceneView);
+    let stages = chosen_stages(program, arguments.stage.as_deref())?;
+    let stages = stages.into_iter().map(|stage| {
+        ShownStage::without_camera(program, &folder, stage, scene, None, arguments.step)
     });
-    let shown: Result<Vec<ShownStage>, RenderError> = shown.collect();
     Ok(Rendered {
-        shown: shown.map_err(Failure::environment)?,
+        stages: stages.collect::<Result<_, Failure>>()?,
         price: None,
-        program,
     })
 }
 
@@ -195,23 +187,6 @@ fn chosen_stages<'p>(
             program.task,
             quoted(program.stages.iter().map(|stage| &stage.name))
         ))),
-    }
-}
-
-/// Reports which texts are placeholders.
-fn say_placeholders(program: &Program, shown: &[ShownStage], io: &Io) {
-    for stage in &program.stages {
-        let Read::Text { name, .. } = &stage.read else {
-            continue;
-        };
-        let placeholder = format!("<{name}: ");
-        let mut texts = shown.iter().flat_map(ShownStage::texts);
-        if texts.any(|said| said.text.contains(&placeholder)) {
-            io.talk(&format!(
-                "note: `{name}` is the model's answer in stage `{}`; it is shown as a placeholder",
-                stage.name
-            ));
-        }
     }
 }
 
@@ -237,37 +212,6 @@ pub fn title(picture: &PromptPicture, step: u32) -> String {
     }
 }
 
-/// Returns what a model would be told if its answer were rejected; empty if the stage reads no action.
-pub fn corrections_of(
-    program: &Program,
-    stage: &Stage,
-    values: Values<'_>,
-) -> Result<Vec<(String, PromptText)>, RenderError> {
-    match stage.read {
-        Read::Action => render::corrections(program, values),
-        Read::Text { .. } => Ok(Vec::new()),
-    }
-}
-
-fn as_json(stage: &ShownStage) -> Value {
-    let part = |part: &DisplayPart| match part {
-        DisplayPart::Text(said) => json!({ "type": "text", "text": said.text }),
-        DisplayPart::Picture { title, png } => {
-            json!({ "type": "image", "shows": title, "bytes": png.as_ref().map(Vec::len) })
-        }
-    };
-    let message = |message: &DisplayMessage| json!({ "role": message.role, "parts": message.parts.iter().map(part).collect::<Vec<_>>() });
-    let correction =
-        |(check, said): &(String, PromptText)| json!({ "check": check, "text": said.text });
-    json!({
-        "stage": stage.name,
-        "messages": stage.messages.iter().map(message).collect::<Vec<_>>(),
-        "corrections": stage.corrections.iter().map(correction).collect::<Vec<_>>(),
-        "findings": stage.findings,
-        "results": stage.results,
-    })
-}
-
 /// Writes `STAGE.txt` and `STAGE_N.png` for every stage.
 fn write(folder: &Path, shown: &[ShownStage]) -> std::io::Result<()> {
     fs::create_dir_all(folder)?;
@@ -276,8 +220,8 @@ fn write(folder: &Path, shown: &[ShownStage]) -> std::io::Result<()> {
         fs::write(folder.join(format!("{name}.txt")), stage.text())?;
         let parts = stage.messages.iter().flat_map(|message| &message.parts);
         let pictures = parts.filter_map(|part| match part {
-            DisplayPart::Picture { png, .. } => png.as_ref(),
-            DisplayPart::Text(_) => None,
+            DisplayPart::Image { png, .. } => png.as_ref(),
+            DisplayPart::Text { .. } => None,
         });
         for (number, png) in pictures.enumerate() {
             fs::write(folder.join(format!("{name}_{}.png", number + 1)), png)?;

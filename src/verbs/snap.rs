@@ -10,15 +10,16 @@ mod scene;
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
+use crate::report::Report;
 use crate::shipped;
-use crate::snapshots::Name;
 use crate::sources;
 use clap::Args;
+use expected::Source;
 use fab_base::parallel::in_parallel;
 use fab_program::Program;
-use plan::{Expected, Plan, SnapshotState, State};
+use plan::{Plan, SnapshotState, State};
 use scene::{Moment, USUAL};
-use serde_json::{Value, json};
+use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -60,14 +61,9 @@ impl SnapArguments {
             return Ok(None);
         };
         let is_plain = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
-        if name.is_empty() || !name.chars().all(is_plain) {
+        if name.is_empty() || !name.chars().all(is_plain) || USUAL.contains(&name.as_str()) {
             return Err(Failure::usage(format!(
-                "`--scene {name}` cannot name a scene; use letters, digits and `_`"
-            )));
-        }
-        if USUAL.contains(&name.as_str()) {
-            return Err(Failure::usage(format!(
-                "the scene `{name}` is always pinned where a task needs it; choose another name"
+                "`--scene {name}` cannot name a scene; use letters, digits and `_`, and neither `start` nor `later`, which are always pinned"
             )));
         }
         Ok(Some(Moment {
@@ -78,12 +74,16 @@ impl SnapArguments {
     }
 }
 
-/// A file and what it declares.
-struct Declared {
-    /// The file, in the user's spelling.
-    file: String,
-    /// Its tasks, each followed by its variants.
-    programs: Vec<Program>,
+/// The states of all snapshots, and how many there are of each.
+#[derive(Default, Serialize)]
+struct Taken {
+    snapshots: Vec<SnapshotState>,
+    same: usize,
+    unseen: usize,
+    changed: usize,
+    new: usize,
+    orphaned: usize,
+    pending: usize,
 }
 
 /// Takes snapshots, or reports how they differ.
@@ -94,191 +94,125 @@ pub fn run(arguments: &SnapArguments, io: &Io) -> Result<Exit, Failure> {
         }
     }
     let mut plans = Vec::new();
-    for (folder, declared) in compiled(&arguments.files, io)? {
-        let mut plan = Plan::open(&folder, io)?;
-        expect(&declared, arguments, &mut plan, io)?;
-        plans.push(plan);
+    for (folder, files) in by_folder(&arguments.files) {
+        let plan = planned(&folder, &files, arguments, io);
+        plans.push(plan.map_err(|failure| failure.saying("no snapshot was taken"))?);
     }
     // Everything is computed before anything is written, so that a mistake in one file leaves every folder unchanged.
-    let mut found = Vec::new();
+    let mut taken = Taken::default();
     for plan in &plans {
         let mut states = plan.states();
         if !arguments.check {
-            plan.write(&mut states, arguments)?;
+            plan.write(&mut states, arguments.prune)?;
         }
-        found.extend(states);
+        taken.add(states);
     }
-    if arguments.json {
-        io.json(&as_json(&found));
-    } else {
-        report(&found, arguments, io);
+    io.result(arguments.json, &taken);
+    if !arguments.json {
+        taken.advise(arguments, io);
     }
-    let is_clean = found.iter().all(|found| found.is_clean());
-    if arguments.check && !is_clean {
+    let n_differing = taken.changed + taken.new + taken.orphaned + taken.pending;
+    if arguments.check && n_differing > 0 {
         Ok(Exit::Author)
     } else {
         Ok(Exit::Done)
     }
 }
 
-/// Adds to a plan what its files should have, one file per core at a time; reports the first file, in their order, that
-/// fails.
-fn expect(
-    declared: &[Declared],
-    arguments: &SnapArguments,
-    plan: &mut Plan,
-    io: &Io,
-) -> Result<(), Failure> {
-    let threads = thread::available_parallelism().map_or(1, NonZero::get);
-    let known: &Plan = plan;
-    // A failure is a result here, since another file's may come first in their order.
-    let look = |index: usize| Ok(Some(of_file(&declared[index], arguments, known, io)));
-    let found = in_parallel(declared.len(), threads, look, |_| {});
-    let found = found.map_err(|error: std::io::Error| Failure::environment(error))?;
-    for (one, found) in declared.iter().zip(found.into_iter().flatten()) {
-        plan.expect(&source_of(&one.file), found?)?;
-    }
-    Ok(())
-}
-
-/// Returns the name of a file as its snapshots record it.
-fn source_of(file: &str) -> String {
-    let name = Path::new(file).file_name().unwrap_or_default();
-    name.to_string_lossy().into_owned()
-}
-
-fn of_file(
-    Declared { file, programs }: &Declared,
-    arguments: &SnapArguments,
-    plan: &Plan,
-    io: &Io,
-) -> Result<Vec<(Name, Expected)>, Failure> {
-    let mut found = Vec::new();
-    // A task and its variants follow each other.
-    for programs in programs.chunk_by(|one, other| one.task == other.task) {
-        let source = source_of(file);
-        found.extend(expected::of_task(
-            programs, file, &source, arguments, plan, io,
-        )?);
-    }
-    Ok(found)
-}
-
-/// Compiles every file before anything is written, and groups the files by folder.
-fn compiled(files: &[String], io: &Io) -> Result<Vec<(PathBuf, Vec<Declared>)>, Failure> {
-    let mut folders: BTreeMap<PathBuf, (PathBuf, Vec<Declared>)> = BTreeMap::new();
-    let mut failed: Option<Failure> = None;
+/// Groups files by the folder that holds their snapshots; a file that is named twice counts once.
+fn by_folder(files: &[String]) -> BTreeMap<PathBuf, BTreeSet<&String>> {
+    let mut folders: BTreeMap<PathBuf, BTreeSet<&String>> = BTreeMap::new();
     for file in files {
-        let folder = sources::folder_of(file);
-        // Two different paths may name the same folder.
-        let real = Path::new(".").join(&folder).canonicalize();
-        let real = real.unwrap_or_else(|_| folder.clone());
-        let (_, declared) = folders.entry(real).or_insert((folder, Vec::new()));
-        let mut known = declared.iter().map(|known| source_of(&known.file));
-        if known.any(|known| known == source_of(file)) {
-            continue;
+        let files = folders.entry(sources::folder_of(file)).or_default();
+        files.insert(file);
+    }
+    folders
+}
+
+/// Compiles the files of a folder, and finds what snapshots they should have, one file per core at a time.
+fn planned(
+    folder: &Path,
+    files: &BTreeSet<&String>,
+    arguments: &SnapArguments,
+    io: &Io,
+) -> Result<Plan, Failure> {
+    let mut declared: Vec<(String, Vec<Program>)> = Vec::new();
+    for file in files {
+        let programs = sources::compile_tasks(file, None, io)?;
+        let name = Path::new(file).file_name().unwrap_or_default();
+        let name = name.to_string_lossy().into_owned();
+        declared.push((name, camera::fitted(file, programs, io)?));
+    }
+    let mut plan = Plan::open(folder, io)?;
+    let expected = |number: usize| {
+        let (name, programs) = &declared[number];
+        let source = Source { name, folder };
+        expected::of_file(programs, &source, arguments, &plan, io).map(Some)
+    };
+    let threads = thread::available_parallelism().map_or(1, NonZero::get);
+    let found = in_parallel(declared.len(), threads, expected, |_| {})?;
+    for ((name, _), found) in declared.iter().zip(found.into_iter().flatten()) {
+        plan.expect(name, found)?;
+    }
+    Ok(plan)
+}
+
+impl Taken {
+    /// Adds the states of a folder's snapshots.
+    fn add(&mut self, states: Vec<SnapshotState>) {
+        for found in &states {
+            let count = match found.state {
+                State::Same => &mut self.same,
+                State::Unseen => &mut self.unseen,
+                State::Changed => &mut self.changed,
+                State::New => &mut self.new,
+                State::Orphaned => &mut self.orphaned,
+            };
+            *count += 1;
+            self.pending += usize::from(found.is_pending);
         }
-        let programs = sources::compile_tasks(file, None, io);
-        match programs.and_then(|programs| camera::fitted(file, programs, io)) {
-            Ok(programs) => declared.push(Declared {
-                file: file.clone(),
-                programs,
-            }),
-            Err(failure) => {
-                if let Some(earlier) = failed.replace(failure) {
-                    io.talk(&format!("error: {earlier}"));
-                }
-            }
+        self.snapshots.extend(states);
+    }
+
+    /// Reports the counts, and what can be done next.
+    fn advise(&self, arguments: &SnapArguments, io: &Io) {
+        let unseen = match self.unseen {
+            0 => String::new(),
+            count => format!(", {count} that this build of fabc cannot check"),
+        };
+        io.talk(&format!(
+            "{} unchanged, {} changed, {} new, {} orphaned{unseen}",
+            self.same, self.changed, self.new, self.orphaned
+        ));
+        let files = arguments.files.join(" ");
+        if arguments.check && self.changed + self.new + self.pending > 0 {
+            io.talk(&format!(
+                "run `fabc snap {files}` to write the new snapshots, then `fabc review {files}` to accept or reject them"
+            ));
+        } else if self.pending > 0 {
+            io.talk(&format!(
+                "`fabc review {files}` shows what waits, and accepts or rejects it"
+            ));
+        }
+        if self.orphaned > 0 && !arguments.prune {
+            io.talk(
+                "an orphaned snapshot is of something that its file no longer declares; `fabc snap --prune` removes it",
+            );
         }
     }
-    match failed {
-        None => Ok(folders.into_values().collect()),
-        Some(failure) => Err(failure.saying("no snapshot was taken")),
-    }
 }
 
-fn as_json(found: &[SnapshotState]) -> Value {
-    let snapshots = found.iter().map(|found| {
-        let info = &found.info;
-        json!({
-            "id": found.name,
-            "path": found.path.display().to_string(),
-            "state": found.state.word(),
-            "pending": found.is_pending,
-            "task": info.task,
-            "variant": info.variant,
-            "stage": info.stage,
-            "scene": info.scene,
-        })
-    });
-    let count = |state| found.iter().filter(|found| found.state == state).count();
-    json!({
-        "snapshots": snapshots.collect::<Vec<Value>>(),
-        "same": count(State::Same),
-        "unseen": count(State::Unchecked),
-        "changed": count(State::Changed),
-        "new": count(State::New),
-        "orphaned": count(State::Orphaned),
-        "pending": found.iter().filter(|found| found.is_pending).count(),
-    })
-}
-
-fn report(found: &[SnapshotState], arguments: &SnapArguments, io: &Io) {
-    let counted = |state: State| found.iter().filter(move |found| found.state == state);
-    let as_it_was = [State::Same, State::Unchecked];
-    for found in found
-        .iter()
-        .filter(|found| !as_it_was.contains(&found.state))
-    {
-        io.data(&format!(
-            "{:8} {}",
-            found.state.word(),
-            found.path.display()
-        ));
+impl Report for Taken {
+    fn text(&self) -> String {
+        let differing = self.snapshots.iter().filter_map(|found| {
+            let state = match found.state {
+                State::Same | State::Unseen => return None,
+                State::Changed => "changed",
+                State::New => "new",
+                State::Orphaned => "orphaned",
+            };
+            Some(format!("{state:8} {}", found.path.display()))
+        });
+        differing.collect::<Vec<String>>().join("\n")
     }
-    let [same, changed, new, orphaned] = [State::Same, State::Changed, State::New, State::Orphaned]
-        .map(|state| counted(state).count());
-    io.talk(&format!(
-        "{same} unchanged, {changed} changed, {new} new, {orphaned} orphaned"
-    ));
-    let unchecked = counted(State::Unchecked).count();
-    if unchecked > 0 {
-        io.talk(&format!(
-            "{unchecked} could not be checked by this build of fabc"
-        ));
-    }
-    let waits = found.iter().filter(|found| found.is_pending).count();
-    let places = places(found);
-    if arguments.check && changed + new > 0 {
-        io.talk(&format!(
-            "run `fabc snap {}` to write the new snapshots, then `fabc review{places}` to accept or reject them",
-            arguments.files.join(" ")
-        ));
-    } else if arguments.check && waits > 0 {
-        io.talk(&format!(
-            "{waits} are pending but no longer needed; `fabc snap` removes them"
-        ));
-    } else if waits > 0 {
-        io.talk(&format!(
-            "`fabc review{places}` shows what waits, and accepts or rejects it"
-        ));
-    }
-    if orphaned > 0 && !arguments.prune {
-        io.talk(
-            "an orphaned snapshot is of something that its file no longer declares; `fabc snap --prune` removes it",
-        );
-    }
-}
-
-/// Returns the snapshot folders outside the current folder, as arguments for `fabc review`.
-fn places(found: &[SnapshotState]) -> String {
-    let folders: BTreeSet<&Path> = found
-        .iter()
-        .filter_map(|found| found.path.parent())
-        .collect();
-    let own = Path::new(crate::snapshots::FOLDER);
-    let others = folders.into_iter().filter(|folder| *folder != own);
-    others
-        .map(|folder| format!(" {}", folder.display()))
-        .collect()
 }

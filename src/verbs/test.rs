@@ -2,15 +2,16 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
+use crate::report::Report;
 use crate::{shipped, sources, watch};
 use clap::Args;
 use clap::ValueHint;
 use fab_base::wording::counted;
-use fab_compiler::{Compiled, diag};
+use fab_compiler::diag;
 use fab_program::test::{Finding, Trial};
 use fab_program::{Expect, Program, Test};
+use serde::Serialize;
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
 
 /// Arguments of `test`.
 #[derive(Args)]
@@ -38,95 +39,94 @@ pub fn run(arguments: &TestArguments, io: &Io) -> Result<Exit, Failure> {
     }
 }
 
+/// The results of all tests.
+#[derive(Default, Serialize)]
+struct Tested {
+    passed: usize,
+    failed: usize,
+    tests: Vec<TestedOne>,
+    /// The files whose tests were not run, and why.
+    errors: Vec<String>,
+    diagnostics: Vec<Value>,
+}
+
+/// A test and its result.
+#[derive(Serialize)]
+struct TestedOne {
+    file: String,
+    #[serde(flatten)]
+    test: Test,
+    passed: bool,
+    found: Value,
+    repairs: Vec<String>,
+}
+
 fn test(arguments: &TestArguments, io: &Io) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
-    let mut rows = Vec::new();
-    let mut errors = Vec::new();
-    let mut diagnostics = Vec::new();
-    let (mut n_passed, mut n_failed) = (0, 0);
+    let mut tested = Tested::default();
     for file in &arguments.files {
         let compiled = match shipped::find(file, io).and_then(|file| sources::compile(&file)) {
             Ok(compiled) => compiled,
             Err(failure) => {
                 io.talk(&format!("error: {failure}"));
-                errors.push(failure.to_string());
+                tested.errors.push(failure.to_string());
                 exit = Exit::Environment;
                 continue;
             }
         };
         if !compiled.diagnostics.is_empty() {
-            let text = diag::to_text(&compiled.diagnostics, &compiled.sources, io.talk_color());
-            io.painted_talk(text.trim_end());
+            io.painted_talk(&sources::findings(&compiled, io.talk_color()));
         }
         if let Value::Array(found) = diag::to_json(&compiled.diagnostics, &compiled.sources) {
-            diagnostics.extend(found);
+            tested.diagnostics.extend(found);
         }
         if compiled.has_errors() {
-            errors.push(format!("`{file}` cannot be compiled"));
+            tested.errors.push(format!("`{file}` cannot be compiled"));
             if exit == Exit::Done {
                 exit = Exit::Author;
             }
             continue;
         }
-        for (test, program) in chosen(&compiled, arguments.only.as_deref()) {
-            let trial = fab_program::test::run(program, test);
-            if trial.is_expected {
-                n_passed += 1;
-            } else {
-                n_failed += 1;
-            }
+        for test in compiled.tests {
+            let is_of = |it: &&Program| it.task == test.task && it.variant == test.variant;
+            let program = compiled.programs.iter().find(is_of);
+            let words = arguments.only.as_deref().unwrap_or_default();
+            let Some(program) = program.filter(|_| test.name.contains(words)) else {
+                continue;
+            };
+            let trial = fab_program::test::run(program, &test);
             if !arguments.json {
-                io.data(&line(file, test, &trial));
+                io.data(&line(file, &test, &trial));
             }
-            rows.push(row(file, test, &trial));
+            tested.tests.push(TestedOne {
+                file: file.clone(),
+                test,
+                passed: trial.is_expected,
+                found: found(&trial.finding),
+                repairs: trial.repairs,
+            });
         }
     }
-    if let (Some(words), true, Exit::Done) = (&arguments.only, rows.is_empty(), exit) {
+    if let (Some(words), true, Exit::Done) = (&arguments.only, tested.tests.is_empty(), exit) {
         return Err(Failure::usage(format!("no test's name contains `{words}`")));
     }
-    if n_failed > 0 && exit == Exit::Done {
+    tested.passed = tested.tests.iter().filter(|it| it.passed).count();
+    tested.failed = tested.tests.len() - tested.passed;
+    if tested.failed > 0 && exit == Exit::Done {
         exit = Exit::Author;
     }
-    io.report(
-        arguments.json,
-        || {
-            json!({
-                "passed": n_passed,
-                "failed": n_failed,
-                "tests": rows,
-                "errors": errors,
-                "diagnostics": diagnostics,
-            })
-        },
-        || match errors.len() {
-            0 => format!("{n_passed} passed, {n_failed} failed"),
-            n => format!(
-                "{n_passed} passed, {n_failed} failed, {} not run",
-                counted(n, "file")
-            ),
-        },
-    );
+    io.result(arguments.json, &tested);
     Ok(exit)
 }
 
-/// Returns each selected test with the program of its task or variant.
-fn chosen<'c>(
-    compiled: &'c Compiled,
-    only: Option<&'c str>,
-) -> impl Iterator<Item = (&'c Test, &'c Program)> {
-    let wanted = move |test: &&Test| only.is_none_or(|words| test.name.contains(words));
-    let programs: BTreeMap<_, _> = compiled
-        .programs
-        .iter()
-        .map(|program| ((&program.task, &program.variant), program))
-        .collect();
-    let with_program =
-        move |test: &'c Test| Some((test, *programs.get(&(&test.task, &test.variant))?));
-    compiled
-        .tests
-        .iter()
-        .filter(wanted)
-        .filter_map(with_program)
+impl Report for Tested {
+    fn text(&self) -> String {
+        let passed = format!("{} passed, {} failed", self.passed, self.failed);
+        match self.errors.len() {
+            0 => passed,
+            n => format!("{passed}, {} not run", counted(n, "file")),
+        }
+    }
 }
 
 fn line(file: &str, test: &Test, trial: &Trial) -> String {
@@ -152,8 +152,8 @@ fn expected(expect: &Expect) -> String {
     }
 }
 
-fn row(file: &str, test: &Test, trial: &Trial) -> Value {
-    let finding = match &trial.finding {
+fn found(finding: &Finding) -> Value {
+    match finding {
         Finding::Accepted => json!({ "finding": "accept" }),
         Finding::Rejected {
             check,
@@ -163,15 +163,5 @@ fn row(file: &str, test: &Test, trial: &Trial) -> Value {
         Finding::Malformed { message } => json!({ "finding": "malformed", "message": message }),
         Finding::Text { text } => json!({ "finding": "text", "text": text }),
         Finding::Lacking { name } => json!({ "finding": "lacking", "name": name }),
-    };
-    json!({
-        "file": file,
-        "line": test.line,
-        "task": test.task,
-        "variant": test.variant,
-        "test": test.name,
-        "passed": trial.is_expected,
-        "found": finding,
-        "repairs": trial.repairs,
-    })
+    }
 }

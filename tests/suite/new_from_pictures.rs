@@ -273,7 +273,7 @@ fn a_file_in_the_folders_place_and_a_picture_in_a_pictures_place_are_named() {
     let ended = said(folder.path(), &["new", "fold", "a", "--in", "ro"]);
     assert_eq!(ended.code, 2, "{}", ended.stderr);
     assert!(
-        ended.stderr.contains("`ro` is a file; --in takes a folder"),
+        ended.stderr.contains("cannot write `ro"),
         "{}",
         ended.stderr
     );

@@ -113,23 +113,6 @@ fn check_runs_again_after_each_change_of_the_task_and_of_what_it_uses() {
 }
 
 #[test]
-fn a_deleted_file_is_told_of_once_and_waited_for() {
-    let folder = tempfile::tempdir().unwrap();
-    bring_task(folder.path());
-    let watching = Watching::begin(folder.path(), &["check", "house.fab", "--watch"]);
-    watching.until("Ctrl-C ends", 1);
-    let library = folder.path().join("lib");
-    fs::rename(&library, folder.path().join("elsewhere")).unwrap();
-    watching.until("`lib/folding.fab` is gone; waiting until it is back", 1);
-    fs::write(folder.path().join("another"), "of no use").unwrap();
-    fs::rename(folder.path().join("elsewhere"), &library).unwrap();
-    watching.until("`house` has no errors", 2);
-    assert_eq!(watching.count("is gone"), 1);
-    assert_eq!(watching.count("error:") + watching.count("error["), 0);
-    assert_eq!(watching.interrupt(), Some(130));
-}
-
-#[test]
 fn a_file_that_is_not_there_yet_is_waited_for() {
     let folder = tempfile::tempdir().unwrap();
     let watching = Watching::begin(folder.path(), &["test", "house.fab", "--watch"]);

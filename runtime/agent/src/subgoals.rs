@@ -208,44 +208,6 @@ impl SubgoalSet {
         }
         Ok(Some(StepPictures { bare, with_arrow }))
     }
-
-    /// Returns one picture around step `number`, from 0, as [`SubgoalSet::obtain`] and [`SubgoalSet::step`] would, with
-    /// no more folds than necessary; `None` if the task has no subgoals.
-    pub fn picture(
-        program: &Program,
-        folder: &Path,
-        number: usize,
-        (which, arrow): (SubgoalStep, Arrow),
-        world: &mut dyn World,
-        interrupt: &Interrupt,
-    ) -> Result<Option<RgbImage>, SubgoalError> {
-        let set = match &program.subgoals {
-            None => return Ok(None),
-            Some(Subgoals::Images { images }) => load_images(images, folder)?,
-            Some(Subgoals::Demonstrate { folds }) => {
-                match pins::load(program, folds, folder, world) {
-                    Pinned::Fitting(set) => set,
-                    Pinned::Absent | Pinned::OfAnotherFold => {
-                        let number = number.min(folds.len() - 1);
-                        let last = match which {
-                            SubgoalStep::Now => number,
-                            SubgoalStep::Next => number + 1,
-                        };
-                        let unseen = &mut |_: Demonstrated<'_>| {};
-                        let (mut set, _) =
-                            draw_until(last, program, folds, world, interrupt, unseen)?;
-                        let mut picture = set.pictures.swap_remove(last);
-                        if let (Arrow::Drawn, Some([tail, tip])) = (arrow, set.arrows[number]) {
-                            fab_vision::draw_arrow(&mut picture, tail, tip)?;
-                        }
-                        return Ok(Some(picture));
-                    }
-                }
-            }
-        };
-        let step = set.step(number)?;
-        Ok(step.map(|step| step.picture(which, arrow).clone()))
-    }
 }
 
 impl StepPictures {

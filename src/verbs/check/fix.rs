@@ -10,8 +10,7 @@ use fab_compiler::fix::{self, FixedFile};
 use fab_compiler::{Compiled, Loader, diag};
 use similar::TextDiff;
 use std::collections::BTreeMap;
-use std::fs::{self, OpenOptions};
-use std::io::ErrorKind;
+use std::fs;
 use std::path::Path;
 
 /// What is done with new texts.
@@ -38,7 +37,7 @@ pub fn run(found: &mut [Result<String, Failure>], effect: Effect, io: &Io) -> St
             match fix_one(name, effect, io) {
                 Ok((change, left)) => {
                     diff += &change;
-                    unchanged.extend(reasons(&left, name, &named));
+                    unchanged.extend(reasons(&left, &named));
                 }
                 Err(failure) => *file = Err(failure),
             }
@@ -77,9 +76,8 @@ fn fix_one(name: &str, effect: Effect, io: &Io) -> Result<(String, Compiled), Fa
 
 /// Returns the files that keep certain edits, and why.
 ///
-/// - `fixed`: the file that was fixed; other named files have their turn.
 /// - `named`: the files that the user named.
-fn reasons(left: &Compiled, fixed: &str, named: &[String]) -> BTreeMap<String, String> {
+fn reasons(left: &Compiled, named: &[String]) -> BTreeMap<String, String> {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for diagnostic in left.diagnostics.iter().filter(|it| it.is_certain()) {
         let name = left.sources.get(diagnostic.span.file).name.as_str();
@@ -92,8 +90,6 @@ fn reasons(left: &Compiled, fixed: &str, named: &[String]) -> BTreeMap<String, S
             "it was not named"
         } else if is_read_only(Path::new(name)) {
             "it is read-only"
-        } else if name == fixed {
-            "that would add errors"
         } else {
             return None;
         };
@@ -103,17 +99,7 @@ fn reasons(left: &Compiled, fixed: &str, named: &[String]) -> BTreeMap<String, S
     counts.into_iter().filter_map(reason).collect()
 }
 
-/// Returns whether nobody, or not this user, may write a file.
-///
-/// A file is replaced by renaming, which would succeed anyway.
+/// Returns whether a file is marked as read-only; it is replaced by renaming, which would succeed anyway.
 fn is_read_only(path: &Path) -> bool {
-    let is_marked = fs::metadata(path).is_ok_and(|it| it.permissions().readonly());
-    let is_refused = |kind| {
-        matches!(
-            kind,
-            ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem
-        )
-    };
-    let opened = OpenOptions::new().append(true).open(path);
-    is_marked || opened.is_err_and(|error| is_refused(error.kind()))
+    fs::metadata(path).is_ok_and(|it| it.permissions().readonly())
 }

@@ -74,7 +74,7 @@ impl Drawn {
             return Ok(None);
         }
         let interrupt = io.interrupt()?;
-        let mut world = setting::world(program).map_err(Failure::environment)?;
+        let mut world = setting::world(program)?;
         let beside = Path::new("");
         let drawn = SubgoalSet::draw(program, beside, world.as_mut(), &interrupt, &mut |_| {});
         match drawn {
@@ -89,7 +89,6 @@ impl Drawn {
 
     /// Writes the pictures beside the task; returns their paths.
     pub fn write(&self, program: &Program, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
-        let pinned = self.pictures.pin(program, folder, &self.parameters);
-        pinned.map_err(Failure::environment)
+        Ok(self.pictures.pin(program, folder, &self.parameters)?)
     }
 }

@@ -1,7 +1,7 @@
 //! Renders prompts of a scene from the world's camera, with the pictures that a model gets.
 
 use super::page::{DisplayMessage, DisplayPart, ShownStage};
-use super::{RenderArguments, Rendered, corrections_of, title, wanted};
+use super::{RenderArguments, Rendered, chosen_stages, title};
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::sources;
@@ -17,18 +17,17 @@ use clap::Args;
 use fab_agent::examples::Examples;
 use fab_agent::pictures::Pictures;
 use fab_agent::policy;
-use fab_agent::policy::{Finding, MessagePart, Rehearsed, StepView, UndrawnMessage};
+use fab_agent::policy::{Conversation, Finding, MessagePart, StepView, UndrawnMessage};
 use fab_agent::subgoals::SubgoalSet;
 use fab_base::interrupt::Interrupt;
 use fab_model::{Message, Part, Speaker};
 use fab_program::facts::Facts;
 use fab_program::render::Values;
 use fab_program::reply::Stated;
-use fab_program::scene::SceneView;
 use fab_program::verify::Verdict;
-use fab_program::{ClothStart, Program, Stage};
+use fab_program::{ClothStart, Program};
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Where the cloth lies, who is shown the messages, and what was answered.
 #[derive(Args)]
@@ -84,7 +83,7 @@ pub fn fitted_to_start(
     if !is_file {
         return Ok(declared.clone());
     }
-    let world = setting::world(declared).map_err(Failure::environment)?;
+    let world = setting::world(declared)?;
     let folder = sources::folder_of(&task.file);
     let start = setting::start(declared, &folder, start, world.as_ref(), interrupt, io)?;
     setting::fitted(task, declared, &start, io)
@@ -110,155 +109,97 @@ pub fn rendered(
     } else {
         Interrupt::default()
     };
-    let program = match arguments.scene {
-        Some(_) => declared.clone(),
-        None => fitted_to_start(&arguments.task, declared, start, &interrupt, io)?,
-    };
-    let (stages, listed) = wanted(&program, arguments)?;
+    let program = &fitted_to_start(&arguments.task, declared, start, &interrupt, io)?;
+    let stages = chosen_stages(program, arguments.stage.as_deref())?;
     let target = TargetModel::of(target, io)?;
-    let seen = Seen::at(&program, declared, arguments, &interrupt, io)?;
-    let scene: &dyn SceneView = match &listed {
-        Some(listed) => listed,
-        None => &seen.scene.scene,
-    };
+    let (folder, step) = (sources::folder_of(&arguments.task.file), arguments.step);
+    let seen = Seen::at(program, declared, &folder, start, step, &interrupt, io)?;
+    let Seen {
+        scene: StepScene {
+            scene,
+            observation,
+            last,
+        },
+        pictures,
+        subgoals,
+    } = &seen;
+    say_pictures(subgoals, &pictures.examples, &arguments.task.file, io);
     let texts = BTreeMap::new();
     let values = Values::Partly(Facts {
         scene,
         texts: &texts,
-        step: arguments.step,
-        last: seen.scene.last.as_ref(),
+        step,
+        last: last.as_ref(),
         proposal: None,
-        pointing: target.lowering.pointing(seen.pictures.size()),
+        pointing: target.lowering.pointing(pictures.size()),
     });
-    let rehearsed = match &listed {
-        Some(_) => seen.conversations(&program, &stages, values, arguments.step, &target)?,
-        None => seen.rehearsed(&program, &stages, replies, arguments.step, &target)?,
-    };
-    let shown = rehearsed
-        .into_iter()
-        .zip(&stages)
-        .map(|(rehearsed, stage)| {
-            let corrections = corrections_of(&program, stage, values);
-            let conversation = &rehearsed.conversation;
-            let messages = conversation.spoken.iter().zip(&conversation.messages);
-            Ok(ShownStage {
-                corrections: corrections.map_err(Failure::environment)?,
-                n_asked_first: rehearsed.n_asked_first,
-                messages: messages
-                    .map(|(spoken, sent)| displayed(spoken, Some(sent), arguments.step))
-                    .collect(),
-                findings: rehearsed.findings.iter().map(in_words).collect(),
-                results: rehearsed
-                    .findings
-                    .iter()
-                    .map(|it| serde_json::json!(it))
-                    .collect(),
-                name: rehearsed.stage,
-            })
+    let view =
+        StepView::without_rollout(program, scene, observation, step, last.as_ref(), pictures);
+    let lowering = |_| target.lowering;
+    let (rehearsed, left) = policy::rehearse(view, &stages, &lowering, replies.clone())?;
+    if !left.is_empty() {
+        return Err(Failure::usage(format!(
+            "the last {} of the answers given by `--reply` belong to no question: no more are asked",
+            left.len()
+        )));
+    }
+    let mut shown = Vec::with_capacity(rehearsed.len());
+    for (rehearsed, stage) in rehearsed.into_iter().zip(stages) {
+        let Conversation { spoken, messages } = &rehearsed.conversation;
+        let messages = spoken.iter().zip(messages);
+        let messages = messages.map(|(spoken, sent)| displayed(spoken, Some(sent), step));
+        let findings = rehearsed.findings.iter();
+        shown.push(ShownStage {
+            n_asked_first: rehearsed.n_asked_first,
+            findings: findings.clone().map(in_words).collect(),
+            results: findings.map(|it| serde_json::json!(it)).collect(),
+            ..ShownStage::of(program, stage, values, messages.collect())?
         });
+    }
     Ok(Rendered {
-        shown: shown.collect::<Result<_, Failure>>()?,
+        stages: shown,
         price: target.profile.map(|profile| Price::of(profile, io)),
-        program,
     })
 }
 
-/// What the camera sees at a step, and the pictures of it.
-struct Seen {
-    scene: StepScene,
-    pictures: Pictures,
+/// What the camera sees at a step, and the pictures that the step can show.
+pub struct Seen {
+    pub scene: StepScene,
+    pub pictures: Pictures,
+    subgoals: SubgoalSet,
 }
 
 impl Seen {
-    /// Lays the cloth, executes the demonstrated folds before the step, and takes a picture.
-    fn at(
+    /// Lays the cloth, executes the steps before this one, and takes a picture.
+    ///
+    /// - `declared`: the task as written, whose subgoals are shown; `folder` holds its file.
+    pub fn at(
         program: &Program,
         declared: &Program,
-        arguments: &RenderArguments,
+        folder: &Path,
+        start: &StartArguments,
+        step: u32,
         interrupt: &Interrupt,
         io: &Io,
     ) -> Result<Seen, Failure> {
-        let mut world = setting::world(program).map_err(Failure::environment)?;
+        let mut world = setting::world(program)?;
         let world = world.as_mut();
-        let folder = sources::folder_of(&arguments.task.file);
-        let subgoals = SubgoalSet::obtain(declared, &folder, world, interrupt)
-            .map_err(Failure::environment)?;
-        let examples = Examples::load(program, &folder).map_err(Failure::environment)?;
-        say_pictures(&subgoals, &examples, &arguments.task.file, io);
-        let start = &arguments.camera.start;
-        let start = setting::start(program, &folder, start, world, interrupt, io)?;
-        let step = arguments.step;
-        let scene = scene_at_step(program, &start, step, &subgoals, world, interrupt, io)?;
-        let shown = subgoals.step(step as usize - 1);
-        let shown = shown.map_err(Failure::environment)?;
-        let pictures = Pictures::of(
-            program,
-            &scene.scene,
-            &scene.observation,
-            scene.last.as_ref(),
-            shown,
-            examples,
-        );
-        let pictures = pictures.map_err(Failure::environment)?;
-        Ok(Seen { scene, pictures })
-    }
-
-    /// Goes through the stages with the given answers.
-    fn rehearsed(
-        &self,
-        program: &Program,
-        stages: &[&Stage],
-        replies: &[String],
-        step: u32,
-        target: &TargetModel,
-    ) -> Result<Vec<Rehearsed>, Failure> {
+        let subgoals = SubgoalSet::obtain(declared, folder, world, interrupt)?;
+        let examples = Examples::load(program, folder)?;
+        let start = setting::start(program, folder, start, world, interrupt, io)?;
+        let seen = scene_at_step(program, &start, step, &subgoals, world, interrupt, io)?;
         let StepScene {
             scene,
             observation,
             last,
-        } = &self.scene;
-        let view = StepView::without_rollout(
-            program,
-            scene,
-            observation,
-            step,
-            last.as_ref(),
-            &self.pictures,
-        );
-        let lowering = |_| target.lowering;
-        let rehearsed = policy::rehearse(view, stages, &lowering, replies.to_vec());
-        let (rehearsed, left) = rehearsed.map_err(Failure::environment)?;
-        match left.len() {
-            0 => Ok(rehearsed),
-            beyond => Err(Failure::usage(format!(
-                "the last {beyond} of the answers given by `--reply` belong to no question: no more are asked"
-            ))),
-        }
-    }
-
-    /// Returns the first question of each stage, with the points of a file.
-    fn conversations(
-        &self,
-        program: &Program,
-        stages: &[&Stage],
-        values: Values<'_>,
-        step: u32,
-        target: &TargetModel,
-    ) -> Result<Vec<Rehearsed>, Failure> {
-        let stages = stages.iter().map(|stage| {
-            let pictures = &self.pictures;
-            let lowering = &target.lowering;
-            let conversation =
-                policy::conversation(program, stage, values, pictures, step, lowering);
-            let conversation = conversation.map_err(Failure::environment)?;
-            Ok(Rehearsed {
-                stage: stage.name.clone(),
-                n_asked_first: conversation.messages.len(),
-                conversation,
-                findings: Vec::new(),
-            })
-        });
-        stages.collect()
+        } = &seen;
+        let shown = subgoals.step(step as usize - 1)?;
+        let pictures = Pictures::of(program, scene, observation, last.as_ref(), shown, examples)?;
+        Ok(Seen {
+            scene: seen,
+            pictures,
+            subgoals,
+        })
     }
 }
 
@@ -296,27 +237,21 @@ fn source(stated: &Stated) -> String {
     )
 }
 
-/// Returns messages for display without their pictures.
-pub fn shown_without_drawing(spoken: &[UndrawnMessage], step: u32) -> Vec<DisplayMessage> {
-    let messages = spoken.iter();
-    messages.map(|it| displayed(it, None, step)).collect()
-}
-
-/// Combines a message with the request that is sent, if it was drawn.
-fn displayed(spoken: &UndrawnMessage, sent: Option<&Message>, step: u32) -> DisplayMessage {
+/// Returns a message for display, with the pictures of the request that is sent, if it was drawn.
+pub fn displayed(spoken: &UndrawnMessage, sent: Option<&Message>, step: u32) -> DisplayMessage {
     let png = |number: usize| match sent?.parts.get(number)? {
         Part::Image(png) => Some(png.bytes().to_vec()),
         Part::Text(_) => None,
     };
     let part = |(number, part): (usize, &MessagePart)| {
         let title = match part {
-            MessagePart::Text(said) => return DisplayPart::Text(said.clone()),
+            MessagePart::Text(said) => return DisplayPart::Text { said: said.clone() },
             MessagePart::Picture(picture) => title(picture, step),
             MessagePart::RefusedAction => "the refused action".to_owned(),
             MessagePart::Prediction => "what would come of the answer".to_owned(),
         };
         let png = png(number);
-        DisplayPart::Picture { title, png }
+        DisplayPart::Image { title, png }
     };
     DisplayMessage {
         role: match spoken.speaker {

@@ -3,11 +3,18 @@
 //! In: a stage's messages, whose texts record their origins. Out: the lines that `fabc render` prints and `fabc snap`
 //! pins, the same for both.
 
-use super::corrections_of;
-use fab_program::render::{Origin, PromptText, RenderError, Values};
-use fab_program::{Program, Stage};
+use crate::exit::Failure;
+use fab_program::facts::{ExecutedAction, Facts};
+use fab_program::pointing::Pointing;
+use fab_program::render::{self, Origin, PromptText, RenderError, Values};
+use fab_program::scene::SceneView;
+use fab_program::{Program, Read, Stage};
+use serde::{Serialize, Serializer};
+use std::collections::BTreeMap;
+use std::path::Path;
 
 /// One message for display.
+#[derive(Serialize)]
 pub struct DisplayMessage {
     /// Who speaks.
     pub role: &'static str,
@@ -16,28 +23,46 @@ pub struct DisplayMessage {
 }
 
 /// A part of a displayed message.
+#[derive(Serialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
 pub enum DisplayPart {
     /// Text.
-    Text(PromptText),
+    Text {
+        #[serde(rename = "text", serialize_with = "words")]
+        said: PromptText,
+    },
     /// A picture.
-    Picture {
+    Image {
         /// The picture's description.
+        #[serde(rename = "shows")]
         title: String,
         /// The PNG bytes, if requested and if this build can draw it.
+        #[serde(rename = "bytes", serialize_with = "length")]
         png: Option<Vec<u8>>,
     },
 }
 
+/// What a model would be told after a check's rejection.
+#[derive(Serialize)]
+pub struct Correction {
+    check: String,
+    #[serde(rename = "text", serialize_with = "words")]
+    said: PromptText,
+}
+
 /// A stage for display.
+#[derive(Serialize)]
 pub struct ShownStage {
     /// Its name.
+    #[serde(rename = "stage")]
     pub name: String,
     /// Its messages, in order.
     pub messages: Vec<DisplayMessage>,
     /// How many of the messages make up the first question.
+    #[serde(skip)]
     pub n_asked_first: usize,
-    /// What a model would be told after each check's rejection, by the check's name.
-    pub corrections: Vec<(String, PromptText)>,
+    /// Empty if the stage reads no action.
+    pub corrections: Vec<Correction>,
     /// The findings about the given answers, in words.
     pub findings: Vec<String>,
     /// The same as data, as a run records them.
@@ -50,40 +75,92 @@ pub struct Line {
     pub text: String,
     /// Where its text comes from; `None` for headings, blank lines between texts, and pictures.
     pub origin: Option<Origin>,
-    /// Values in it: the range of characters, from 0 and without its end, and the variable.
-    pub values: Vec<(usize, usize, String)>,
 }
 
-/// Returns the messages of a stage for display; the authoring tool draws no pictures, and reads no demonstrations.
-#[cfg(not(feature = "runtime"))]
-pub fn messages(
+fn words<S: Serializer>(said: &PromptText, serializer: S) -> Result<S::Ok, S::Error> {
+    said.text.serialize(serializer)
+}
+
+fn length<S: Serializer>(png: &Option<Vec<u8>>, serializer: S) -> Result<S::Ok, S::Error> {
+    png.as_ref().map(Vec::len).serialize(serializer)
+}
+
+/// Returns the first question of a stage, without pictures, by the function that a rollout uses.
+///
+/// - `folder`: holds the program's file.
+#[cfg(feature = "runtime")]
+fn messages(
     program: &Program,
+    folder: &Path,
     stage: &Stage,
     values: Values<'_>,
     step: u32,
-) -> Result<Vec<DisplayMessage>, RenderError> {
-    use fab_program::render::{self, PromptSpeaker};
+) -> Result<Vec<DisplayMessage>, Failure> {
+    let examples = fab_agent::examples::Examples::load(program, folder)?;
+    let spoken = fab_agent::policy::opening(program, stage, values, &examples, step)?;
+    let spoken = spoken.iter();
+    Ok(spoken
+        .map(|it| super::camera::displayed(it, None, step))
+        .collect())
+}
+
+/// Returns the first question of a stage, without pictures and demonstrations, which the authoring tool cannot read.
+#[cfg(not(feature = "runtime"))]
+fn messages(
+    program: &Program,
+    _folder: &Path,
+    stage: &Stage,
+    values: Values<'_>,
+    step: u32,
+) -> Result<Vec<DisplayMessage>, Failure> {
+    use fab_program::render::PromptSpeaker;
     let messages = render::messages(program, stage, values)?.into_iter();
     let displayed = messages.map(|message| {
-        let pictures = message.pictures.iter().map(|picture| DisplayPart::Picture {
+        let said = message.content;
+        let mut parts = vec![DisplayPart::Text { said }];
+        parts.extend(message.pictures.iter().map(|picture| DisplayPart::Image {
             title: super::title(picture, step),
             png: None,
-        });
-        DisplayMessage {
-            role: match message.speaker {
-                PromptSpeaker::System => "system",
-                PromptSpeaker::User => "user",
-                PromptSpeaker::Assistant => "assistant",
-            },
-            parts: std::iter::once(DisplayPart::Text(message.content))
-                .chain(pictures)
-                .collect(),
-        }
+        }));
+        let role = match message.speaker {
+            PromptSpeaker::System => "system",
+            PromptSpeaker::User => "user",
+            PromptSpeaker::Assistant => "assistant",
+        };
+        DisplayMessage { role, parts }
     });
     Ok(displayed.collect())
 }
 
 impl ShownStage {
+    /// Makes a stage of its first question, with the points of a scene or else with typed placeholders, and without
+    /// pictures.
+    ///
+    /// - `folder`: holds the program's file.
+    /// - `last`: the previous action.
+    pub fn without_camera(
+        program: &Program,
+        folder: &Path,
+        stage: &Stage,
+        scene: Option<&dyn SceneView>,
+        last: Option<&ExecutedAction>,
+        step: u32,
+    ) -> Result<ShownStage, Failure> {
+        let texts = BTreeMap::new();
+        let values = scene.map_or(Values::Typed, |scene| {
+            Values::Partly(Facts {
+                scene,
+                texts: &texts,
+                step,
+                last,
+                proposal: None,
+                pointing: Pointing::of_camera(&program.camera),
+            })
+        });
+        let messages = messages(program, folder, stage, values, step)?;
+        Ok(ShownStage::of(program, stage, values, messages)?)
+    }
+
     /// Makes a stage of its first question.
     pub fn of(
         program: &Program,
@@ -91,11 +168,18 @@ impl ShownStage {
         values: Values<'_>,
         messages: Vec<DisplayMessage>,
     ) -> Result<ShownStage, RenderError> {
+        let corrections = match stage.read {
+            Read::Action => render::corrections(program, values)?,
+            Read::Text { .. } => Vec::new(),
+        };
+        let corrections = corrections.into_iter();
         Ok(ShownStage {
             name: stage.name.clone(),
             n_asked_first: messages.len(),
             messages,
-            corrections: corrections_of(program, stage, values)?,
+            corrections: corrections
+                .map(|(check, said)| Correction { check, said })
+                .collect(),
             findings: Vec::new(),
             results: Vec::new(),
         })
@@ -105,18 +189,18 @@ impl ShownStage {
     pub fn lines(&self) -> Vec<Line> {
         let mut lines = Vec::new();
         for message in &self.messages {
-            lines.push(Line::bare(format!("--- {}", message.role)));
+            lines.push(heading(format!("--- {}", message.role)));
             for part in &message.parts {
                 match part {
-                    DisplayPart::Text(said) => lines.extend(of_text(said)),
-                    DisplayPart::Picture { title, .. } => {
-                        lines.push(Line::bare(format!("[picture: {title}]")));
+                    DisplayPart::Text { said } => lines.extend(of_text(said)),
+                    DisplayPart::Image { title, .. } => {
+                        lines.push(heading(format!("[picture: {title}]")));
                     }
                 }
             }
         }
-        for (check, said) in &self.corrections {
-            lines.push(Line::bare(format!("--- told where `{check}` refuses")));
+        for Correction { check, said } in &self.corrections {
+            lines.push(heading(format!("--- told where `{check}` refuses")));
             lines.extend(of_text(said));
         }
         lines
@@ -131,8 +215,8 @@ impl ShownStage {
     /// Returns the texts of the first question, without headings.
     pub fn texts(&self) -> impl Iterator<Item = &PromptText> {
         self.first_question().filter_map(|part| match part {
-            DisplayPart::Text(said) => Some(said),
-            DisplayPart::Picture { .. } => None,
+            DisplayPart::Text { said } => Some(said),
+            DisplayPart::Image { .. } => None,
         })
     }
 
@@ -143,50 +227,24 @@ impl ShownStage {
     }
 }
 
-impl Line {
-    fn bare(text: String) -> Line {
-        Line {
-            text,
-            origin: None,
-            values: Vec::new(),
-        }
-    }
+fn heading(text: String) -> Line {
+    Line { text, origin: None }
 }
 
-/// Splits a text into lines.
-fn of_text(said: &PromptText) -> Vec<Line> {
-    let mut lines = Vec::new();
+/// Splits a text into lines; the origin of each is that of its first stretch.
+fn of_text(said: &PromptText) -> impl Iterator<Item = Line> {
     let mut start = 0;
-    let mut next = 0;
-    for text in said.text.split('\n') {
+    said.text.split('\n').map(move |text| {
         let end = start + text.len();
-        let mut line = Line::bare(text.to_owned());
-        // Stretches are in order; one that continues in the next line is visited again there.
-        while let Some(stretch) = said.stretches.get(next) {
-            let bytes = &stretch.bytes;
-            if bytes.start > end {
-                break;
-            }
-            let from = bytes.start.max(start);
-            let to = bytes.end.min(end);
-            if from < to || bytes.end > end {
-                line.origin.get_or_insert_with(|| stretch.origin.clone());
-            }
-            if let (Some(variable), true) = (&stretch.origin.value, from < to) {
-                let characters = |range: &str| range.chars().count();
-                let column = characters(&said.text[start..from]);
-                let width = characters(&said.text[from..to]);
-                line.values.push((column, column + width, variable.clone()));
-            }
-            if bytes.end > end + 1 {
-                break;
-            }
-            next += 1;
-        }
-        lines.push(line);
+        // A line's own newline counts.
+        let mut stretches = said.stretches.iter();
+        let first = stretches.find(|it| it.bytes.start <= end && start < it.bytes.end);
         start = end + 1;
-    }
-    lines
+        Line {
+            text: text.to_owned(),
+            origin: first.map(|stretch| stretch.origin.clone()),
+        }
+    })
 }
 
 #[cfg(test)]

@@ -1,22 +1,19 @@
 //! `--why`: shows the source file and line of each prompt line, and the tokens of each component.
 //!
-//! In: a stage for display. Out: the page with line numbers, a table of estimated tokens, and the same as JSON. Picture
+//! In: a stage for display. Out: the page with line numbers, a table of estimated tokens, and both as data. Picture
 //! tokens and prices are known only if a model is named.
 
-use super::page::{DisplayPart, Line, ShownStage};
+use super::page::{DisplayPart, ShownStage};
 use crate::verbs::price::Price;
 use fab_program::render::Origin;
 use fab_program::tokens;
 use serde::Serialize;
-use serde_json::{Value, json};
 use std::path::Path;
 
 /// The size of one component of a stage.
 #[derive(Serialize)]
 struct Weight {
     said_by: String,
-    /// The file that declares it, in the user's spelling.
-    file: Option<String>,
     at_least: u64,
     at_most: u64,
     cost_nano_usd: Option<u64>,
@@ -30,6 +27,13 @@ struct Weights {
     all: Weight,
     /// How many pictures have an unknown token count.
     pictures_not_counted: usize,
+}
+
+/// Where the texts of a stage come from, and what they weigh.
+#[derive(Serialize)]
+pub struct Why<'s> {
+    stretches: Vec<Stretch<'s>>,
+    estimated_tokens: Weights,
 }
 
 /// A stretch of a text and its origin.
@@ -63,30 +67,17 @@ pub fn text(stage: &ShownStage, folder: &Path, price: Option<&Price>) -> String 
         if head.is_some() || !line.text.is_empty() {
             before = head;
         }
-        text.push_str(&numbered(&line));
+        if line.origin.is_none() && !line.text.is_empty() {
+            text.push_str(&format!("{}\n", line.text));
+            continue;
+        }
+        let place = line.origin.and_then(|origin| origin.place);
+        let number = place.map_or(String::new(), |place| place.line.to_string());
+        let numbered = format!("{number:>5} | {}", line.text);
+        text.push_str(&format!("{}\n", numbered.trim_end()));
     }
     text.push('\n');
-    text.push_str(&table(stage, folder, price));
-    text
-}
-
-/// Writes a numbered line, and marks below it which words are values.
-fn numbered(line: &Line) -> String {
-    if line.origin.is_none() && !line.text.is_empty() {
-        return format!("{}\n", line.text);
-    }
-    let place = line.origin.as_ref().and_then(|it| it.place.as_ref());
-    let number = place.map_or(String::new(), |place| place.line.to_string());
-    let mut text = format!("{number:>5} | {}", line.text).trim_end().to_owned() + "\n";
-    let mut marks = String::new();
-    let mut names = Vec::new();
-    for (from, to, variable) in &line.values {
-        marks = format!("{marks:<from$}{}", "^".repeat(to - from));
-        names.push(variable.as_str());
-    }
-    if !names.is_empty() {
-        text.push_str(&format!("      | {marks} {}\n", names.join(", ")));
-    }
+    text.push_str(&table(stage, price));
     text
 }
 
@@ -95,50 +86,44 @@ fn named(folder: &Path, file: &str) -> String {
 }
 
 /// Weighs each component and picture of the first question.
-fn weighed(stage: &ShownStage, folder: &Path, price: Option<&Price>) -> Weights {
-    let cost = |tokens| price.and_then(|price| (price.nano_usd)(tokens));
-    let weight = |said_by: String, file, (at_least, at_most)| Weight {
+fn weighed(stage: &ShownStage, price: Option<&Price>) -> Weights {
+    let weight = |said_by: String, (at_least, at_most)| Weight {
         said_by,
-        file,
         at_least,
         at_most,
-        cost_nano_usd: cost(at_most),
+        cost_nano_usd: price.and_then(|price| (price.nano_usd)(at_most)),
     };
-    let mut texts: Vec<(String, Option<String>, String)> = Vec::new();
+    let mut texts: Vec<(String, String)> = Vec::new();
     for said in stage.texts() {
         for stretch in &said.stretches {
             let said_by = group(&stretch.origin);
             let words = &said.text[stretch.bytes.clone()];
-            match texts.iter_mut().find(|(known, ..)| *known == said_by) {
-                Some((.., all)) => all.push_str(words),
-                None => {
-                    let place = stretch.origin.place.as_ref();
-                    let file = place.map(|place| named(folder, &place.file));
-                    texts.push((said_by, file, words.to_owned()));
-                }
+            match texts.iter_mut().find(|(known, _)| *known == said_by) {
+                Some((_, all)) => all.push_str(words),
+                None => texts.push((said_by, words.to_owned())),
             }
         }
     }
-    let texts = texts.into_iter().map(|(said_by, file, words)| {
+    let texts = texts.into_iter().map(|(said_by, words)| {
         let tokens = tokens::of_text(&words);
-        weight(said_by, file, (tokens, tokens))
+        weight(said_by, (tokens, tokens))
     });
     let mut components: Vec<Weight> = texts.collect();
     let mut pictures_not_counted = 0;
     for part in stage.first_question() {
-        let DisplayPart::Picture { title, png } = part else {
+        let DisplayPart::Image { title, png } = part else {
             continue;
         };
         let tokens = price.zip(png.as_ref());
         match tokens.and_then(|(price, png)| (price.picture_tokens)(png)) {
-            Some(tokens) => components.push(weight(format!("picture: {title}"), None, tokens)),
+            Some(tokens) => components.push(weight(format!("picture: {title}"), tokens)),
             None => pictures_not_counted += 1,
         }
     }
     let sum = |of: fn(&Weight) -> u64| components.iter().map(of).sum();
     let all = (sum(|it| it.at_least), sum(|it| it.at_most));
     Weights {
-        all: weight("in all".to_owned(), None, all),
+        all: weight("in all".to_owned(), all),
         components,
         pictures_not_counted,
     }
@@ -153,12 +138,12 @@ fn group(origin: &Origin) -> String {
     }
 }
 
-fn table(stage: &ShownStage, folder: &Path, price: Option<&Price>) -> String {
+fn table(stage: &ShownStage, price: Option<&Price>) -> String {
     let Weights {
         components,
         all,
         pictures_not_counted: uncounted,
-    } = weighed(stage, folder, price);
+    } = weighed(stage, price);
     let mut text = String::from("estimated tokens of the first question");
     if let Some(price) = price {
         text.push_str(&format!(", and their cost for {}", price.model));
@@ -178,15 +163,12 @@ fn table(stage: &ShownStage, folder: &Path, price: Option<&Price>) -> String {
         let name = &weight.said_by;
         text.push_str(&format!("  {name:widest$}  {tokens:>7}{cost}\n"));
     }
-    match price {
-        None if uncounted > 0 => text.push_str(&format!(
-            "  {uncounted} pictures are not counted; `--model PROVIDER:NAME` adds their tokens and the cost\n"
-        )),
-        Some(price) if uncounted > 0 => text.push_str(&format!(
-            "  {uncounted} pictures are not counted: how many tokens one has for {} is not known\n",
-            price.model
-        )),
-        _ => {}
+    if uncounted > 0 {
+        let why = match price {
+            None => "; `--model PROVIDER:NAME` adds their tokens and the cost".to_owned(),
+            Some(price) => format!(": how many tokens one has for {} is not known", price.model),
+        };
+        text.push_str(&format!("  {uncounted} pictures are not counted{why}\n"));
     }
     if let Some(price) = price.filter(|_| all.cost_nano_usd.is_none()) {
         text.push_str(&format!("  the price of {} is not known\n", price.model));
@@ -201,11 +183,11 @@ fn dollars(nano: u64) -> String {
 }
 
 /// Returns the stretches and the weights of a stage.
-pub fn as_json(stage: &ShownStage, folder: &Path, price: Option<&Price>) -> Value {
+pub fn of<'s>(stage: &'s ShownStage, folder: &Path, price: Option<&Price>) -> Why<'s> {
     let mut stretches = Vec::new();
     for (message, shown) in stage.messages.iter().enumerate() {
         for (part, shown) in shown.parts.iter().enumerate() {
-            let DisplayPart::Text(said) = shown else {
+            let DisplayPart::Text { said } = shown else {
                 continue;
             };
             stretches.extend(said.stretches.iter().map(|stretch| {
@@ -223,5 +205,8 @@ pub fn as_json(stage: &ShownStage, folder: &Path, price: Option<&Price>) -> Valu
             }));
         }
     }
-    json!({ "stretches": stretches, "estimated_tokens": weighed(stage, folder, price) })
+    Why {
+        stretches,
+        estimated_tokens: weighed(stage, price),
+    }
 }

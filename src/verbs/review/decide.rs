@@ -6,10 +6,11 @@
 use super::find::Pending;
 use super::groups::Group;
 use crate::exit::Failure;
-use crate::snapshots::Side;
+use crate::io::Io;
+use crate::snapshots::{Name, Side};
 use fab_base::wording::quoted;
+use serde::Serialize;
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::PathBuf;
 
 /// The decision about a pending snapshot.
@@ -21,7 +22,7 @@ pub enum Decision {
     Reject,
 }
 
-/// The target of an id, by its number.
+/// The target of a decision, by its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Selection {
     /// A group.
@@ -31,27 +32,101 @@ pub enum Selection {
 }
 
 /// All decisions so far.
-pub struct Decisions<'g> {
-    groups: &'g [Group],
+pub struct Decisions<'r> {
+    pub pending: &'r [Pending],
+    pub groups: &'r [Group],
     made: BTreeMap<Selection, Decision>,
+    /// The snapshots whose files were changed.
+    settled: BTreeMap<usize, Decision>,
 }
 
-impl<'g> Decisions<'g> {
+/// What the decisions of a review came to.
+#[derive(Serialize)]
+pub struct Outcome {
+    pub accepted: Vec<Name>,
+    pub rejected: Vec<Name>,
+    /// Those of which only some edits were accepted; they are still pending.
+    pub waiting: Vec<Name>,
+    /// How many are still pending.
+    #[serde(skip)]
+    pub n_pending: usize,
+}
+
+impl<'r> Decisions<'r> {
     /// Starts without a decision.
-    pub fn about(groups: &'g [Group]) -> Decisions<'g> {
+    pub fn about(pending: &'r [Pending], groups: &'r [Group]) -> Decisions<'r> {
         Decisions {
+            pending,
             groups,
             made: BTreeMap::new(),
+            settled: BTreeMap::new(),
         }
     }
 
-    /// Records a decision; returns an earlier one about the same.
-    pub fn decide(&mut self, what: Selection, decision: Decision) -> Option<Decision> {
-        self.made.insert(what, decision)
+    /// Records a decision about a group.
+    pub fn decide(&mut self, group: usize, decision: Decision) {
+        self.made.insert(Selection::Group(group), decision);
+    }
+
+    /// Records the same decision about everything that the ids name.
+    ///
+    /// Fails if one names nothing, or something that was decided otherwise.
+    pub fn decide_named(&mut self, ids: &[String], decision: Decision) -> Result<(), Failure> {
+        for id in ids {
+            let earlier = self.made.insert(self.named(id)?, decision);
+            if earlier.is_some_and(|earlier| earlier != decision) {
+                return Err(Failure::usage(format!(
+                    "`{id}` is both accepted and rejected; nothing was done"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// Accepts every group about which nothing was decided.
+    pub fn accept_others(&mut self) {
+        for group in (0..self.groups.len()).map(Selection::Group) {
+            self.made.entry(group).or_insert(Decision::Accept);
+        }
+    }
+
+    /// Changes the files of every snapshot that the decisions settle.
+    pub fn apply(&mut self) -> Result<(), Failure> {
+        for (at, one) in self.pending.iter().enumerate() {
+            let Some(decision) = self.of(at).filter(|_| !self.is_settled(at)) else {
+                continue;
+            };
+            match decision {
+                Decision::Accept => one.folder.accept(&one.name, &one.proposed)?,
+                Decision::Reject => one.folder.remove(&one.name, Side::Pending)?,
+            }
+            self.settled.insert(at, decision);
+        }
+        Ok(())
+    }
+
+    /// Returns whether the file of a snapshot was changed.
+    pub fn is_settled(&self, member: usize) -> bool {
+        self.settled.contains_key(&member)
+    }
+
+    /// Returns what became of the snapshots so far.
+    pub fn outcome(&self) -> Outcome {
+        let names = |is_meant: &dyn Fn(usize) -> bool| {
+            let pending = self.pending.iter().enumerate();
+            let meant = pending.filter(|(at, _)| is_meant(*at));
+            meant.map(|(_, one)| one.name.clone()).collect()
+        };
+        Outcome {
+            accepted: names(&|at| self.settled.get(&at) == Some(&Decision::Accept)),
+            rejected: names(&|at| self.settled.get(&at) == Some(&Decision::Reject)),
+            waiting: names(&|at| self.is_waiting(at)),
+            n_pending: self.pending.len() - self.settled.len(),
+        }
     }
 
     /// Returns what the decisions come to for a snapshot; `None` while some are open.
-    pub fn of(&self, member: usize) -> Option<Decision> {
+    fn of(&self, member: usize) -> Option<Decision> {
         let of_groups: Vec<Option<Decision>> = self.of_groups(member).collect();
         if of_groups.contains(&Some(Decision::Reject)) {
             return Some(Decision::Reject);
@@ -59,12 +134,12 @@ impl<'g> Decisions<'g> {
         if let Some(own) = self.made.get(&Selection::Snapshot(member)) {
             return Some(*own);
         }
-        let is_accepted = of_groups.iter().all(|it| *it == Some(Decision::Accept));
+        let is_accepted = of_groups.iter().all(Option::is_some);
         is_accepted.then_some(Decision::Accept)
     }
 
     /// Returns whether some edits of a snapshot are accepted, and others undecided.
-    pub fn is_waiting(&self, member: usize) -> bool {
+    fn is_waiting(&self, member: usize) -> bool {
         self.of(member).is_none() && self.of_groups(member).any(|it| it.is_some())
     }
 
@@ -73,46 +148,52 @@ impl<'g> Decisions<'g> {
         let own = groups.filter(move |(_, group)| group.members.contains(&member));
         own.map(|(number, _)| self.made.get(&Selection::Group(number)).copied())
     }
-}
 
-/// Carries out the decision about a pending snapshot.
-pub fn apply(one: &Pending, decision: Decision) -> Result<(), Failure> {
-    let applied = match decision {
-        Decision::Accept => one.folder.accept(&one.name, &one.proposed),
-        Decision::Reject => one.folder.remove(&one.name, Side::Pending),
-    };
-    applied.map_err(Failure::environment)
-}
-
-/// Returns the target of an id; fails if there is none, or if several snapshots have this name.
-pub fn named(id: &str, pending: &[Pending], groups: &[Group]) -> Result<Selection, Failure> {
-    if let Some(group) = groups.iter().position(|group| group.id == id) {
-        return Ok(Selection::Group(group));
-    }
-    let real = fs::canonicalize(pending_path(id)).ok();
-    let is_named = |one: &Pending| {
-        one.name.0 == id || (real.is_some() && fs::canonicalize(&one.path).ok() == real)
-    };
-    let found = pending.iter().enumerate().filter(|(_, one)| is_named(one));
-    match found.collect::<Vec<_>>().as_slice() {
-        [] => Err(Failure::usage(format!(
-            "nothing that is pending has the id `{id}`; `fabc review --json` lists them; nothing was done"
-        ))),
-        [(one, _)] => Ok(Selection::Snapshot(*one)),
-        several => Err(Failure::usage(format!(
-            "`{id}` names several snapshots: {}; name one by its path; nothing was done",
-            quoted(several.iter().map(|(_, one)| one.path.display()))
-        ))),
+    /// Returns what an id names: a group's, a snapshot's, or the path of a snapshot, pending or accepted, or of its
+    /// picture.
+    fn named(&self, id: &str) -> Result<Selection, Failure> {
+        if let Some(group) = self.groups.iter().position(|group| group.id == id) {
+            return Ok(Selection::Group(group));
+        }
+        let path = id.trim_end_matches(".png").trim_end_matches(".new");
+        let path = PathBuf::from(format!("{path}.new"));
+        let pending = self.pending.iter().enumerate();
+        let found = pending.filter(|(_, one)| one.name.0 == id || one.path == path);
+        match found.collect::<Vec<_>>().as_slice() {
+            [] => Err(Failure::usage(format!(
+                "nothing that is pending has the id `{id}`; `fabc review --json` lists them; nothing was done"
+            ))),
+            [(one, _)] => Ok(Selection::Snapshot(*one)),
+            several => Err(Failure::usage(format!(
+                "`{id}` names several snapshots: {}; name one by its path; nothing was done",
+                quoted(several.iter().map(|(_, one)| one.path.display()))
+            ))),
+        }
     }
 }
 
-/// Returns the path of the pending snapshot that a path refers to: its own, the accepted one's, or that of either
-/// picture.
-fn pending_path(id: &str) -> PathBuf {
-    let file = id.strip_suffix(".png").unwrap_or(id);
-    if file.ends_with(".snap") {
-        PathBuf::from(format!("{file}.new"))
-    } else {
-        PathBuf::from(file)
+impl Outcome {
+    /// Reports the outcome in one or two lines.
+    pub fn report(&self, io: &Io) {
+        if !self.waiting.is_empty() {
+            io.talk(&format!(
+                "{}; decide about all of them at once, since single ones are not remembered",
+                waiting(self.waiting.len())
+            ));
+        }
+        io.data(&format!(
+            "accepted {}, rejected {}, still pending {}",
+            self.accepted.len(),
+            self.rejected.len(),
+            self.n_pending
+        ));
+    }
+}
+
+/// Reports snapshots of which only some edits are accepted.
+pub fn waiting(count: usize) -> String {
+    match count {
+        1 => "1 snapshot waits until its other edits are decided".to_owned(),
+        _ => format!("{count} snapshots wait until their other edits are decided"),
     }
 }

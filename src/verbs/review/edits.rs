@@ -23,17 +23,21 @@ pub struct Cause {
 }
 
 /// Changed lines of one component.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Edit {
     /// `None` for lines of no component, such as those of a scene.
+    #[serde(skip)]
     component: Option<String>,
     /// Where the lines come from: the new place of added lines, otherwise the old place.
+    #[serde(skip)]
     pub causes: Vec<Cause>,
     pub removed: Vec<String>,
     pub added: Vec<String>,
     /// Lines of one snapshot's new text before them.
+    #[serde(skip)]
     pub before: Vec<String>,
     /// Lines of the new text after them.
+    #[serde(skip)]
     pub after: Vec<String>,
 }
 

@@ -3,7 +3,7 @@
 
 use super::find::Pending;
 use super::groups::{self, Group, Kind};
-use super::show::{self, Extent, View};
+use super::show;
 use crate::snapshots::{Contents, Folder, Info, Name, Origin, Snapshot};
 use fab_compiler::diag::Color;
 use std::path::PathBuf;
@@ -31,8 +31,8 @@ fn pending(before: &str, after: &str) -> Pending {
         folder: Rc::new(Folder::open("nowhere").unwrap()),
         name: Name("half.describe@start".to_owned()),
         path: PathBuf::from("snapshots/half.describe@start.snap.new"),
+        file: None,
         accepted: Some(snapshot(before)),
-        unreadable: None,
         info: proposed.metadata.info.clone().unwrap(),
         proposed,
     }
@@ -121,11 +121,11 @@ fn a_component_dropped_anywhere_is_one_edit() {
     assert_eq!((groups.len(), groups[0].edits.len()), (1, 0));
 }
 
-fn shown(before: &str, after: &str, view: &View) -> String {
+fn shown(before: &str, after: &str, color: Color) -> String {
     let pending = [pending(before, after)];
     let groups = groups::group(&pending);
     assert_eq!(groups.len(), 1);
-    show::group(&groups[0], &pending, None, view)
+    show::group(&groups[0], &pending, color)
 }
 
 fn without_colour(text: &str) -> String {
@@ -134,56 +134,22 @@ fn without_colour(text: &str) -> String {
     parts.fold(first, |all, part| all + part.split_once('m').unwrap().1)
 }
 
-const NARROW: View = View {
-    columns: 60,
-    color: Color::Plain,
-    extent: Extent::Folded,
-};
-
-#[test]
-fn lines_that_go_and_come_carry_their_sign_at_any_width() {
-    let before = format!("kept\n{}\nkept too", "one two three ".repeat(20));
-    let after = before.replacen("two", "折 zwei", 1);
-    for columns in [20, 60] {
-        for color in [Color::Plain, Color::Ansi] {
-            let view = View {
-                columns,
-                color,
-                ..NARROW
-            };
-            let text = shown(&before, &after, &view);
-            let text = without_colour(&text);
-            for line in text.lines() {
-                assert!(console::measure_text_width(line) <= columns, "{line:?}");
-            }
-            for sign in ["- ", "+ "] {
-                let signed = text.lines().filter(|line| line.starts_with(sign));
-                assert!(signed.count() > 3, "{text}");
-            }
-        }
-    }
-}
-
 #[test]
 fn words_that_differ_are_marked_in_colour_only() {
-    let color = View {
-        color: Color::Ansi,
-        ..NARROW
-    };
     let (before, after) = ("the red dots are corners", "the blue dots are corners");
-    let text = shown(before, after, &color);
+    let text = shown(before, after, Color::Ansi);
     for (code, word) in [(31, "red"), (32, "blue")] {
         let marked = format!("\x1b[{code}m\x1b[1m\x1b[4m{word}\x1b[0m");
         assert!(text.contains(&marked), "{text:?}");
     }
-    let plain = shown(before, after, &NARROW);
+    let plain = shown(before, after, Color::Plain);
     assert_eq!(without_colour(&text), plain);
     assert!(!plain.contains('\x1b'));
 }
 
 #[test]
 fn what_a_terminal_would_obey_is_shown_as_a_sign() {
-    let text = shown("a", "a\x1b]0;title\x07\u{202e}b\u{9b}2J\tc", &NARROW);
+    let text = shown("a", "a\x1b]0;title\x07\u{202e}b\u{9b}2J\tc", Color::Plain);
     assert!(
         text.contains("+ a\\u{1b}]0;title\\u{7}\\u{202e}b\\u{9b}2J    c"),
         "{text:?}"
@@ -198,22 +164,21 @@ fn a_text_in_place_of_a_picture_is_no_edit() {
 }
 
 #[test]
-fn new_pictures_are_listed_by_file_and_folded() {
+fn new_pictures_are_listed_by_file() {
     let pictures: Vec<Pending> = (10..22)
         .map(|number| {
             let mut one = pending("", "");
             one.accepted = None;
             one.proposed.contents = Contents::Picture(vec![1]);
-            one.path = PathBuf::from(format!("snapshots/half@{number}.snap.new"));
+            one.file = Some(format!("snapshots/half@{number}.snap.new.png").into());
             one
         })
         .collect();
     let groups = groups::group(&pictures);
-    let shown = |extent| show::group(&groups[0], &pictures, None, &View { extent, ..NARROW });
-    let folded = shown(Extent::Folded);
-    let list = "\npictures to look at:\n  snapshots/half@10.snap.new.png\n";
-    assert!(folded.contains(list), "{folded}");
-    let end = "\n  snapshots/half@17.snap.new.png\n  … and 4 more\n";
-    assert!(folded.contains(end), "{folded}");
-    assert!(shown(Extent::Full).contains("\n  snapshots/half@21.snap.new.png\n"));
+    let text = show::group(&groups[0], &pictures, Color::Plain);
+    for number in 10..22 {
+        let line = format!("\nlook at snapshots/half@{number}.snap.new.png\n");
+        assert!(text.contains(&line), "{text}");
+    }
+    assert!(text.ends_with("\n  … and 4 more"), "{text}");
 }

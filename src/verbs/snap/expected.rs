@@ -4,78 +4,79 @@
 
 use super::SnapArguments;
 use super::camera::Camera;
-use super::plan::{Expected, Plan, State};
+use super::plan::{Expected, Plan};
 use super::scene::{Moment, PinnedScene, USUAL, hashes_of_pictures, short_hash};
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::snapshots::{Contents, Info, Name, Origin, Side, Snapshot};
-use crate::sources;
 use crate::verbs::render::page::ShownStage;
 use crate::verbs::render::title;
-use fab_program::facts::Facts;
-use fab_program::pointing::Pointing;
-use fab_program::render::{PromptPicture, Values};
+use fab_program::render::PromptPicture;
 use fab_program::tokens;
 use fab_program::{Picture, Program, Stage};
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The last part of the name of a scene's snapshot.
 const POINTS: &str = "points";
 
-/// A task and what its variants share with it.
-struct Task<'a> {
-    plan: &'a Plan,
-    io: &'a Io,
-    source: &'a str,
-    /// Holds its file.
-    folder: PathBuf,
-    /// Whether to draw pictures again even if their inputs are unchanged.
-    redraws: bool,
-    /// Its scenes: the usual ones of the task and its variants, and those added on request.
-    moments: BTreeSet<Moment>,
-    /// The task's own scenes.
-    scenes: BTreeMap<Moment, PinnedScene>,
-    /// Hashes of what the task's own pictures are drawn from, by their snapshots' titles.
-    pictures: BTreeMap<(Moment, String), String>,
-    /// What was found so far.
-    found: Vec<(Name, Expected)>,
+/// A file of tasks.
+pub struct Source<'f> {
+    /// Its name, as snapshots record it.
+    pub name: &'f str,
+    /// Holds the file.
+    pub folder: &'f Path,
 }
 
-/// A program in one scene.
+/// A program at one moment.
 struct Page<'p> {
     program: &'p Program,
     moment: &'p Moment,
-    scene: &'p PinnedScene,
+    source: &'p Source<'p>,
+    plan: &'p Plan,
+    camera: Camera<'p>,
 }
 
-/// Finds the snapshots of a task, which is the first program, and of its variants.
-///
-/// - `source`: the name of its file as snapshots record it.
-pub fn of_task(
+/// What a task's variants may share with it at one moment.
+#[derive(Default)]
+struct Shared {
+    /// The task's own scene.
+    scene: Option<PinnedScene>,
+    /// Hashes of what the task's own pictures are drawn from, by what they show.
+    pictures: BTreeMap<String, String>,
+}
+
+/// Finds the snapshots of the programs of a file.
+pub fn of_file(
     programs: &[Program],
-    file: &str,
-    source: &str,
+    source: &Source<'_>,
     arguments: &SnapArguments,
     plan: &Plan,
     io: &Io,
-) -> Result<Vec<(Name, Expected)>, Failure> {
-    let mut task = Task {
-        plan,
-        io,
-        source,
-        folder: sources::folder_of(file),
-        redraws: arguments.redraw,
-        moments: moments(programs, arguments, plan)?,
-        scenes: BTreeMap::new(),
-        pictures: BTreeMap::new(),
-        found: Vec::new(),
-    };
-    for program in programs {
-        task.add(program)?;
+) -> Result<Vec<Expected>, Failure> {
+    let mut found = Vec::new();
+    // A task and its variants follow each other.
+    for programs in programs.chunk_by(|one, other| one.task == other.task) {
+        for moment in &moments(programs, arguments, plan)? {
+            let mut shared = Shared::default();
+            for program in programs.iter().filter(|it| moment.step <= it.horizon) {
+                let page = Page {
+                    program,
+                    moment,
+                    source,
+                    plan,
+                    camera: Camera::of(program, moment, source.folder, io),
+                };
+                let scene = page.scene(&mut shared, &mut found)?;
+                for stage in &program.stages {
+                    found.push(page.stage(stage, &scene)?);
+                }
+                page.pictures(&scene, arguments.redraw, &mut shared, &mut found)?;
+            }
+        }
     }
-    Ok(task.found)
+    Ok(found)
 }
 
 /// Finds the scenes of a task: the usual ones, those that were pinned on request, and the one that is requested now.
@@ -105,17 +106,8 @@ fn moments(
             task.task, task.horizon, wanted.step
         )));
     }
-    let is_other = |known: &&Moment| known.name == wanted.name && **known != wanted;
-    if let Some(known) = moments.iter().find(is_other) {
-        let start = match known.start {
-            Some(seed) => format!("start {seed}"),
-            None => "the task's own start".to_owned(),
-        };
-        return Err(Failure::usage(format!(
-            "the scene `{}` of `{}` is pinned already: {start}, step {}; choose another name, or remove its `.points.snap`",
-            wanted.name, task.task, known.step
-        )));
-    }
+    // Another start or step replaces what was pinned under this name, as a change to review.
+    moments.retain(|known| known.name != wanted.name);
     moments.insert(wanted);
     Ok(moments)
 }
@@ -140,250 +132,164 @@ fn known_scenes(name: &Name, plan: &Plan) -> Result<Vec<PinnedScene>, Failure> {
     parsed.collect()
 }
 
-impl Task<'_> {
-    /// Adds everything that a program needs: the task itself, or a variant after it.
-    fn add(&mut self, program: &Program) -> Result<(), Failure> {
-        let folder = self.folder.clone();
-        let mut camera = Camera::of(program, &folder, self.io);
-        let moments = self.moments.clone();
-        for moment in moments.iter().filter(|it| it.step <= program.horizon) {
-            let scene = &self.scene(program, moment, &mut camera)?;
-            let page = Page {
-                program,
-                moment,
-                scene,
-            };
-            for stage in &program.stages {
-                self.stage(&page, stage, &camera)?;
-            }
-            self.pictures(&page, &mut camera)?;
-        }
-        Ok(())
-    }
-
-    /// Returns a scene: the accepted or pending one if it still fits this program, otherwise a new one from the camera.
+impl Page<'_> {
+    /// Returns a scene: the task's, if a variant would see the same; the accepted or pending one, if it still fits this
+    /// program; otherwise a new one from the camera.
     fn scene(
-        &mut self,
-        program: &Program,
-        moment: &Moment,
-        camera: &mut Camera<'_>,
+        &self,
+        shared: &mut Shared,
+        found: &mut Vec<Expected>,
     ) -> Result<PinnedScene, Failure> {
-        let seen_of = moment.seen_of(program);
-        let is_variant = program.variant.is_some();
-        let shared = self.scenes.get(moment).filter(|it| it.seen_of == seen_of);
-        if let Some(shared) = shared.filter(|_| is_variant) {
-            return Ok(shared.clone());
+        let seen_of = self.moment.seen_of(self.program);
+        if let Some(of_task) = shared.scene.as_ref().filter(|it| it.seen_of == seen_of) {
+            return Ok(of_task.clone());
         }
-        let name = name(program, None, &moment.name, Some(POINTS));
+        let name = self.name(None, Some(POINTS));
         // After an undone edit, a pending scene of something else may hide an accepted one that fits, perhaps edited by
         // hand.
         let mut known = known_scenes(&name, self.plan)?.into_iter();
-        let fits =
-            |known: &PinnedScene| known.seen_of == seen_of && known.moment(&moment.name) == *moment;
+        let fits = |known: &PinnedScene| {
+            known.seen_of == seen_of && known.moment(&self.moment.name) == *self.moment
+        };
         let scene = match known.find(fits) {
             Some(known) => known,
-            None => camera.scene(moment, seen_of)?,
+            None => self.camera.scene(seen_of)?,
         };
-        if !is_variant {
-            self.scenes.insert(moment.clone(), scene.clone());
-        }
-        let page = Page {
-            program,
-            moment,
-            scene: &scene,
-        };
-        let description = format!("the points seen in {}", page.title());
         let contents = Contents::Text(scene.text().trim_end().to_owned());
-        self.take(name, page.info(None), description, contents);
+        let taken = self.snapshot("the points seen in", self.info(), contents);
+        found.push((name, Some(taken)));
+        if self.program.variant.is_none() {
+            shared.scene = Some(scene.clone());
+        }
         Ok(scene)
     }
 
-    /// Adds the text of a stage.
-    fn stage(
-        &mut self,
-        page: &Page<'_>,
-        stage: &Stage,
-        camera: &Camera<'_>,
-    ) -> Result<(), Failure> {
-        let name = page.name(Some(&stage.name), None);
-        let info = page.info(Some(&stage.name));
-        let Some(shown) = page.shown(stage, camera)? else {
-            self.leave(name, info, State::Unchecked);
-            return Ok(());
-        };
-        let texts = shown.texts().map(|said| tokens::of_text(&said.text));
+    /// Returns the text of a stage.
+    fn stage(&self, stage: &Stage, scene: &PinnedScene) -> Result<Expected, Failure> {
+        let name = self.name(Some(&stage.name), None);
+        if !self.camera.can_tell(stage) {
+            return Ok((name, None));
+        }
+        let (program, folder) = (self.program, self.source.folder);
+        let (last, step) = (scene.last(program), self.moment.step);
+        let shown =
+            ShownStage::without_camera(program, folder, stage, Some(scene), last.as_ref(), step)?;
+        let tokens = shown.texts().map(|said| tokens::of_text(&said.text));
         let info = Info {
-            tokens: Some(texts.sum()),
+            stage: Some(stage.name.clone()),
+            tokens: Some(tokens.sum()),
             origin: origins(&shown),
-            ..info
+            ..self.info()
         };
-        let description = format!(
-            "what a model is told in stage {} of {}",
-            stage.name,
-            page.title()
-        );
+        let what = format!("what a model is told in stage {} of", stage.name);
         let contents = Contents::Text(shown.text().trim_end().to_owned());
-        self.take(name, info, description, contents);
-        Ok(())
+        Ok((name, Some(self.snapshot(&what, info, contents))))
     }
 
-    /// Adds the pictures that the stages show.
-    fn pictures(&mut self, page: &Page<'_>, camera: &mut Camera<'_>) -> Result<(), Failure> {
-        let stages = page.program.stages.iter();
+    /// Adds the pictures that the stages show, except those that a variant shares with its task.
+    fn pictures(
+        &self,
+        scene: &PinnedScene,
+        redraws: bool,
+        shared: &mut Shared,
+        found: &mut Vec<Expected>,
+    ) -> Result<(), Failure> {
+        let stages = self.program.stages.iter();
         let mut seen = BTreeSet::new();
         for picture in stages.flat_map(|stage| &stage.show) {
-            let title = title(&PromptPicture::Drawn(*picture), page.moment.step);
-            if !seen.insert(title.clone()) {
+            let title = title(&PromptPicture::Drawn(*picture), self.moment.step);
+            let drawn_from = self.drawn_from(picture, scene);
+            let is_shared = shared.pictures.get(&title) == Some(&drawn_from);
+            if is_shared || !seen.insert(title.clone()) {
                 continue;
             }
-            let drawn_from = drawn_from(page, picture, &self.folder)?;
-            let key = (page.moment.clone(), title.clone());
-            if page.program.variant.is_none() {
-                self.pictures.insert(key, drawn_from.clone());
-            } else if self.pictures.get(&key) == Some(&drawn_from) {
-                continue;
+            if self.program.variant.is_none() {
+                shared.pictures.insert(title.clone(), drawn_from.clone());
             }
             let info = Info {
                 picture: Some(title),
                 drawn_from: Some(drawn_from),
-                ..page.info(None)
+                ..self.info()
             };
-            self.picture(page, info, picture, camera)?;
+            found.push(self.picture(picture, info, redraws)?);
         }
         Ok(())
     }
 
-    /// Adds a picture: the accepted or pending one if it was drawn from the same, otherwise a new one.
-    fn picture(
-        &mut self,
-        page: &Page<'_>,
-        info: Info,
-        picture: &Picture,
-        camera: &mut Camera<'_>,
-    ) -> Result<(), Failure> {
+    /// Returns a picture: the accepted or pending one if it was drawn from the same, otherwise a new one.
+    fn picture(&self, picture: &Picture, info: Info, redraws: bool) -> Result<Expected, Failure> {
         let shows = info.picture.clone().unwrap_or_default();
-        let name = page.name(None, Some(&shows.replace(' ', "_")));
-        let is_of_this = |snapshot: &Snapshot| {
-            let known = snapshot.metadata.info.as_ref();
-            known.is_some_and(|known| known.drawn_from == info.drawn_from)
-        };
-        let accepted = self.plan.accepted(&name).filter(|it| is_of_this(it));
-        let is_whole_one = accepted.is_some_and(is_whole);
-        if is_whole_one && !self.redraws {
-            self.leave(name, info, State::Same);
-            return Ok(());
+        let name = self.name(None, Some(&shows.replace(' ', "_")));
+        let known = [self.plan.accepted(&name), self.plan.pending(&name)];
+        let mut known = known.into_iter().flatten();
+        let known = known.find(|it| !redraws && is_drawn_from(it, &info));
+        if let Some(known) = known {
+            return Ok((name, Some(known.clone())));
         }
-        let pending = self.plan.pending(&name);
-        let pending = pending.filter(|it| is_of_this(it) && is_whole(it));
-        if let Some(pending) = pending.filter(|_| !self.redraws) {
-            let state = self.plan.compared(&name, &pending.contents);
-            let expected = Expected {
-                info,
-                state,
-                taken: Some(pending.clone()),
+        let taken = self.camera.picture(picture)?.map(|png| {
+            let info = Info {
+                bytes: Some(short_hash(&png)),
+                ..info
             };
-            self.found.push((name, expected));
-            return Ok(());
-        }
-        let Some(png) = camera.picture(page.moment, picture)? else {
-            let is_damaged = accepted.is_some() && !is_whole_one;
-            let state = if is_damaged {
-                State::Changed
-            } else {
-                State::Unchecked
-            };
-            self.leave(name, info, state);
-            return Ok(());
-        };
-        let info = Info {
-            bytes: Some(short_hash(&png)),
-            ..info
-        };
-        let description = format!("{shows} of {}", page.title());
-        self.take(name, info, description, Contents::Picture(png));
-        Ok(())
+            self.snapshot(&format!("{shows} of"), info, Contents::Picture(png))
+        });
+        Ok((name, taken))
     }
 
-    /// Adds a snapshot with these contents.
-    fn take(&mut self, name: Name, info: Info, description: String, contents: Contents) {
-        let expected = Expected {
-            state: self.plan.compared(&name, &contents),
-            taken: Some(Snapshot::of(
-                self.source,
-                description,
-                info.clone(),
-                contents,
-            )),
-            info,
-        };
-        self.found.push((name, expected));
+    fn snapshot(&self, what: &str, info: Info, contents: Contents) -> Snapshot {
+        let (title, scene) = (self.program.title(), &self.moment.name);
+        let description = format!("{what} {title}, scene {scene}");
+        Snapshot::of(self.source.name, description, info, contents)
     }
 
-    /// Adds a snapshot whose accepted contents stay.
-    fn leave(&mut self, name: Name, info: Info, state: State) {
-        let expected = Expected {
-            info,
-            state,
-            taken: None,
-        };
-        self.found.push((name, expected));
-    }
-}
-
-impl Page<'_> {
-    fn title(&self) -> String {
-        format!("{}, scene {}", self.program.title(), self.moment.name)
+    /// Returns `TASK.STAGE@SCENE`, `TASK.VARIANT.STAGE@SCENE`, or `TASK@SCENE.PART`.
+    fn name(&self, stage: Option<&str>, part: Option<&str>) -> Name {
+        let stage = stage.map_or(String::new(), |stage| format!(".{stage}"));
+        let part = part.map_or(String::new(), |part| format!(".{part}"));
+        let title = self.program.title().replace('/', ".");
+        Name(format!("{title}{stage}@{}{part}", self.moment.name))
     }
 
-    fn name(&self, stage: Option<&str>, picture: Option<&str>) -> Name {
-        name(self.program, stage, &self.moment.name, picture)
-    }
-
-    fn info(&self, stage: Option<&str>) -> Info {
+    fn info(&self) -> Info {
         Info {
             task: self.program.task.clone(),
             variant: self.program.variant.clone(),
-            stage: stage.map(str::to_owned),
             scene: Some(self.moment.name.clone()),
             ..Info::default()
         }
     }
 
-    /// Returns the text of a stage in this scene; `None` if this build cannot tell.
-    fn shown(&self, stage: &Stage, camera: &Camera<'_>) -> Result<Option<ShownStage>, Failure> {
+    /// Returns the hash of all inputs of a picture.
+    fn drawn_from(&self, picture: &Picture, scene: &PinnedScene) -> String {
         let program = self.program;
-        let texts = BTreeMap::new();
-        let last = self.scene.last(program);
-        let values = Values::Partly(Facts {
-            scene: self.scene,
-            texts: &texts,
-            step: self.moment.step,
-            last: last.as_ref(),
-            proposal: None,
-            pointing: Pointing::of_camera(&program.camera),
-        });
-        let Some(messages) = camera.messages(stage, values, self.moment.step)? else {
-            return Ok(None);
+        let what = match picture {
+            Picture::Subgoal { .. } => json!({
+                "picture": picture,
+                "step": scene.step,
+                "cloth": program.cloth,
+                "camera": program.camera,
+                "picker": program.picker,
+                "subgoals": program.subgoals,
+                "files": hashes_of_pictures(program, self.source.folder),
+            }),
+            Picture::Scene { .. } => json!({
+                "picture": picture,
+                "scene": scene.text(),
+                "layers": program.layers,
+            }),
         };
-        let shown = ShownStage::of(program, stage, values, messages);
-        shown.map(Some).map_err(Failure::environment)
+        short_hash(what.to_string())
     }
 }
 
-/// Returns `TASK.STAGE@SCENE`, `TASK.VARIANT.STAGE@SCENE`, or `TASK@SCENE.PART`.
-fn name(program: &Program, stage: Option<&str>, scene: &str, part: Option<&str>) -> Name {
-    let stage = stage.map_or(String::new(), |stage| format!(".{stage}"));
-    let part = part.map_or(String::new(), |part| format!(".{part}"));
-    let title = program.title().replace('/', ".");
-    Name(format!("{title}{stage}@{scene}{part}"))
-}
-
-/// Returns whether a picture has the bytes that were drawn. Bytes that were swapped, as by a bad merge, have not.
-fn is_whole(snapshot: &Snapshot) -> bool {
-    let bytes = snapshot.metadata.info.as_ref().map(|info| &info.bytes);
-    match &snapshot.contents {
-        Contents::Text(_) => false,
-        Contents::Picture(png) => bytes.is_some_and(|bytes| *bytes == Some(short_hash(png))),
+/// Returns whether a picture was drawn from the same inputs, and still has the bytes that were drawn. Bytes that were
+/// swapped, as by a bad merge, have not.
+fn is_drawn_from(snapshot: &Snapshot, wanted: &Info) -> bool {
+    match (&snapshot.metadata.info, &snapshot.contents) {
+        (Some(info), Contents::Picture(png)) => {
+            info.drawn_from == wanted.drawn_from && info.bytes == Some(short_hash(png))
+        }
+        _ => false,
     }
 }
 
@@ -415,26 +321,4 @@ fn is_followed(before: &Origin, next: &Origin) -> bool {
     let place = before.place.as_ref();
     let place = place.map(|(file, line)| (file.clone(), line + count));
     before.to + 1 == next.from && before.component == next.component && place == next.place
-}
-
-/// Returns the hash of all inputs of a picture.
-fn drawn_from(page: &Page<'_>, picture: &Picture, folder: &Path) -> Result<String, Failure> {
-    let Page { program, scene, .. } = page;
-    let what = match picture {
-        Picture::Subgoal { .. } => json!({
-            "picture": picture,
-            "step": scene.step,
-            "cloth": program.cloth,
-            "camera": program.camera,
-            "picker": program.picker,
-            "subgoals": program.subgoals,
-            "files": hashes_of_pictures(program, folder)?,
-        }),
-        Picture::Scene { .. } => json!({
-            "picture": picture,
-            "scene": scene.text(),
-            "layers": program.layers,
-        }),
-    };
-    Ok(short_hash(what.to_string()))
 }

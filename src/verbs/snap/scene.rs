@@ -3,7 +3,6 @@
 //! In: a program, and what was seen. Out: JSON that a person can read and edit, and a [`SceneView`] of it. Its hash
 //! identifies what was seen: cloth, camera, picker, keypoints, and the actions before its step.
 
-use crate::exit::Failure;
 use crate::sources;
 use fab_base::digest;
 use fab_program::Proposal;
@@ -11,7 +10,6 @@ use fab_program::facts::ExecutedAction;
 use fab_program::scene::SceneView;
 use fab_program::{PixelPoint, Program, Subgoals, Value, pins_folder};
 use serde::{Deserialize, Serialize};
-use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -82,7 +80,7 @@ impl Moment {
             _ => &[],
         };
         let before = folds.len().min(self.step as usize - 1);
-        let what = json!({
+        let what = serde_json::json!({
             "cloth": program.cloth,
             "camera": program.camera,
             "picker": program.picker,
@@ -107,22 +105,15 @@ impl PinnedScene {
 
     /// Formats the scene, one line per keypoint.
     pub fn text(&self) -> String {
-        let value = serde_json::to_value(self).expect("a scene has string keys and finite numbers");
-        let lines = |value: &serde_json::Value, indent: &str| {
-            let entries = value.as_object().into_iter().flatten();
-            let lines = entries.map(|(key, value)| format!("{indent}\"{key}\": {value}"));
-            lines.collect::<Vec<String>>().join(",\n")
-        };
-        let mut text = lines(&value, "  ");
-        for key in ["points", "areas"] {
-            let inner = lines(&value[key], "    ");
-            if !inner.is_empty() {
-                let of_key = |value: &str| format!("  \"{key}\": {value}");
-                let one_line = of_key(&value[key].to_string());
-                text = text.replace(&one_line, &of_key(&format!("{{\n{inner}\n  }}")));
-            }
-        }
-        format!("{{\n{text}\n}}\n")
+        format!(
+            "{{\n  \"seen_of\": {},\n  \"start\": {},\n  \"step\": {},\n  \"last\": {},\n  \"points\": {},\n  \"areas\": {}\n}}\n",
+            json(&self.seen_of),
+            json(&self.start),
+            json(&self.step),
+            json(&self.last),
+            block(&self.points),
+            block(&self.areas)
+        )
     }
 
     /// Returns the scene's moment.
@@ -149,6 +140,21 @@ impl PinnedScene {
     }
 }
 
+/// Formats a map, one line per key.
+fn block(map: &BTreeMap<String, impl Serialize>) -> String {
+    if map.is_empty() {
+        return "{}".to_owned();
+    }
+    let lines = map
+        .iter()
+        .map(|(key, value)| format!("    {}: {}", json(key), json(value)));
+    format!("{{\n{}\n  }}", lines.collect::<Vec<String>>().join(",\n"))
+}
+
+fn json(value: &impl Serialize) -> String {
+    serde_json::to_string(value).expect("a scene has string keys and finite numbers")
+}
+
 impl SceneView for PinnedScene {
     fn points(&self, keypoint: &str) -> Option<Vec<PixelPoint>> {
         self.points.get(keypoint).cloned()
@@ -163,36 +169,35 @@ impl SceneView for PinnedScene {
     }
 }
 
-/// Returns hashes of the subgoal pictures beside the task, in order: the author's, or the pinned ones.
-pub fn hashes_of_pictures(program: &Program, folder: &Path) -> Result<Vec<String>, Failure> {
-    let hash = |path: &Path| {
-        let path = folder.join(path);
-        let bytes = sources::inside(folder, &path).and_then(|path| sources::read_bounded(&path));
-        bytes.map(short_hash).map_err(|why| {
-            Failure::environment(format!(
-                "cannot read the picture `{}`: {why}",
-                path.display()
-            ))
-        })
-    };
-    match &program.subgoals {
-        None => Ok(Vec::new()),
-        Some(Subgoals::Images { images }) => images
-            .iter()
-            .map(|image| hash(Path::new(&image.file.path)))
-            .collect(),
+/// Returns hashes of the subgoal pictures beside the task, in order: the author's, or the pinned ones. One that cannot be
+/// read has none: drawing it says why, or draws it anew.
+pub fn hashes_of_pictures(program: &Program, folder: &Path) -> Vec<String> {
+    let files: Vec<PathBuf> = match &program.subgoals {
+        None => Vec::new(),
+        Some(Subgoals::Images { images }) => {
+            let images = images.iter();
+            images
+                .map(|image| PathBuf::from(&image.file.path))
+                .collect()
+        }
         Some(Subgoals::Demonstrate { folds }) => {
-            let own = PathBuf::from(pins_folder(&program.title()));
-            let pinned = if folder.join(&own).exists() {
+            let own = pins_folder(&program.title());
+            let pins = if folder.join(&own).exists() {
                 own
             } else {
-                PathBuf::from(pins_folder(&program.task))
+                pins_folder(&program.task)
             };
-            let pictures = (0..=folds.len()).map(|number| pinned.join(format!("{number}.png")));
-            // The simulator draws missing pictures; another hash covers that.
-            Ok(pictures.filter_map(|path| hash(&path).ok()).collect())
+            let numbers = 0..=folds.len();
+            numbers
+                .map(|number| Path::new(&pins).join(format!("{number}.png")))
+                .collect()
         }
-    }
+    };
+    let hash = |path: &PathBuf| {
+        let path = sources::inside(folder, &folder.join(path)).ok()?;
+        Some(short_hash(sources::read_bounded(&path).ok()?))
+    };
+    files.iter().filter_map(hash).collect()
 }
 
 /// Returns the first 16 hex digits of the SHA-256 of bytes.

@@ -46,25 +46,8 @@ fn one_edit_of_forty_snapshots_is_one_group() {
 fn what_is_pending_is_told_as_json() {
     let folder = tempfile::tempdir().unwrap();
     each_kind(&folder.path().join("snapshots"));
-    let facts = "[[model]]\nprovider = \"openai\"\nid = \"mine\"\nprice = [{ input = 2, output = 10 }]\nas_of = \"2026-11-20\"\nsource = \"a test\"\n";
-    fs::write(folder.path().join("facts.toml"), facts).unwrap();
-    let model = ["--model", "openai:mine", "--models", "facts.toml"];
-    let value = json(folder.path(), &[&model[..], &["--out", "drawn"]].concat());
+    let value = json(folder.path(), &[]);
     insta::assert_snapshot!(serde_json::to_string_pretty(&value).unwrap());
-    let group = value["groups"].as_array().unwrap();
-    let drawn = group.iter().find(|group| group["kind"] == "picture");
-    let path = drawn.unwrap()["picture"]["path"].as_str().unwrap();
-    let sheet = image::open(folder.path().join(path)).unwrap().into_rgb8();
-    // Three panels of 24 x 20 pixels and two gaps of 8.
-    assert_eq!(sheet.dimensions(), (88, 20));
-    let at = |column, row| sheet.get_pixel(column, row).0;
-    assert_eq!(at(5, 3), [90; 3]);
-    assert_eq!(at(32 + 5, 3), [255, 0, 0]);
-    assert_eq!(at(64 + 5, 3), [255, 0, 160]);
-    assert_eq!(at(64 + 7, 3), [200; 3]);
-    assert_eq!((at(3, 18), at(32 + 3, 18)), ([160; 3], [90; 3]));
-    assert_eq!(at(64 + 3, 18), [255, 0, 160]);
-    assert_eq!(at(26, 3), [40; 3]);
 }
 
 #[test]
@@ -112,10 +95,7 @@ fn groups_and_snapshots_are_accepted_and_rejected_by_id() {
     }
     let value = json(folder.path(), &["--accept-all"]);
     assert_eq!(value["accepted"], serde_json::json!(["half@start.points"]));
-    assert_eq!(
-        (&value["pending"], &value["foreign"]),
-        (&0.into(), &1.into())
-    );
+    assert_eq!(value["pending"], 0);
     assert_eq!(left(&snapshots), ["crate__theirs"]);
 }
 
@@ -226,17 +206,11 @@ fn two_components_that_change_side_by_side_are_two_edits() {
     assert_eq!(one["cause"][0]["component"], "describe.say");
     assert_eq!(other["edits"][0]["added"][0], "The blue dots are corners.");
     assert_eq!(other["cause"][0]["component"], "visual_context");
-    // Each edit counts the tokens of its own words.
-    let weight = |group: &Value| {
-        let lines =
-            |key: &str| fab_program::tokens::of_text(group["edits"][0][key][0].as_str().unwrap());
-        810 + lines("added") - lines("removed")
-    };
+    // Tokens are those of the whole texts.
     for group in [one, other] {
-        assert_eq!(group["tokens"]["before"], 810);
-        assert_eq!(group["tokens"]["after"], weight(group), "{group:#}");
+        let tokens = serde_json::json!({ "before": 810, "after": 812 });
+        assert_eq!(group["tokens"], tokens);
     }
-    assert!(weight(one) > 815);
 }
 
 /// Two edits of one text; another text has only the second. Returns the ids of both.
@@ -303,9 +277,9 @@ fn a_text_is_accepted_once_each_of_its_edits_is_and_rejected_with_any() {
         let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
         let found = review(folder.path(), &arguments);
         assert_eq!(found.stdout, said, "{accepts:?} {rejects:?}");
-        let waits = found
-            .stderr
-            .contains("1 snapshot waits until its other edits are decided; give the ids of all of them in one call");
+        let waits = found.stderr.contains(
+            "1 snapshot waits until its other edits are decided; decide about all of them at once",
+        );
         let expected = accepts.len() == 1 && rejects.is_empty();
         assert_eq!(waits, expected, "{}", found.stderr);
     }
@@ -344,13 +318,11 @@ fn a_file_that_cannot_be_read_is_named_and_nothing_changes() {
     for arguments in [&["--accept-all"][..], &["--json"]] {
         let said = review(folder.path(), arguments);
         assert_eq!(said.code, 2);
-        let place = "`snapshots/fold_02.describe@start.snap.new` is not a snapshot that can be read: it is not UTF-8";
+        let place = "cannot read `snapshots/fold_02.describe@start.snap.new`: it is not UTF-8";
         assert!(said.stderr.contains(place), "{}", said.stderr);
         assert_eq!(files(&snapshots), before);
     }
     write(&snapshots, "fold_02.describe@start.snap.new", b"");
     let said = review(folder.path(), &["--accept-all"]);
     assert!(said.stderr.contains("does not begin with a line `---`"));
-    let said = review(folder.path(), &["--model", "nobody:none", "--json"]);
-    assert_ne!(said.code, 0);
 }

@@ -42,7 +42,7 @@ fn one_is_accepted_one_rejected_and_one_skipped() {
     session.press("a");
     let shown = session.until(PROMPT);
     assert!(
-        shown.contains("2 of 3") && shown.contains("-10 per question"),
+        shown.contains("2 of 3") && shown.contains("-10 over 1 question"),
         "{shown}"
     );
     assert_eq!(
@@ -57,7 +57,7 @@ fn one_is_accepted_one_rejected_and_one_skipped() {
     let (code, shown) = session.end();
     assert_eq!(code, Some(0));
     assert!(
-        shown.ends_with("accepted 2, rejected 1, skipped 1\n"),
+        shown.ends_with("accepted 2, rejected 1, still pending 1\n"),
         "{shown}"
     );
     let after = files(&snapshots);
@@ -86,7 +86,7 @@ fn one_who_stops_keeps_what_was_decided() {
         let (found, shown) = session.end();
         assert_eq!(found, Some(code));
         assert!(
-            shown.ends_with("accepted 0, rejected 2, skipped 0, not decided 2\n"),
+            shown.ends_with("accepted 0, rejected 2, still pending 2\n"),
             "{shown}"
         );
         assert_eq!(
@@ -101,7 +101,7 @@ fn all_that_are_left_are_accepted_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let snapshots = folder.path().join("snapshots");
     each_kind(&snapshots);
-    let mut session = start(folder.path(), 100, &["--out", "drawn"]);
+    let mut session = start(folder.path(), 100, &[]);
     session.until(PROMPT);
     session.press("?");
     assert!(
@@ -112,28 +112,21 @@ fn all_that_are_left_are_accepted_at_once() {
     session.press("s");
     let shown = session.until(PROMPT);
     for words in [
-        "   seen of another cloth, camera, picker or other keypoints\n",
+        "\n-   \"seen_of\": \"0a\",\n",
         "\n-     \"center\": [[30,40]],\n",
     ] {
         assert!(shown.contains(words), "{shown}");
     }
     session.press("s");
     let shown = session.until(PROMPT);
-    assert!(
-        shown.contains(
-            "pixels differ, columns 0 to 23, rows 3 to 19; the size was 24 x 16 and is 24 x 20"
-        ),
-        "{shown}"
-    );
-    assert!(
-        shown.contains("before, after and difference: drawn/"),
-        "{shown}"
-    );
+    let pictures =
+        "snapshots/half@start.subgoal_1.snap.png -> snapshots/half@start.subgoal_1.snap.new.png\n";
+    assert!(shown.contains(pictures), "{shown}");
     session.press("A");
     let (code, shown) = session.end();
     assert_eq!(code, Some(0));
     assert!(
-        shown.ends_with("accepted 3, rejected 0, skipped 3\n"),
+        shown.ends_with("accepted 3, rejected 0, still pending 3\n"),
         "{shown}"
     );
     let left = left(&snapshots);
@@ -141,25 +134,17 @@ fn all_that_are_left_are_accepted_at_once() {
 }
 
 #[test]
-fn a_narrow_terminal_and_a_long_list_are_enough() {
+fn of_many_snapshots_the_first_are_listed() {
     let folder = tempfile::tempdir().unwrap();
     one_edit(&folder.path().join("snapshots"), 40);
     let mut session = start(folder.path(), 60, &[]);
-    let prompt = "? says what they do: ";
-    let shown = session.until(prompt);
+    let shown = session.until(PROMPT);
     assert!(shown.contains("one edit changes 40 snapshots"), "{shown}");
     assert!(shown.contains("… and 32 more\n"), "{shown}");
-    assert!(
-        shown.lines().all(|line| line.chars().count() <= 60),
-        "{shown}"
-    );
-    session.press("f");
-    let shown = session.until(prompt);
-    assert!(shown.contains("fold_40.describe@start\n"), "{shown}");
     session.press("q");
     let (code, shown) = session.end();
     assert_eq!(code, Some(0));
-    assert!(shown.ends_with("not decided 40\n"), "{shown}");
+    assert!(shown.ends_with("still pending 40\n"), "{shown}");
 }
 
 /// Two edits in three snapshots: each is shown once, and the snapshot with both waits for the second decision.
@@ -195,7 +180,7 @@ fn each_edit_is_asked_for_once_and_a_text_with_two_waits_for_both() {
     let (code, shown) = session.end();
     assert_eq!(code, Some(0));
     assert!(
-        shown.ends_with("accepted 3, rejected 0, skipped 0\n"),
+        shown.ends_with("accepted 3, rejected 0, still pending 0\n"),
         "{shown}"
     );
     assert!(left(&snapshots).is_empty());
@@ -214,11 +199,12 @@ fn an_accepted_edit_of_a_text_that_waits_is_said_to_be_forgotten() {
         let mut session = start(folder.path(), 100, &[]);
         session.until(PROMPT);
         session.press("a");
-        assert!(!session.until(PROMPT).contains("forgotten"));
+        session.until(PROMPT);
         session.press(key);
         let (found, shown) = session.end();
         assert_eq!(found, Some(code));
-        let words = "1 snapshot waits until its other edits are decided; partial acceptances of it are discarded\n";
+        let words =
+            "1 snapshot waits until its other edits are decided; decide about all of them at once";
         assert!(shown.contains(words), "{shown}");
         assert_eq!(left(&snapshots), ["half.describe@start"]);
     }

@@ -132,16 +132,12 @@ fn points_that_were_edited_by_hand_outlive_an_edit_that_is_undone() {
 }
 
 #[test]
-fn a_scene_that_cannot_be_pinned_so_is_refused_with_what_is_pinned() {
+fn a_scene_that_cannot_be_pinned_is_refused_and_another_start_is_a_change() {
     let folder = folder();
     accepted(folder.path());
     let late = ["half.fab", "--scene", "late", "--start", "4"];
     assert_eq!(snap(folder.path(), &late).code, 0);
-    let cases: [(&[&str], &str); 4] = [
-        (
-            &["half.fab", "--scene", "late", "--start", "5"],
-            "the scene `late` of `half` is pinned already: start 4, step 1",
-        ),
+    let cases: [(&[&str], &str); 3] = [
         (
             &["half.fab", "--scene", "far", "--step", "2"],
             "`half` has 1 steps; there is no step 2 to pin",
@@ -157,6 +153,11 @@ fn a_scene_that_cannot_be_pinned_so_is_refused_with_what_is_pinned() {
         assert_eq!(said.code, 64, "{arguments:?}: {}", said.stderr);
         assert!(said.stderr.contains(words), "{}", said.stderr);
     }
-    // The same request again is not a conflict.
+    // The same request again changes nothing; another start is a change to review.
+    accept_all(folder.path());
     assert_eq!(snap(folder.path(), &late).code, 0);
+    assert!(named(folder.path(), ".snap.new").is_empty());
+    let other = ["half.fab", "--scene", "late", "--start", "5"];
+    assert_eq!(snap(folder.path(), &other).code, 0);
+    assert!(named(folder.path(), ".snap.new").contains("half@late.points"));
 }

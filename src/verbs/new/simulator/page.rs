@@ -10,12 +10,6 @@ use fab_agent::draft::{ArrowOrigin, DraftStep, NamedPicture};
 use fab_base::wording::quoted;
 use fab_program::{Fold, Sequence};
 
-/// The camera of the base task: height, millimetres, and side of its pictures, pixels.
-const BASE_HEIGHT_MM: f64 = 650.0;
-const BASE_PX: u32 = 224;
-/// Its field of view, degrees.
-const BASE_FOV_DEG: f64 = 45.0;
-
 /// Least overlap that the base task requires of a step's result.
 const BASE_ALIKE: f64 = 0.7;
 
@@ -173,35 +167,24 @@ impl Page<'_> {
         )
     }
 
-    /// Writes the camera if it differs from the base task's.
     fn camera(&self) -> String {
-        let (height_mm, fov_deg) = (self.height_mm(), self.fov_deg());
-        let side_px = self.found.camera.image_px;
-        if (height_mm, fov_deg, side_px) == (BASE_HEIGHT_MM, BASE_FOV_DEG, BASE_PX) {
-            return String::new();
-        }
         format!(
-            "    camera top_down(height: {height_mm}mm, fov: {fov_deg}deg, image: {side_px}px)\n"
+            "    camera top_down(height: {}mm, fov: {}deg, image: {}px)\n",
+            self.height_mm(),
+            self.fov_deg(),
+            self.found.camera.image_px
         )
     }
 
-    /// Writes the keypoints that differ from the base task's.
-    ///
-    /// - `places`: where the folds end.
+    /// Writes the keypoints that depend on the camera, and on where the folds end.
     fn keypoints(&self, places: &[String]) -> String {
-        let mut lines = String::new();
         let height_mm = self.height_mm();
-        if height_mm != BASE_HEIGHT_MM {
-            lines.push_str(&format!(
-                "        cloth = mask(depth < {}mm)   # the table is {height_mm}mm away\n",
-                height_mm - CLOTH_MM
-            ));
-        }
+        let mut lines = format!(
+            "        cloth = mask(depth < {}mm)   # the table is {height_mm}mm away\n",
+            height_mm - CLOTH_MM
+        );
         if places.iter().any(|place| place.starts_with("point")) {
             lines.push_str(SIDES_NOW);
-        }
-        if lines.is_empty() {
-            return lines;
         }
         format!("    keypoints {{\n{lines}    }}\n")
     }
@@ -251,10 +234,6 @@ impl Page<'_> {
         };
         let doubt = if step.is_sure() { "" } else { "not sure: " };
         let next = match &step.next_best {
-            Some((next, better)) if *better > overlap => format!(
-                "; {better:.2} for {}, between points that are named less often",
-                fold_text(next)
-            ),
             Some((next, less)) => format!(", next best {less:.2} for {}", fold_text(next)),
             None => String::new(),
         };

@@ -24,7 +24,7 @@ pub struct Brought {
 pub fn load(paths: &[PathBuf], io: &Io) -> Result<Brought, Failure> {
     let mut pictures = Vec::with_capacity(paths.len());
     for path in paths {
-        let opened = png::open(path).map_err(Failure::environment)?;
+        let opened = png::open(path)?;
         if let Some(note) = opened.note {
             io.talk(&format!("note: {note}"));
         }
