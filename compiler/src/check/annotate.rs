@@ -9,15 +9,22 @@ use fab_program::Depends;
 use fab_program::vocabulary::{ArgValue, Args};
 use fab_program::{Layer, Spot};
 
+/// The most layers.
+const MAX_LAYERS: usize = 32;
+
 /// Builds the layers in order.
 pub(crate) fn check<'a>(
     merged: &Merged<'a>,
     context: &mut Context<'a>,
 ) -> Vec<(&'a str, Result<Layer>)> {
-    let layers = merged.annotate().into_iter().flat_map(|part| part.list());
-    layers
-        .map(|declared| (declared.name().text(), layer(declared, context)))
-        .collect()
+    let layers = || merged.annotate().into_iter().flat_map(|part| part.list());
+    let places = layers().map(|declared| declared.name().span());
+    let within = context.at_most(MAX_LAYERS, places, "a task", "layers");
+    let layers = layers().map(|declared| {
+        let layer = within.and_then(|()| layer(declared, context));
+        (declared.name().text(), layer)
+    });
+    layers.collect()
 }
 
 fn layer(declared: NamedValue<'_>, context: &mut Context<'_>) -> Result<Layer> {
