@@ -197,6 +197,15 @@ fn what_cannot_be_asked_is_refused_with_what_would_help() {
         ),
         (
             &[
+                "--model=geometric",
+                "--model=vision=geometric",
+                "--model=text=random",
+            ],
+            64,
+            "`--model` names one thing for each role",
+        ),
+        (
+            &[
                 "--model",
                 "ollama:x",
                 "--base-url",
