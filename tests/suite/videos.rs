@@ -156,6 +156,16 @@ fn videos_that_cannot_be_are_refused_before_anything_happens() {
             "such as `-0.12,0.12:0.1,-0.1`",
         ),
         (
+            "sim record --move 0:0,0,0 -o a.gif".to_owned(),
+            64,
+            "write the pick and the place in metres",
+        ),
+        (
+            "sim record --move 0,0:inf,0 -o a.gif".to_owned(),
+            64,
+            "write the pick and the place in metres",
+        ),
+        (
             "sim record --move 0,0:9,0 -o a.gif".to_owned(),
             2,
             "motion 1: ",
