@@ -92,7 +92,7 @@ fn the_table_shows_what_is_unknown_as_such_and_until_when_a_model_answers() {
             .join(" "),
         "openai-chat:gpt-6.2-sol 2 / 0.1 / 10 yes yes 1 alone x y, pixels 59 635 2026-11-24"
     );
-    assert!(row("openai-chat:o3 ").contains(" 2026-12-11 "));
+    assert!(row("openai-chat:o3 ").contains(" 2026-12-11, then gpt-5.6-sol "));
     // It stopped answering before that day.
     assert!(!said.stdout.contains("openai-chat:gpt-4 "));
     assert!(!said.stdout.contains("claude"), "{}", said.stdout);
