@@ -216,6 +216,23 @@ fn given_picks_are_filmed_without_a_model() {
 }
 
 #[test]
+#[cfg(target_os = "linux")]
+fn after_an_interrupt_the_film_is_whole_up_to_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let moves = " --move 0.1,0.1:-0.1,-0.1".repeat(20);
+    let call = format!("sim record -o fold.gif{moves}");
+    let mut command = fabc(folder.path());
+    command.args(call.split(' '));
+    let mut session = super::pty::Session::in_window(&command.process());
+    session.until("motion 2");
+    session.send("\u{3}");
+    let (code, shown) = session.end();
+    assert_eq!(code, Some(130), "{shown}");
+    assert!(shown.contains("video: fold.gif ("), "{shown}");
+    assert!(decoded(&folder.path().join("fold.gif")).delays_cs.len() > 10);
+}
+
+#[test]
 fn a_film_shows_the_cloth_in_the_colours_of_its_material() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
