@@ -297,6 +297,9 @@ fn check_name(name: &str) -> Result<(), Failure> {
         "the language uses this word itself"
     } else if name.is_empty() || begins_with_digit || !name.chars().all(is_part) {
         "one begins with a letter or `_`, and continues with letters, digits and `_`, without accents"
+    } else if name.len() > 190 {
+        // A word has at most 200 letters, and `NAME_folds` is one too.
+        "a name has at most 190 letters"
     } else {
         return Ok(());
     };

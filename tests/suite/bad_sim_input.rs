@@ -24,11 +24,11 @@ fn numbers_that_no_cloth_or_machine_has() {
         ("time --threads 0", &["0", "1..=256"]),
         ("replay set --threads 0", &["0", "1..=256"]),
         ("replay set --threads 257", &["257", "1..=256"]),
-        ("replay set --ids 7", &["that task and id", "`Fold`"]),
+        ("replay set --ids 0,7,9", &["these ids: `7`, `9`"]),
         ("replay set --ids one", &["'one'"]),
         (
             "replay set --task fold",
-            &["that task and id", "those of `Fold`"],
+            &["has that task", "those of `Fold`"],
         ),
         (
             "replay set --set substeps",
@@ -56,6 +56,10 @@ fn numbers_that_no_cloth_or_machine_has() {
             &["--outline", "--dims"],
         ),
         ("crumple --count 0", &["0", "1..=10000"]),
+        (
+            "crumple --seed 18446744073709551615 --count 2",
+            &["largest seed"],
+        ),
         (
             "measure coton",
             &["no material `coton`", "did you mean `cotton`", "fabc ships"],
@@ -86,6 +90,8 @@ fn a_damaged_manifest() {
     sim_refused(here, "replay set", 2, &["manifest", "EOF"]);
     fs::write(here.join("set/manifest.json"), "[".repeat(100_000)).unwrap();
     sim_refused(here, "replay set", 2, &["manifest"]);
+    write_manifest(here, &json!({ "entries": [] }));
+    sim_refused(here, "replay set", 2, &["`entries` are empty"]);
     write_manifest(here, &json!({ "entries": [7] }));
     sim_refused(here, "replay set", 2, &["manifest", "integer `7`"]);
     // Each change of a whole entry, and its message.
@@ -105,6 +111,12 @@ fn a_damaged_manifest() {
             "spacing_m",
             json!(0.001),
             &["mostly lie 6.25 mm apart", "1.00 mm"],
+        ),
+        ("steps", json!([]), &["`Fold` 0", "no `steps`"]),
+        (
+            "steps",
+            step("pick_keypoint", json!(8)),
+            &["`Fold` 0", "`pick_keypoint` 8", "0 to 7"],
         ),
         (
             "steps",

@@ -92,7 +92,7 @@ fn the_table_shows_what_is_unknown_as_such_and_until_when_a_model_answers() {
             .join(" "),
         "openai-chat:gpt-6.2-sol 2 / 0.1 / 10 yes yes 1 alone x y, pixels 59 635 2026-11-24"
     );
-    assert!(row("openai-chat:o3 ").contains(" 2026-12-11 "));
+    assert!(row("openai-chat:o3 ").contains(" 2026-12-11, then gpt-5.6-sol "));
     // It stopped answering before that day.
     assert!(!said.stdout.contains("openai-chat:gpt-4 "));
     assert!(!said.stdout.contains("claude"), "{}", said.stdout);
@@ -257,7 +257,7 @@ fn doctor_lists_what_a_server_serves_and_says_what_others_want() {
             answering(locked),
             None,
             "missing",
-            "and wants another key (HTTP 401)",
+            "and wants a key (HTTP 401)",
             Some("export FABC_OLLAMA_KEY="),
         ),
         (
@@ -331,6 +331,8 @@ fn doctor_names_keys_and_never_shows_one() {
     let (code, found) = look(0o644, "ANTHROPIC_API_KEY = \"sk-canary-2\"\n");
     let state = entry(&found["findings"], "name", "keys");
     assert_eq!((code, &state["state"]), (2, &"broken".into()));
+    let provider = entry(&found["findings"], "name", "anthropic");
+    assert_eq!(provider["found"], "no key");
     assert!(
         state["found"].as_str().unwrap().contains("chmod 600"),
         "{state}"

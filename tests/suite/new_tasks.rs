@@ -115,6 +115,7 @@ fn names_that_the_language_or_the_library_uses_are_wrong_usage() {
         ("2fold", "one begins with a letter or `_`"),
         ("stage", "the language uses this word itself"),
         ("folding", "`lib/folding.fab` has one of this name"),
+        ("a".repeat(191).as_str(), "a name has at most 190 letters"),
     ] {
         let ended = said(folder.path(), &["new", "fold", name, "--json"]);
         assert_eq!(ended.code, 64, "{}", ended.stderr);

@@ -163,7 +163,7 @@ fn what_cannot_be_asked_is_refused_with_what_would_help() {
         "[[model]]\nprovider = \"openai\"\nid = \"x\"\nprise = 3\n",
     )
     .unwrap();
-    let cases: [(&[&str], i32, &str); 10] = [
+    let cases: [(&[&str], i32, &str); 11] = [
         (
             &["--model", "openai:gpt-6.2-sol"],
             2,
@@ -192,6 +192,15 @@ fn what_cannot_be_asked_is_refused_with_what_would_help() {
         ),
         (
             &["--model", "geometric", "--model", "random"],
+            64,
+            "`--model` names one thing for each role",
+        ),
+        (
+            &[
+                "--model=geometric",
+                "--model=vision=geometric",
+                "--model=text=random",
+            ],
             64,
             "`--model` names one thing for each role",
         ),

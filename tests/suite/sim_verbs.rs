@@ -207,10 +207,17 @@ fn exported_positions_are_a_start_in_the_world_frame() {
     assert_eq!((read.grid.dimx, read.grid.dimy), (10, 8));
     assert_eq!(read.positions[0], [0.0, 0.0, 0.005]);
     assert_eq!(read.positions[79], [9.0 * 0.00625, -7.0 * 0.00625, 0.005]);
-    // What is there is replaced.
-    fs::write(here.join("world.json"), "{}").unwrap();
+    // Its own files are replaced, but not those of others.
     told(here, &call);
-    assert!(Start::load(&here.join("world.npy"), None).is_ok());
+    fs::write(here.join("world.json"), "{}").unwrap();
+    let refused = said(here, &call);
+    assert_eq!(refused.code, 2);
+    assert!(
+        refused.stderr.contains("`world.json` is there"),
+        "{}",
+        refused.stderr
+    );
+    assert_eq!(fs::read(here.join("world.json")).unwrap(), b"{}");
 }
 
 #[test]

@@ -156,6 +156,16 @@ fn videos_that_cannot_be_are_refused_before_anything_happens() {
             "such as `-0.12,0.12:0.1,-0.1`",
         ),
         (
+            "sim record --move 0:0,0,0 -o a.gif".to_owned(),
+            64,
+            "write the pick and the place in metres",
+        ),
+        (
+            "sim record --move 0,0:inf,0 -o a.gif".to_owned(),
+            64,
+            "write the pick and the place in metres",
+        ),
+        (
             "sim record --move 0,0:9,0 -o a.gif".to_owned(),
             2,
             "motion 1: ",
@@ -203,6 +213,23 @@ fn given_picks_are_filmed_without_a_model() {
         said.stdout
     );
     assert_eq!(decoded(&path).last.dimensions(), (384, 288));
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn after_an_interrupt_the_film_is_whole_up_to_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let moves = " --move 0.1,0.1:-0.1,-0.1".repeat(20);
+    let call = format!("sim record -o fold.gif{moves}");
+    let mut command = fabc(folder.path());
+    command.args(call.split(' '));
+    let mut session = super::pty::Session::in_window(&command.process());
+    session.until("motion 2");
+    session.send("\u{3}");
+    let (code, shown) = session.end();
+    assert_eq!(code, Some(130), "{shown}");
+    assert!(shown.contains("video: fold.gif ("), "{shown}");
+    assert!(decoded(&folder.path().join("fold.gif")).delays_cs.len() > 10);
 }
 
 #[test]

@@ -85,17 +85,19 @@ impl Finding {
 /// Checks everything and lists it.
 pub fn run(arguments: &DoctorArguments, io: &Io) -> Result<Exit, Failure> {
     let (catalogue, facts) = facts(arguments.facts.models.as_deref(), io);
+    let keys = keys(io);
+    let is_broken = keys.state == Broken;
     let mut findings = vec![
         Finding::new("fabc", Ready, env!("CARGO_PKG_VERSION")),
         keypoints(),
         tags(),
         facts,
-        keys(io),
+        keys,
         cache(io),
     ];
     // In parallel, so that ten missing servers take no longer than one.
     let providers = catalogue.providers();
-    let look = |index: usize| Ok::<_, Failure>(Some(look(&providers[index], io)));
+    let look = |index: usize| Ok::<_, Failure>(Some(look(&providers[index], is_broken, io)));
     let found = in_parallel(providers.len(), providers.len(), look, |_| {})?;
     findings.extend(found.into_iter().flatten());
     let checkup = Checkup {
@@ -186,10 +188,13 @@ fn cache(io: &Io) -> Finding {
 }
 
 /// Looks for a provider's key, and asks a server that is not a vendor's for its models.
-fn look(provider: &Provider, io: &Io) -> Finding {
+///
+/// - `is_broken`: whether the file of keys is; its own finding says so.
+fn look(provider: &Provider, is_broken: bool, io: &Io) -> Finding {
     let name = &provider.name;
     let key = match remote::key(&provider.key_env, io) {
         Ok(key) => key,
+        Err(_) if is_broken => None,
         Err(error) => return Finding::new(name, Broken, error),
     };
     let with = key.as_ref().map(|key| format!(", key: {}", key.name()));
@@ -231,11 +236,11 @@ fn served(provider: &Provider, base_url: BaseUrl, key: Option<Key>, with: &str) 
             let found = format!("serves {} at {at}{with}", models.join(", "));
             Finding::new(name, Ready, found)
         }
-        Err(NotListed::Unauthorised { status }) => Finding::missing(
-            name,
-            format!("answers at {at} and wants another key (HTTP {status}){with}"),
-            export(provider),
-        ),
+        Err(NotListed::Unauthorised { status }) => {
+            let a = if with.is_empty() { "a" } else { "another" };
+            let found = format!("answers at {at} and wants {a} key (HTTP {status}){with}");
+            Finding::missing(name, found, export(provider))
+        }
         Err(NotListed::Absent) => {
             Finding::missing(name, format!("nothing answers at {at}{with}"), start)
         }

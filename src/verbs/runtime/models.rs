@@ -119,6 +119,15 @@ impl KnownModel {
             _ => format!("{}:{id}", provider.name),
         }
     }
+
+    /// Says from when on there is another price, if it is known.
+    fn price_ends(&self) -> String {
+        let ends = self.notices.iter().find_map(|notice| match notice {
+            Notice::PriceChanges { on } => Some(format!(" until {on}")),
+            _ => None,
+        });
+        ends.unwrap_or_default()
+    }
 }
 
 /// Returns the tokens of a square picture for each of the cameras' sides.
@@ -143,8 +152,9 @@ const HEADINGS: [&str; 10] = [
 /// What the table leaves to its reader to know.
 const LEGEND: &str = "
 ?: unknown. *: every model whose id has these words; open weights have no vendor before them. tokens: estimates for one square \
-picture. until: when it stops answering. Another server's model has its vendor's facts, but not its price and schema. Calls to \
-models on your own machine are never billed. `--json` has the source of each fact, and models that no longer answer.";
+picture. until: when it stops answering, and what its vendor recommends then. Another server's model has its vendor's facts, but \
+not its price and schema. Calls to models on your own machine are never billed. `--json` has the source of each fact, and models \
+that no longer answer.";
 
 impl Report for KnownModels<'_> {
     fn text(&self) -> String {
@@ -155,7 +165,8 @@ impl Report for KnownModels<'_> {
         };
         table.extend(self.models.iter().filter(answers).map(|model| {
             let Profile { facts, sources, .. } = &model.profile;
-            row(model.title(), price(model.price), facts, sources)
+            let price = price(model.price) + &model.price_ends();
+            row(model.title(), price, facts, sources)
         }));
         table.extend(self.families.iter().map(|family| {
             let at = family.provider.map(|name| format!("{name}:"));
@@ -174,7 +185,9 @@ fn row(title: String, price: String, facts: &Facts, sources: &[Source]) -> [Stri
     }
     let answer = |known: Option<bool>| or_unknown(known.map(|yes| if yes { "yes" } else { "no" }));
     let [small, large] = image_tokens(facts).map(or_unknown);
-    let shutdown = facts.shutdown.map(|on| on.to_string());
+    let instead = facts.replaced_by.as_ref();
+    let instead = instead.map_or(String::new(), |id| format!(", then {id}"));
+    let shutdown = facts.shutdown.map(|on| format!("{on}{instead}"));
     let as_of = sources.iter().map(|source| source.as_of).max();
     [
         title,

@@ -234,6 +234,10 @@ impl Page<'_> {
         };
         let doubt = if step.is_sure() { "" } else { "not sure: " };
         let next = match &step.next_best {
+            Some((next, better)) if *better > overlap => format!(
+                "; {better:.2} for {}, between points that are named less often",
+                fold_text(next)
+            ),
             Some((next, less)) => format!(", next best {less:.2} for {}", fold_text(next)),
             None => String::new(),
         };

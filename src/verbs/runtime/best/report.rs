@@ -135,7 +135,12 @@ impl BestReport {
                 notes.push(format!("{reached} of {} reach the goal", row.reached.len()));
             }
             let whys: BTreeSet<&str> = row.unscored.iter().map(String::as_str).collect();
-            notes.extend(whys.iter().map(|why| format!("no score ({why})")));
+            let measured = if row.values.is_empty() {
+                ""
+            } else {
+                ", measured at its end"
+            };
+            notes.extend({ whys.iter() }.map(|why| format!("no score ({why}){measured}")));
             let value = value.unwrap_or("none".to_owned());
             [format!("{}{oracle}", row.name), value, notes.join("; ")]
         }));

@@ -119,6 +119,9 @@ impl Playing<'_> {
             } else {
                 let play = |index| self.play(name, make_policy, index);
                 let played = in_parallel(count, self.search.limits.threads, play, |_| {})?;
+                if played.iter().all(Option::is_none) {
+                    row.unscored.push("interrupted".to_owned());
+                }
                 let played = played.iter().flatten();
                 decided.extend(played.map(|rollout| row.add(rollout, self.search, &aim)));
             }

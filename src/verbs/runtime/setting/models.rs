@@ -263,17 +263,18 @@ impl TargetModel {
 /// Parses `X`, or `vision=X` and `text=Y`; returns the values for vision and for text, if there are any.
 fn by_role<'v>(flag: &str, values: &'v [String]) -> Result<[Option<&'v str>; 2], Failure> {
     let (mut both, mut vision, mut text) = (None, None, None);
-    let mut is_twice = false;
+    let mut has_more = false;
     for value in values {
         let (place, value) = match value.split_once('=') {
             Some(("vision", value)) => (&mut vision, value),
             Some(("text", value)) => (&mut text, value),
             _ => (&mut both, value.as_str()),
         };
-        is_twice |= place.replace(value).is_some();
+        has_more |= place.replace(value).is_some();
     }
+    has_more |= both.is_some() && vision.is_some() && text.is_some();
     let (vision, text) = (vision.or(both), text.or(both));
-    if is_twice || vision.is_some() != text.is_some() {
+    if has_more || vision.is_some() != text.is_some() {
         return Err(Failure::usage(format!(
             "`{flag}` names one thing for each role: write `{flag} X` for both, or `{flag} vision=X {flag} text=Y`"
         )));

@@ -70,19 +70,34 @@ struct Crumpled {
 /// Crumples, writes, and reports.
 pub fn run(arguments: &CrumpleArguments, io: &Io) -> Result<Exit, Failure> {
     let (mask, name) = cloth(arguments)?;
+    let (first, count) = (arguments.seed, arguments.count);
+    let last = first.checked_add(u64::from(count) - 1).ok_or_else(|| {
+        let most = u64::MAX;
+        Failure::usage(format!(
+            "{count} seeds from {first} on go beyond the largest seed, {most}"
+        ))
+    })?;
+    let seeds: Vec<u64> = (first..=last).collect();
+    let file = |seed: u64| {
+        let folder = arguments.out.as_ref()?;
+        Some(folder.join(format!("{name}_{seed}.npy")))
+    };
+    for path in seeds.iter().filter_map(|seed| file(*seed)) {
+        files::description_of(&path)?;
+    }
     if let Some(folder) = &arguments.out {
         fs::create_dir_all(folder).map_err(|error| Failure::unwritable(folder, error))?;
     }
     let (flat, interrupt, cache) = (flat(&mask), io.interrupt()?, setting::cache(io));
     let (triangles, flat_m2) = (mesh::triangles(&mask), mesh::flat_area_m2(&mask));
-    let count = arguments.count as usize;
-    let starts = each(count, &arguments.threads, "crumpled", io, |index| {
-        let seed = arguments.seed.wrapping_add(index as u64);
+    let starts = each(seeds.len(), &arguments.threads, "crumpled", io, |index| {
+        let seed = seeds[index];
         // A world needs a camera; this one takes no picture.
         let world = SimulatedWorld::new(&camera(), Picker::default())?;
-        let start = crumple::start(&flat, seed, &world, &cache, &interrupt, &mut || {})?.start;
-        let folder = arguments.out.as_ref();
-        let file = folder.map(|folder| folder.join(format!("{name}_{seed}.npy")));
+        let start = crumple::start(&flat, seed, &world, &cache, &interrupt, &mut || {})
+            .map_err(|error| Failure::from(error).saying(&format!("seed {seed}")))?
+            .start;
+        let file = file(seed);
         if let Some(file) = &file {
             files::write_state(file, &start)?;
         }

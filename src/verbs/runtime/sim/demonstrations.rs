@@ -16,6 +16,9 @@ use std::path::{Path, PathBuf};
 /// The largest manifest accepted, bytes.
 const MAX_BYTES: u64 = 64 << 20;
 
+/// How many points of a cloth are picked: its corners, and the middles of its edges.
+const KEYPOINTS: usize = 8;
+
 #[derive(Deserialize)]
 struct Manifest {
     entries: Vec<Demonstration>,
@@ -58,23 +61,33 @@ pub fn read(
     ids: Option<&[u64]>,
 ) -> Result<Vec<Demonstration>, Failure> {
     let path = folder.join("manifest.json");
-    let manifest: Manifest = files::read_json(&path, MAX_BYTES).map_err(|why| {
-        Failure::environment(format!(
-            "`{}` lists no recorded demonstrations: {why}",
-            path.display()
-        ))
-    })?;
+    let wrong = |why: String| {
+        let path = path.display();
+        Failure::environment(format!("`{path}` lists no recorded demonstrations: {why}"))
+    };
+    let manifest: Manifest = files::read_json(&path, MAX_BYTES).map_err(wrong)?;
     let mut selected = manifest.entries;
+    if selected.is_empty() {
+        return Err(wrong("its `entries` are empty".to_owned()));
+    }
+    selected.iter().try_for_each(Demonstration::check)?;
     let tasks: BTreeSet<String> = selected.iter().map(|it| it.task.clone()).collect();
-    selected.retain(|it| {
-        task.is_none_or(|task| task == it.task) && ids.is_none_or(|ids| ids.contains(&it.id))
-    });
+    selected.retain(|it| task.is_none_or(|task| task == it.task));
+    let is_absent = |id: &&u64| selected.iter().all(|it| it.id != **id);
+    let absent = quoted(ids.unwrap_or_default().iter().filter(is_absent));
     if selected.is_empty() {
         return Err(Failure::usage(format!(
-            "no demonstration has that task and id; there are those of {}",
+            "no demonstration has that task; there are those of {}",
             quoted(tasks)
         )));
     }
+    if !absent.is_empty() {
+        return Err(Failure::usage(format!(
+            "no demonstration of {} has these ids: {absent}",
+            task.unwrap_or("any task")
+        )));
+    }
+    selected.retain(|it| ids.is_none_or(|ids| ids.contains(&it.id)));
     for demonstration in &mut selected {
         demonstration.dir = folder.join("..").join(&demonstration.dir);
     }
@@ -82,6 +95,20 @@ pub fn read(
 }
 
 impl Demonstration {
+    /// Checks that it has steps, each from a known point.
+    fn check(&self) -> Result<(), Failure> {
+        if self.steps.is_empty() {
+            return Err(self.failure("it has no `steps`"));
+        }
+        match self.steps.iter().find(|it| it.pick_keypoint >= KEYPOINTS) {
+            Some(Step { pick_keypoint, .. }) => Err(self.failure(format!(
+                "`pick_keypoint` {pick_keypoint} is not from 0 to {}",
+                KEYPOINTS - 1
+            ))),
+            None => Ok(()),
+        }
+    }
+
     /// Lays the cloth as it lay before the first pick; returns it, and its `[particles]` positions after the last place,
     /// world frame, metres.
     pub fn laid(&self, params: &Params) -> Result<(Simulator, Vec<[f32; 3]>), Failure> {
@@ -100,10 +127,10 @@ impl Demonstration {
     }
 
     /// Returns the particle that a step held: at a corner or at the middle of an edge, in the recorded data's order.
-    pub fn held(&self, step: &Step) -> Option<usize> {
+    pub fn held(&self, step: &Step) -> usize {
         let (dimx, dimy) = (self.grid.dimx as usize, self.grid.dimy as usize);
         let (middle_x, middle_y) = ((dimx - 1) / 2, (dimy - 1) / 2);
-        let keypoints = [
+        let keypoints: [usize; KEYPOINTS] = [
             0,
             dimx * (dimy - 1),
             dimx - 1,
@@ -113,7 +140,7 @@ impl Demonstration {
             dimx * (dimy - 1) + middle_x,
             middle_y * dimx + dimx - 1,
         ];
-        keypoints.get(step.pick_keypoint).copied()
+        keypoints[step.pick_keypoint]
     }
 
     /// Returns an error in simulating this demonstration.

@@ -5,11 +5,14 @@ use crate::exit::Failure;
 use crate::io::write_file;
 use crate::verbs::runtime::setting::{self, FrameArguments};
 use clap::{Args, ValueHint};
-use fab_base::npy;
+use fab_base::{files, npy};
 use fab_sim::{Grid, Mask, MaskError};
 use fab_world::start::{Outline, Start, StartFrame, Up};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+
+/// The largest description accepted, bytes.
+const MAX_BYTES: u64 = 1 << 20;
 
 /// A file of particle positions, and its frame.
 #[derive(Args)]
@@ -48,9 +51,23 @@ struct Description<'s> {
     outline: &'s Option<Outline>,
 }
 
+/// Returns the path of the description beside positions; refuses another file in its place.
+pub fn description_of(path: &Path) -> Result<PathBuf, Failure> {
+    let beside = path.with_extension("json");
+    if beside.symlink_metadata().is_ok() {
+        files::read_json::<StartFrame>(&beside, MAX_BYTES).map_err(|why| {
+            Failure::environment(format!(
+                "`{}` is there and describes no positions: {why}; choose another `-o`",
+                beside.display()
+            ))
+        })?;
+    }
+    Ok(beside)
+}
+
 /// Writes positions and their description; returns the path of the description.
 pub fn write_state(path: &Path, state: &Start) -> Result<PathBuf, Failure> {
-    let beside = path.with_extension("json");
+    let beside = description_of(path)?;
     let description = Description {
         frame: StartFrame {
             grid: state.grid,

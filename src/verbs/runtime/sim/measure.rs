@@ -10,7 +10,7 @@ use fab_base::table::{Align, aligned};
 use fab_program::SmallestFold;
 use fab_sim::measure::{Reading, textile_table};
 use fab_sim::{Grid, Material, Params};
-use fab_world::corner_fold::CornerFold;
+use fab_world::corner_fold::{CARRIED_MM, CornerFold};
 use fab_world::simulated;
 use serde::Serialize;
 
@@ -63,14 +63,15 @@ pub fn run(arguments: &MeasureArguments, io: &Io) -> Result<Exit, Failure> {
     }
     io.progress("folding corners");
     let mut fold = CornerFold::new(params, spacing_m)?;
-    let (what, method) = ("corner carried 40 mm", "how far away it stays");
+    let what = format!("corner carried {CARRIED_MM} mm");
+    let method = "how far away it stays".to_owned();
     readings.push(of_corner(what, method, fold.stays_mm(&interrupt)?));
     if arguments.smallest_fold {
         let (method, mm) = match fold.smallest(&interrupt)? {
-            SmallestFold::From { mm } => ("carried so far, it stays", Some(mm.into())),
-            SmallestFold::NoneUpTo { .. } => ("none that the cloth has room for stays", None),
+            SmallestFold::From { mm } => ("carried so far, it stays".to_owned(), Some(mm.into())),
+            SmallestFold::NoneUpTo { mm } => (format!("none up to {mm} mm stays"), None),
         };
-        readings.push(of_corner("smallest corner fold", method, mm));
+        readings.push(of_corner("smallest corner fold".to_owned(), method, mm));
     }
     io.progress("");
     let measured = Measured {
@@ -88,10 +89,11 @@ pub fn run(arguments: &MeasureArguments, io: &Io) -> Result<Exit, Failure> {
 }
 
 /// Returns what becomes of a corner of a square of 340 mm that is carried along the diagonal.
-fn of_corner(what: &'static str, method: &'static str, mm: Option<f64>) -> Reading {
+fn of_corner(what: String, method: String, mm: Option<f64>) -> Reading {
     Reading {
-        what,
-        method,
+        // The words of a reading live as long as the process; there are two such readings.
+        what: what.leak(),
+        method: method.leak(),
         unit: "mm",
         declared: None,
         expected: None,

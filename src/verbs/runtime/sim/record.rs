@@ -48,16 +48,16 @@ pub struct Move {
 
 /// Parses `--move`.
 fn parse_move(text: &str) -> Result<Move, &'static str> {
-    let numbers = text.split([',', ':']).map(|number| number.trim().parse());
-    match numbers.collect::<Result<Vec<f32>, _>>().as_deref() {
-        Ok(&[x, y, to_x, to_y]) => Ok(Move {
-            pick: [x, y],
-            place: [to_x, to_y],
-        }),
-        _ => Err(
-            "write the pick and the place in metres from the table's centre, such as `-0.12,0.12:0.1,-0.1`",
-        ),
-    }
+    let number = |text: &str| text.trim().parse().ok().filter(|it: &f32| it.is_finite());
+    let point = |text: &str| {
+        let (x, y) = text.split_once(',')?;
+        Some([number(x)?, number(y)?])
+    };
+    let points = text.split_once(':').and_then(|(pick, place)| {
+        let (pick, place) = (point(pick)?, point(place)?);
+        Some(Move { pick, place })
+    });
+    points.ok_or("write the pick and the place in metres from the table's centre, such as `-0.12,0.12:0.1,-0.1`")
 }
 
 /// What was done.
@@ -99,10 +99,11 @@ pub fn run(arguments: &RecordArguments, io: &Io) -> Result<Exit, Failure> {
         let recorder = Some(&recorder);
         let done = film::pick_and_place(&mut cloth, &manner, pick, place, recorder, &interrupt);
         io.progress("");
-        let done = done.map_err(|error| match error {
-            SimError::Interrupted { .. } => Failure::interrupted(),
-            error => Failure::environment(format!("motion {number}: {error}")),
-        })?;
+        let done = match done {
+            Ok(done) => done,
+            Err(SimError::Interrupted { .. }) => break,
+            Err(error) => return Err(Failure::environment(format!("motion {number}: {error}"))),
+        };
         if done.grasped.is_none() {
             io.talk(&format!("note: motion {number} grasped nothing"));
         }
@@ -120,7 +121,11 @@ pub fn run(arguments: &RecordArguments, io: &Io) -> Result<Exit, Failure> {
         digest: cloth.digest(),
     };
     io.result(arguments.json, &recorded);
-    Ok(Exit::Done)
+    Ok(if recorded.moves.len() < arguments.moves.len() {
+        Exit::Interrupted
+    } else {
+        Exit::Done
+    })
 }
 
 /// Lays the cloth.

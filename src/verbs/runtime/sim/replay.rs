@@ -124,7 +124,7 @@ fn replay(it: &Demonstration, params: &Params, interrupt: &Interrupt) -> Result<
     let mut picks_as_recorded = 0;
     for step in &it.steps {
         let [pick, place] = step.ends_m();
-        let as_recorded = |particle| Some(particle) == it.held(step);
+        let as_recorded = |particle| particle == it.held(step);
         match cloth.pick_and_place(pick, place, &|| interrupt.is_raised()) {
             Ok(done) => picks_as_recorded += usize::from(done.grasped.is_some_and(as_recorded)),
             Err(SimError::Interrupted { .. }) => return Err(Failure::interrupted()),
