@@ -23,7 +23,10 @@ pub(crate) fn check(statement: Statement<'_>, context: &mut Context<'_>) -> Resu
         check_spacing(&cloth, expr.span(), context)?;
     }
     if let Some(material) = &cloth.material
-        && let Some(why) = context.loaded.loader.refuses_cloth(material, cloth.spacing_m)
+        && let Some(why) = context
+            .loaded
+            .loader
+            .refuses_cloth(material, cloth.spacing_m)
     {
         let message = format!("the cloth cannot be laid in the simulator: {why}");
         let at = statement.value().span();

@@ -4,7 +4,7 @@ use super::context::{Context, Declared, Result};
 use super::folds;
 use crate::diag::{Code, every};
 use crate::merge::Merged;
-use fab_grammar::ast::Experts;
+use fab_grammar::ast::{Experts, File};
 use fab_program::{Sequence, Subgoals};
 
 /// Builds the sequences of a list of experts.
@@ -40,11 +40,8 @@ pub(crate) fn sequences(
     match context.loaded.experts(file, named.name().text()) {
         Some(found) => context.outside.experts[&found.span()].clone(),
         None => {
-            let seen = context
-                .loaded
-                .visible_from(file)
-                .flat_map(|file| &file.experts);
-            let names: Vec<&str> = seen.map(|list| list.name().text()).collect();
+            let seen = context.loaded.visible_from(file);
+            let names = seen.flat_map(File::experts).map(|list| list.name().text());
             Err(context.unknown("list of experts", named.name(), names))
         }
     }

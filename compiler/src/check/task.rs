@@ -180,7 +180,7 @@ fn is_whole(merged: &Merged<'_>, form: Result<()>, context: &mut Context<'_>) ->
         return false;
     }
     let is_base = context.loaded.is_extended(merged.task);
-    if !is_base && form.is_ok() && name.span().file == context.loaded.entry().id {
+    if !is_base && form.is_ok() && name.span().file == context.loaded.entry().span().file {
         let lacking = among(own.into_iter().chain(shared));
         let task = name.text();
         let message = format!("`{task}` cannot run by itself: it has no {lacking}");

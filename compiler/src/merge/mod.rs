@@ -19,8 +19,8 @@ use crate::diag::{Code, Diagnostic, Report, Reported};
 use crate::lang::sections::{Inheritance, inheritance};
 use crate::load::Loaded;
 use fab_grammar::ast::{
-    Actions, AddedSay, Body, Check, Component, Declares, Demos, ExpertsUsed, Expr, Keypoints, Name,
-    NamedValue, Rehearse, ResultCheck, Stage, Statement, Subgoals, Task, Verify,
+    Actions, AddedSay, Body, Check, Component, Declares, Demos, ExpertsUsed, Expr, File, Keypoints,
+    Name, NamedValue, Rehearse, ResultCheck, Stage, Statement, Subgoals, Task, Verify,
 };
 use fab_grammar::{Node, Span};
 pub(crate) use lists::{declared_twice, once, repeated, unique};
@@ -41,7 +41,7 @@ impl<'a> Bodies<'a> {
     pub fn of(loaded: &Loaded<'a>, report: &mut Report) -> Bodies<'a> {
         let mut bodies = BTreeMap::new();
         for file in loaded.well_formed() {
-            for task in &file.tasks {
+            for task in file.tasks() {
                 let variants = task.variants().map(|variant| variant.body());
                 for body in variants.chain([task.body()]) {
                     bodies.insert(body.span(), Sections::of(body, report));
@@ -166,14 +166,14 @@ fn unknown_task(task: Task<'_>, base: Name<'_>, loaded: &Loaded<'_>) -> Diagnost
     let message = format!("there is no task `{}`", base.text());
     let diagnostic = Diagnostic::new(Code::UnknownName, base.span(), message);
     let mut files = loaded.files.iter();
-    if let Some(file) = files.find(|file| loaded.task(file.id, base.text()).is_some()) {
+    if let Some(file) = files.find(|file| loaded.task(file.span().file, base.text()).is_some()) {
         return diagnostic.help(format!(
             "it is declared in `{}`; add a `use` of that file",
-            loaded.name(file.id)
+            loaded.name(file.span().file)
         ));
     }
     let seen = loaded.visible_from(base.span().file);
-    let seen = seen.flat_map(|file| &file.tasks).map(|it| it.name().text());
+    let seen = seen.flat_map(File::tasks).map(|it| it.name().text());
     let others = seen.filter(|name| *name != task.name().text());
     diagnostic.suggest(
         base.text(),
