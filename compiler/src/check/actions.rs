@@ -3,7 +3,7 @@
 use super::context::{Context, Fields, Result};
 use super::expressions::{fixed_deg, keypoint, wrong_kind};
 use super::names::Meaning;
-use super::quantity::{measured, no_unit, quantity_of, read, unit as unit_of};
+use super::quantity::{measured, no_unit, quantity_of, read, unit as unit_of, usual_unit};
 use crate::diag::{Code, Diagnostic, Reported, every, nearest};
 use crate::lang::actions::{ChoiceKind, FIELDS, FieldRow, field as moving_field};
 use fab_grammar::Span;
@@ -134,7 +134,7 @@ fn kind(choice: Expr<'_>, row: Option<&FieldRow>, context: &mut Context<'_>) -> 
         let kind = row.map_or(ChoiceKind::Lengths, |row| row.choices);
         let diagnostic = no_unit(choice, &format!("one of {}", kind.noun()), context);
         let or_words = row.map_or(", or words in quotes", |_| "");
-        let (written, unit) = (context.written(choice.span()), kind.usual_unit());
+        let (written, unit) = (context.written(choice.span()), usual_unit(kind.dimension()));
         return Err(context.error(diagnostic.help(format!("write `{written}{unit}`{or_words}"))));
     };
     Ok(ChoiceKind::of(unit_of(quantity, unit, context)?.dimension))

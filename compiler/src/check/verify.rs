@@ -60,7 +60,7 @@ fn of_answer(
     let name = check.name();
     if let Some(row) = given(name.text()) {
         let message = format!("every task has a check `{}` already", row.name);
-        let help = format!("it refuses {}; choose another name", row.refuses);
+        let help = format!("it refuses {}; choose another name", row.doc);
         context.refuse(Code::DuplicateName, name.span(), message, help);
     }
     let guarded = format!("check {}", name.text());
@@ -193,7 +193,7 @@ fn not_relaxed(name: Name<'_>, merged: &Merged<'_>, context: &mut Context<'_>) -
     };
     if let Some(row) = given(name.text()) {
         let diagnostic = new(format!("`{}` cannot be left out", row.name));
-        return context.error(diagnostic.help(format!("{} cannot be executed", row.refuses)));
+        return context.error(diagnostic.help(format!("{} cannot be executed", row.doc)));
     }
     let diagnostic = new(format!("there is no check `{}` to leave out", name.text()));
     let names = merged.checks.names();
