@@ -1,6 +1,6 @@
 //! `actions { pick: one of corners … }`: the fields of an answer, and the choices of each.
 
-use super::context::{Context, Fields, Result};
+use super::context::{Context, Named, Result};
 use super::expressions::{fixed_deg, keypoint, wrong_kind};
 use super::names::Meaning;
 use super::quantity::{measured, no_unit, quantity_of, read, unit as unit_of, usual_unit};
@@ -21,7 +21,7 @@ const MAX_FIELDS: usize = 16;
 const MAX_CHOICES: usize = 256;
 
 /// Builds the action space.
-pub(crate) fn check<'a>(part: Actions<'a>, context: &mut Context<'a>) -> Fields<'a> {
+pub(crate) fn check<'a>(part: Actions<'a>, context: &mut Context<'a>) {
     let places = part.fields().map(|field| field.name().span());
     let within = context.at_most(MAX_FIELDS, places, "an action", "fields");
     let fields = part.fields().map(|field| {
@@ -38,7 +38,7 @@ pub(crate) fn check<'a>(part: Actions<'a>, context: &mut Context<'a>) -> Fields<
             complete = Err(context.error(fault));
         }
     }
-    Fields { list, complete }
+    (context.actions, context.complete) = (Named(list), complete);
 }
 
 /// Reports fields that do not make a complete action: one is missing, or two contradict each other.

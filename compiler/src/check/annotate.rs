@@ -1,6 +1,6 @@
 //! `annotate { corner_dots = dot(corners, color: blue) … }`: what is drawn on the camera's picture.
 
-use super::context::{Context, Result};
+use super::context::{Context, Named, Result};
 use super::expressions::call;
 use crate::lang::annotate::{COLOR, MARKS, POINTS, rgb};
 use crate::merge::Merged;
@@ -10,14 +10,10 @@ use fab_program::vocabulary::{ArgValue, Args};
 use fab_program::{Layer, Spot};
 
 /// Builds the layers in order.
-pub(crate) fn check<'a>(
-    merged: &Merged<'a>,
-    context: &mut Context<'a>,
-) -> Vec<(&'a str, Result<Layer>)> {
+pub(crate) fn check<'a>(merged: &Merged<'a>, context: &mut Context<'a>) {
     let layers = merged.annotate().into_iter().flat_map(|part| part.list());
-    layers
-        .map(|declared| (declared.name().text(), layer(declared, context)))
-        .collect()
+    let layers = layers.map(|it| (it.name().text(), layer(it, context)));
+    context.layers = Named(layers.collect());
 }
 
 fn layer(declared: NamedValue<'_>, context: &mut Context<'_>) -> Result<Layer> {

@@ -40,24 +40,14 @@ pub(crate) fn check(
         stage: stage.name().text(),
         role,
         read,
-        fields: fields(context),
+        // Without all of them, no answer can be judged.
+        fields: { context.complete }.map(|()| context.actions.right().cloned().collect()),
     };
     every(
         stage
             .examples()
             .map(|example| one(example, &reader, context)),
     )
-}
-
-/// Returns the fields of the action if all are right; without them no answer can be judged.
-fn fields(context: &Context<'_>) -> Result<Vec<ActionField>> {
-    context.actions.complete?;
-    context
-        .actions
-        .list
-        .iter()
-        .map(|(_, field)| field.clone())
-        .collect()
 }
 
 fn one(

@@ -51,32 +51,27 @@ pub(super) fn check<'a>(
         camera::cloth_is_first(keypoints, merged, context);
     }
     if let Some(part) = merged.actions() {
-        context.actions = actions::check(part, context);
+        actions::check(part, context);
     }
-    context.layers = annotate::check(merged, context);
+    annotate::check(merged, context);
     let subgoals = declared(merged.subgoals(), |it| subgoals::check(it, context));
     let experts = experts::sequences(merged, &subgoals, context);
     let horizon = horizon::check(merged, &subgoals, context);
     let goal = declared(statement("goal"), |it| {
         goal::check(it, merged, &experts, context)
     });
-    let mut prompts = stage::check(merged, context);
-    let demos = merged
-        .demos()
-        .map(|part| demos::check(part, merged, &prompts, context));
-    let verify = verify::check(merged, &mut prompts, context);
+    stage::check(merged, context);
+    let demos = merged.demos().map(|part| demos::check(part, context));
+    let verify = verify::check(merged, context);
     let rehearsal = merged
         .rehearse()
-        .map(|part| rehearse::check(part, merged, &prompts, context));
-    rehearse::candidates(merged, &prompts, context);
+        .map(|part| rehearse::check(part, merged, context));
+    rehearse::candidates(merged, context);
     let bounds = test::Bounds {
         keypoints: keypoints.as_deref().unwrap_or_default(),
         horizon: horizon.unwrap_or_default(),
     };
-    let tests = test::check(merged, &prompts, &bounds, context);
-    let layers = std::mem::take(&mut context.layers).into_iter();
-    let actions = std::mem::take(&mut context.actions.list);
-    let complete = context.actions.complete;
+    let tests = test::check(merged, &bounds, context);
     let (cloth, camera) = (context.cloth.clone(), context.camera.clone());
     let is_whole = is_whole(merged, form, context);
     // Any reported error counts, in whichever part.
@@ -89,9 +84,8 @@ pub(super) fn check<'a>(
     else {
         return Ok(None);
     };
-    complete?;
+    context.complete?;
     let (picker, manner) = picker?.unwrap_or_else(Default::default);
-    let actions = actions.into_iter().map(|(_, field)| field);
     let program = Program {
         format: PROGRAM_FORMAT,
         compiler: env!("CARGO_PKG_VERSION").to_owned(),
@@ -106,10 +100,10 @@ pub(super) fn check<'a>(
         subgoals: subgoals?,
         experts: experts?,
         keypoints: keypoints?,
-        layers: layers.map(|(_, layer)| layer).collect::<Result<_>>()?,
-        actions: actions.collect::<Result<_>>()?,
-        templates: prompts.templates.into_iter().collect::<Result<_>>()?,
-        stages: prompts.stages.into_iter().collect::<Result<_>>()?,
+        layers: context.layers.take()?,
+        actions: context.actions.take()?,
+        templates: context.templates.drain(..).collect::<Result<_>>()?,
+        stages: context.stages.take()?,
         demos: demos.transpose()?.flatten(),
         verify: verify?,
         horizon,

@@ -5,7 +5,6 @@ use super::examples::plain;
 use super::expressions::{pixel, pixel_in_picture};
 use super::names::Meaning;
 use super::quantity::read_whole;
-use super::stage::Prompts;
 use crate::diag::{Code, every};
 use crate::lang::test::{EXPECTATIONS, GIVEN, STEP};
 use crate::merge::{Merged, declared_twice, once, repeated};
@@ -25,7 +24,6 @@ pub(crate) struct Bounds<'p> {
 /// Builds the tests of a task, or those that a variant states itself.
 pub(crate) fn check(
     merged: &Merged<'_>,
-    prompts: &Prompts,
     bounds: &Bounds<'_>,
     context: &mut Context<'_>,
 ) -> Result<Vec<Test>> {
@@ -41,7 +39,7 @@ pub(crate) fn check(
             let diagnostic = declared_twice("test", &name, first, text.span());
             context.error(diagnostic);
         }
-        one(test, merged, prompts, bounds, context)
+        one(test, merged, bounds, context)
     });
     Ok(every(tests)?.into_iter().flatten().collect())
 }
@@ -50,7 +48,6 @@ pub(crate) fn check(
 fn one(
     test: ast::Test<'_>,
     merged: &Merged<'_>,
-    prompts: &Prompts,
     bounds: &Bounds<'_>,
     context: &mut Context<'_>,
 ) -> Declared<Test> {
@@ -75,10 +72,10 @@ fn one(
     });
     let given = self::given(test, bounds, context);
     let answer = plain(reply.text(), context);
-    let stage = answered(reply, merged, prompts, context);
-    let expect =
-        stage.and_then(|stage| self::expect(expect, stage.map(|(_, it)| it), merged, context));
-    let Some((stage, _)) = stage? else {
+    let stage = answered(reply, context)?;
+    let asked = stage.as_ref().map(|(_, asked)| asked);
+    let expect = self::expect(expect, asked, merged, context);
+    let Some((stage, _)) = stage else {
         return Ok(None);
     };
     let (declared_in, line) = context.loaded.place(test.span().file, test.span().start);
@@ -96,18 +93,10 @@ fn one(
 }
 
 /// Finds the stage that the reply answers, by default the last one; `None` in a base without stages.
-fn answered<'p>(
-    reply: Reply<'_>,
-    merged: &Merged<'_>,
-    prompts: &'p Prompts,
-    context: &mut Context<'_>,
-) -> Declared<(usize, &'p Stage)> {
-    match (reply.stage(), prompts.stages.last()) {
-        (Some(name), _) => prompts.stage(name, merged, context).map(Some),
-        (None, Some(last)) => {
-            let last = last.as_ref().map_err(|reported| *reported)?;
-            Ok(Some((prompts.stages.len() - 1, last)))
-        }
+fn answered(reply: Reply<'_>, context: &mut Context<'_>) -> Declared<(usize, Stage)> {
+    match (reply.stage(), context.stages.0.last()) {
+        (Some(name), _) => context.stage(name).map(Some),
+        (None, Some((_, last))) => Ok(Some((context.stages.0.len() - 1, last.clone()?))),
         (None, None) => Ok(None),
     }
 }
