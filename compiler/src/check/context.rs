@@ -8,7 +8,8 @@ use fab_grammar::Span;
 use fab_grammar::ast::{Expr, Name};
 use fab_program::vocabulary::Word;
 use fab_program::{
-    ActionField, Camera, Cloth, Colour, Face, Layer, Material, Sequence, Stage, Template,
+    ActionField, Camera, Cloth, Colour, Face, Keypoint, Layer, Material, Sequence, Stage, Subgoals,
+    Template,
 };
 use std::collections::BTreeMap;
 
@@ -41,6 +42,10 @@ pub(crate) struct Context<'a> {
     /// The grid that replaces every declared one, if the caller gave one.
     pub grid: Option<[u32; 2]>,
     pub camera: Declared<Camera>,
+    pub subgoals: Declared<Subgoals>,
+    /// The most steps.
+    pub horizon: Declared<u32>,
+    pub keypoints: Result<Vec<Keypoint>>,
     /// How many keypoints may be named: an extractor uses those above its own.
     pub n_keypoints: usize,
     pub actions: Named<'a, ActionField>,
@@ -93,6 +98,9 @@ impl<'a> Context<'a> {
             cloth: Ok(None),
             grid: None,
             camera: Ok(None),
+            subgoals: Ok(None),
+            horizon: Ok(None),
+            keypoints: Ok(Vec::new()),
             n_keypoints: usize::MAX,
             actions: Named(Vec::new()),
             complete: Ok(()),

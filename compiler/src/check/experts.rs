@@ -1,6 +1,6 @@
 //! `experts NAME { sequence { … } }`: the fold sequences that count as right.
 
-use super::context::{Context, Declared, Result};
+use super::context::{Context, Result};
 use super::folds;
 use crate::diag::{Code, every};
 use crate::merge::Merged;
@@ -22,13 +22,9 @@ pub(crate) fn check(list: Experts<'_>, context: &mut Context<'_>) -> Result<Vec<
 }
 
 /// Returns the sequences that count as right for a task: the named experts', or else the demonstration.
-pub(crate) fn sequences(
-    merged: &Merged<'_>,
-    subgoals: &Declared<Subgoals>,
-    context: &mut Context<'_>,
-) -> Result<Vec<Sequence>> {
+pub(crate) fn sequences(merged: &Merged<'_>, context: &mut Context<'_>) -> Result<Vec<Sequence>> {
     let Some(named) = merged.experts() else {
-        return Ok(match subgoals {
+        return Ok(match &context.subgoals {
             Ok(Some(Subgoals::Demonstrate { folds })) => vec![Sequence {
                 folds: folds.clone(),
             }],

@@ -43,20 +43,18 @@ pub(super) fn check<'a>(
     if let Ok(Some((_, manner))) = &picker {
         picker::stated_once(manner, merged, context);
     }
-    let keypoints = keypoints::check(merged, context);
-    if let (Some(seen), Ok(keypoints)) = (statement("camera"), &keypoints) {
-        camera::masks_see_cloth(seen, keypoints, merged, context);
+    context.keypoints = keypoints::check(merged, context);
+    if let Some(seen) = statement("camera") {
+        camera::masks_see_cloth(seen, merged, context);
     }
-    if let Ok(keypoints) = &keypoints {
-        camera::cloth_is_first(keypoints, merged, context);
-    }
+    camera::cloth_is_first(merged, context);
     if let Some(part) = merged.actions() {
         actions::check(part, context);
     }
     annotate::check(merged, context);
-    let subgoals = declared(merged.subgoals(), |it| subgoals::check(it, context));
-    let experts = experts::sequences(merged, &subgoals, context);
-    let horizon = horizon::check(merged, &subgoals, context);
+    context.subgoals = declared(merged.subgoals(), |it| subgoals::check(it, context));
+    let experts = experts::sequences(merged, context);
+    context.horizon = horizon::check(merged, context);
     let goal = declared(statement("goal"), |it| {
         goal::check(it, merged, &experts, context)
     });
@@ -67,11 +65,7 @@ pub(super) fn check<'a>(
         .rehearse()
         .map(|part| rehearse::check(part, merged, context));
     rehearse::candidates(merged, context);
-    let bounds = test::Bounds {
-        keypoints: keypoints.as_deref().unwrap_or_default(),
-        horizon: horizon.unwrap_or_default(),
-    };
-    let tests = test::check(merged, &bounds, context);
+    let tests = test::check(merged, context);
     let (cloth, camera) = (context.cloth.clone(), context.camera.clone());
     let is_whole = is_whole(merged, form, context);
     // Any reported error counts, in whichever part.
@@ -80,7 +74,8 @@ pub(super) fn check<'a>(
     form?;
     // Only now, because a check that did not parse would seem to be dropped.
     verify::dropped(merged, context.report);
-    let (Some(cloth), Some(camera), Some(horizon), true) = (cloth?, camera?, horizon?, is_whole)
+    let (Some(cloth), Some(camera), Some(horizon), true) =
+        (cloth?, camera?, context.horizon?, is_whole)
     else {
         return Ok(None);
     };
@@ -97,9 +92,9 @@ pub(super) fn check<'a>(
         camera,
         picker,
         manner,
-        subgoals: subgoals?,
+        subgoals: context.subgoals.clone()?,
         experts: experts?,
-        keypoints: keypoints?,
+        keypoints: context.keypoints.clone()?,
         layers: context.layers.take()?,
         actions: context.actions.take()?,
         templates: context.templates.drain(..).collect::<Result<_>>()?,
