@@ -9,12 +9,8 @@ use fab_program::{Demos, Read};
 
 /// Reads which demonstrations a stage uses; `None` in a base without stages.
 pub(crate) fn check(part: ast::Demos<'_>, context: &mut Context<'_>) -> Declared<Demos> {
-    let file = files::named(
-        part.file(),
-        "demonstrations",
-        Wanted::Demonstrations,
-        context,
-    );
+    let (file, wanted) = (part.file(), Wanted::Demonstrations);
+    let file = files::named(file, "demonstrations", wanted, context);
     if context.stages.0.is_empty() {
         return file.map(|_| None);
     }
