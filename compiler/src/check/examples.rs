@@ -43,11 +43,7 @@ pub(crate) fn check(
         // Without all of them, no answer can be judged.
         fields: { context.complete }.map(|()| context.actions.right().cloned().collect()),
     };
-    every(
-        stage
-            .examples()
-            .map(|example| one(example, &reader, context)),
-    )
+    every({ stage.examples() }.map(|example| one(example, &reader, context)))
 }
 
 fn one(
@@ -95,11 +91,8 @@ fn images(
     }
     let places = example.images().map(Image::span);
     context.at_most(MAX_IMAGES, places, "an example", "images")?;
-    every(
-        example
-            .images()
-            .map(|image| files::named(image.path(), "an image", Wanted::Picture, context)),
-    )
+    let image = |it: Image<'_>| files::named(it.path(), "an image", Wanted::Picture, context);
+    every(example.images().map(image))
 }
 
 fn words(text: Text<'_>, context: &mut Context<'_>) -> Result<LiteralText> {

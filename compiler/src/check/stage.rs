@@ -135,16 +135,12 @@ struct Built {
 
 impl<'a> Builder<'_, 'a, '_> {
     fn stage(&mut self, number: usize, stage: ast::Stage<'a>) -> Result<program::Stage> {
-        let model = once(
-            stage.model(),
-            "model",
-            ast::Model::span,
-            self.context.report,
-        );
-        let show = once(stage.show(), "show", ast::Show::span, self.context.report);
-        let say = once(stage.say(), "say", Sayings::span, self.context.report);
-        let system = once(stage.system(), "system", Sayings::span, self.context.report);
-        let read = once(stage.read(), "read", ast::Read::span, self.context.report);
+        let report = &mut *self.context.report;
+        let model = once(stage.model(), "model", ast::Model::span, report);
+        let show = once(stage.show(), "show", ast::Show::span, report);
+        let say = once(stage.say(), "say", Sayings::span, report);
+        let system = once(stage.system(), "system", Sayings::span, report);
+        let read = once(stage.read(), "read", ast::Read::span, report);
         let (Some(model), Some(say), Some(read)) = (model, say, read) else {
             let lines = [
                 ("model", model.is_some()),
