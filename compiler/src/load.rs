@@ -331,7 +331,8 @@ impl Reading<'_> {
 
 /// Reports the characters of a file that a reader does not see.
 fn hidden_characters(text: &str, file: FileId, report: &mut Report) {
-    for (at, character) in text.char_indices().filter(|(_, it)| is_hidden(*it)) {
+    let hidden = || text.char_indices().filter(|(_, it)| is_hidden(*it));
+    for (at, character) in hidden().take(MAX_FINDINGS) {
         let shown = character.escape_unicode();
         let what = if turns_writing(character) {
             "turns the direction of writing"
@@ -343,6 +344,7 @@ fn hidden_characters(text: &str, file: FileId, report: &mut Report) {
         let diagnostic = Diagnostic::new(Code::ControlCharacter, span, message);
         report.error(diagnostic.help("remove it"));
     }
+    report.count_further(hidden().count().saturating_sub(MAX_FINDINGS), file);
 }
 
 /// Returns the names of a file, except where one declares a constant, a keypoint or a material.

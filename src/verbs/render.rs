@@ -40,7 +40,7 @@ pub struct RenderArguments {
     pub step: u32,
     /// Points by keypoint name, as JSON: `{"corners": [[u, v], …], "center": [[u, v]]}`, instead of a camera's.
     #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath)]
-    #[cfg_attr(feature = "runtime", arg(conflicts_with_all = ["start", "model", "marks"]))]
+    #[cfg_attr(feature = "runtime", arg(conflicts_with_all = ["start", "dims", "up", "model", "models", "marks"]))]
     pub scene: Option<PathBuf>,
     #[cfg(feature = "runtime")]
     #[command(flatten)]

@@ -79,9 +79,9 @@ fn silk_folds_at_4_mm_and_its_bends_are_met_there() {
     };
     let said = described(0.004);
     assert_eq!(said.code, 0, "{}", said.stderr);
-    let said = described(0.00625);
+    let said = described(0.0044);
     assert_eq!(said.code, 2, "{}", said.stdout);
-    let words = "the particles of the start `start.npy` are 6.25 mm apart, and those of the task's cloth 4 mm; the task would state `spacing: 6.25mm`";
+    let words = "the particles of the start `start.npy` are 4.4 mm apart, and those of the task's cloth 4 mm; the task would state `spacing: 4.4mm`";
     assert!(said.stderr.contains(words), "{}", said.stderr);
 }
 

@@ -128,7 +128,7 @@ fn explain_tells_of_every_code_and_refuses_others() {
     for entry in fab_compiler::diag::CODES {
         let said = finish(fabc(folder.path()).args(["explain", entry.code.as_str()]));
         assert_eq!(said.code, 0);
-        assert!(said.stdout.contains(entry.title) && said.stdout.contains(entry.explanation));
+        assert!(said.stdout.contains(entry.title()) && said.stdout.contains(&*entry.explanation()));
     }
     let said = finish(fabc(folder.path()).args(["explain", "F9999"]));
     assert_eq!(said.code, 64);

@@ -81,6 +81,7 @@ pub mod nearest;
 pub mod pointing;
 pub mod render;
 pub mod reply;
+pub mod samples;
 pub mod scene;
 pub mod space;
 pub mod test;

@@ -9,10 +9,18 @@ use fab_program::Depends;
 use fab_program::vocabulary::{ArgValue, Args};
 use fab_program::{Layer, Spot};
 
+/// The most layers.
+const MAX_LAYERS: usize = 32;
+
 /// Builds the layers in order.
 pub(crate) fn check<'a>(merged: &Merged<'a>, context: &mut Context<'a>) {
-    let layers = merged.annotate().into_iter().flat_map(|part| part.list());
-    let layers = layers.map(|it| (it.name().text(), layer(it, context)));
+    let layers = || merged.annotate().into_iter().flat_map(|part| part.list());
+    let places = layers().map(|declared| declared.name().span());
+    let within = context.at_most(MAX_LAYERS, places, "a task", "layers");
+    let layers = layers().map(|declared| {
+        let layer = within.and_then(|()| layer(declared, context));
+        (declared.name().text(), layer)
+    });
     context.layers = Named(layers.collect());
 }
 

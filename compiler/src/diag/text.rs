@@ -10,6 +10,12 @@ use std::borrow::Cow;
 /// The most findings that are written; the rest are counted.
 const MOST: usize = 100;
 
+/// The most bytes of source shown for one finding.
+const MOST_BYTES: usize = 4096;
+
+/// Bytes shown on each side of a location in a line that is too long to show whole.
+const AROUND: usize = 40;
+
 /// Whether the text is coloured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Color {
@@ -79,13 +85,24 @@ fn excerpt<'d>(
     let others = diagnostic.labels.iter();
     let others = others.map(|it| (it.span, it.text.as_str(), AnnotationKind::Context));
     let marks = std::iter::once(main).chain(others);
-    let marks: Vec<(Span, &str, AnnotationKind)> =
+    let mut marks: Vec<(Span, &str, AnnotationKind)> =
         marks.filter(|(span, ..)| span.file == file).collect();
     let first = marks.iter().map(|(span, ..)| span.start).min();
     let last = marks.iter().map(|(span, ..)| span.end).max();
     // Only these lines: a large file must not be searched again for each finding.
-    let start = line_start(&source.text, first.unwrap_or(0));
-    let shown = &source.text[start..line_end(&source.text, last.unwrap_or(0))];
+    let text = source.text.as_str();
+    let mut start = line_start(text, first.unwrap_or(0));
+    let mut end = line_end(text, last.unwrap_or(0));
+    if end - start > MOST_BYTES {
+        marks.truncate(1);
+        for (span, ..) in &mut marks {
+            span.end = text.floor_char_boundary(span.end.min(span.start + MOST_BYTES));
+            let from = text.floor_char_boundary(span.start.saturating_sub(AROUND));
+            start = line_start(text, span.start).max(from);
+            end = line_end(text, span.end).min(text.floor_char_boundary(span.end + AROUND));
+        }
+    }
+    let shown = &text[start..end];
     // Where a byte is in the text that is shown.
     let place = |byte: usize| escaped(&shown[..(byte - start).min(shown.len())]).len();
     let annotations = marks.iter().map(|(span, text, kind)| {

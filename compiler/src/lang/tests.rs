@@ -1,11 +1,9 @@
 //! Each row is whole and there once.
 
 use super::{annotate, calls, material, rehearse, vocabulary};
+use fab_program::samples;
 use fab_program::vocabulary::CallOf;
 use std::collections::BTreeSet;
-
-#[path = "../../program/tests/suite/samples.rs"]
-mod samples;
 
 fn makes<T>(rows: &[CallOf<T>]) {
     for row in rows {

@@ -138,7 +138,7 @@ mistakes! {
     ["in" "half"] In("fold"), Nothing, "say what moves where: `fold corner(back_left) -> center`";
     ["WORD"] After("given last"), Nothing, "a point joins the names: `given last.pick`";
     ["WORD" "NUMBER" "TEXT" "-"] ExpectingOnly("`=`"), MayInsert("= "), "write `=` before it";
-    ["NUMBER"] Expecting("`)`"), MayInsert(": "), "an argument's name is followed by `:`";
+    ["NUMBER"] Expecting("`)`"), Nothing, "write `:` behind an argument's name, and `,` between arguments";
     [")" "}"] After(","), Nothing, "remove the comma before it";
     // Changes to what a task inherits, rehearsals and stages.
     ["when"] In("say"), Nothing, "state the condition where the text is declared: `component NAME when … \"…\"`";

@@ -99,7 +99,8 @@ fn reasons(left: &Compiled, named: &[String]) -> BTreeMap<String, String> {
     counts.into_iter().filter_map(reason).collect()
 }
 
-/// Returns whether a file is marked as read-only; it is replaced by renaming, which would succeed anyway.
+/// Returns whether a file may not be written; it is replaced by renaming, which could succeed anyway.
 fn is_read_only(path: &Path) -> bool {
-    fs::metadata(path).is_ok_and(|it| it.permissions().readonly())
+    let is_marked = fs::metadata(path).is_ok_and(|it| it.permissions().readonly());
+    is_marked || fs::OpenOptions::new().append(true).open(path).is_err()
 }

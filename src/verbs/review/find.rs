@@ -140,9 +140,9 @@ impl Pending {
     /// Names the files of the accepted and the proposed picture, for a viewer of pictures.
     pub fn pictures_to_look_at(&self) -> Option<String> {
         let proposed = self.file.as_ref()?.display();
-        match &self.accepted {
-            None => Some(proposed.to_string()),
-            Some(_) => {
+        match self.accepted.as_ref().map(|it| &it.contents) {
+            None | Some(Contents::Text(_)) => Some(proposed.to_string()),
+            Some(Contents::Picture(_)) => {
                 let accepted = self.folder.file(&self.name, Side::Accepted);
                 Some(format!("{} -> {proposed}", picture_of(&accepted).display()))
             }

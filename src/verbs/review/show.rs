@@ -45,7 +45,9 @@ pub fn group(group: &Group, pending: &[Pending], color: Color) -> String {
     if let Some(tokens) = group.tokens {
         let change = tokens.after as i64 - tokens.before as i64;
         let questions = counted(group.members.len(), "question");
-        page.plain(&format!("tokens (estimated): {change:+} over {questions}"));
+        page.plain(&format!(
+            "tokens of whole texts (estimated): {change:+} over {questions}"
+        ));
     }
     page.lines.join("\n")
 }

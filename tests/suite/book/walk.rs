@@ -337,6 +337,9 @@ struct Files<'w> {
     text: String,
 }
 
+/// What the examples of diagnostics find beside them.
+const EXAMPLES: fab_compiler::explain::Files<'static> = fab_compiler::explain::Files("");
+
 impl Loader for Files<'_> {
     fn load(&self, name: &str) -> Result<String, LoadError> {
         if name == self.name {
@@ -350,16 +353,16 @@ impl Loader for Files<'_> {
         }
     }
 
-    fn look(&self, path: &str, _wanted: Wanted) -> Listed {
-        fab_compiler::explain::look(path)
+    fn look(&self, path: &str, wanted: Wanted) -> Listed {
+        EXAMPLES.look(path, wanted)
     }
 
     fn trial(&self, title: &str) -> Option<fab_program::Trial> {
-        fab_compiler::explain::trial(title)
+        EXAMPLES.trial(title)
     }
 
     fn refuses_cloth(&self, material: &fab_program::Material, spacing_m: f64) -> Option<String> {
-        fab_compiler::explain::refuses_cloth(material, spacing_m)
+        EXAMPLES.refuses_cloth(material, spacing_m)
     }
 }
 

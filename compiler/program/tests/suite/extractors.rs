@@ -1,8 +1,7 @@
 //! The rows of extractors.
 
-use crate::samples;
 use fab_program::vocabulary::ArgValue;
-use fab_program::{EXTRACTORS, Extractor};
+use fab_program::{EXTRACTORS, Extractor, samples};
 
 #[test]
 fn every_extractor_is_made_from_the_arguments_that_its_row_declares() {

@@ -13,7 +13,6 @@ mod linear;
 mod manner;
 mod measures;
 mod page;
-mod samples;
 #[path = "../spaces/mod.rs"]
 mod spaces;
 mod statements;

@@ -1,8 +1,7 @@
 //! The rows of measures.
 
-use crate::samples;
 use fab_program::measures::{MEASURES, Measure};
-use fab_program::{Depends, Length, Point, PointMeasure};
+use fab_program::{Depends, Length, Point, PointMeasure, samples};
 
 #[test]
 fn every_measure_is_made_from_the_arguments_that_its_row_declares() {

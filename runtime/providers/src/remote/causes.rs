@@ -169,20 +169,30 @@ const CAUSES: &[Cause] = &[
                 [one] => format!("no key was sent, since `{one}` is not set"),
                 _ => format!("no key was sent, since none of {} is set", quoted(names)),
             };
-            let name = names.first().map_or("NAME", String::as_str);
-            (
-                cause,
-                format!("set it in the environment or the file of keys: `export {name}=…`"),
-            )
+            let help = match names.first() {
+                Some(name) => {
+                    format!("set it in the environment or the file of keys: `export {name}=…`")
+                }
+                None => {
+                    "give the provider `key_env = [\"NAME\"]` in a file of facts (`--models FILE`)"
+                        .to_owned()
+                }
+            };
+            (cause, help)
         },
     },
     Cause {
         applies: |e| e.fault == Fault::NotAuthorised,
         words: |e| {
             let key = e.sent.settings.key.as_ref();
+            let master = if e.says(&["no_db_connection"]) {
+                "; a LiteLLM proxy without a database takes its master key alone"
+            } else {
+                ""
+            };
             (
                 format!(
-                    "the server at `{}` does not accept the key from `{}`",
+                    "the server at `{}` does not accept the key from `{}`{master}",
                     authority(e),
                     key.map_or("", |key| key.name())
                 ),
@@ -250,6 +260,14 @@ const CAUSES: &[Cause] = &[
     Cause {
         applies: |e| matches!(e.status(), Some(404 | 405)),
         words: |e| {
+            let chat = if e.sent.settings.wire == Wire::OpenaiResponses {
+                format!(
+                    "; ask through Chat Completions: `--model openai-chat:{}`",
+                    e.sent.settings.model
+                )
+            } else {
+                String::new()
+            };
             (
                 format!(
                     "the server has no `{}`: its interface lies elsewhere, or is not {}",
@@ -257,7 +275,7 @@ const CAUSES: &[Cause] = &[
                     interface(e.sent.settings.wire)
                 ),
                 format!(
-                    "check the base URL {}, or choose the provider whose interface the server speaks (`fabc models --help`)",
+                    "check the base URL {}, or choose the provider whose interface the server speaks (`fabc models --help`){chat}",
                     base_url(e)
                 ),
             )
@@ -372,6 +390,15 @@ const CAUSES: &[Cause] = &[
         applies: |e| e.fault == Fault::InvalidReply,
         words: |e| {
             let expected = interface(e.sent.settings.wire);
+            let kind = e
+                .received()
+                .and_then(|it| it.incoming.content_type.as_deref());
+            if kind.is_some_and(|kind| kind.contains("event-stream")) {
+                return (
+                    "the server streams its answer, though no stream was asked for".to_owned(),
+                    "turn forced streaming off in the server or the gateway".to_owned(),
+                );
+            }
             let cause = match other_interface(e) {
                 Some(other) => {
                     format!("the reply has the form of {other}, and {expected} was expected")

@@ -153,18 +153,16 @@ fn replies() -> Vec<Case> {
 /// What single servers answer in their own words.
 fn servers() -> Vec<Case> {
     vec![
-        // vLLM 0.33.0, PyPI's source package: vllm/entrypoints/serve/middleware/authenticate.py.
-        // vllm/entrypoints/serve/engine/serving.py and protocol.py (ErrorInfo).
-        // vllm/renderers/params.py.
+        // vLLM 0.33.0, PyPI's source package: vllm/renderers/params.py.
         case("vllm_context", "400 Bad Request", "json", r#"{"error":{"message":"This model's maximum context length is 4096 tokens. However, your prompt contains 90000 characters (more than 65536 characters, which is the upper bound for 4096 input tokens). Please reduce the length of the input prompt.","type":"BadRequestError","param":"input_text","code":400}}"#),
         // vllm/multimodal/processing/context.py.
         case("vllm_pictures", "400 Bad Request", "json", r#"{"error":{"message":"At most 1 image(s) may be provided in one prompt. Set `--limit-mm-per-prompt` to increase this limit.","type":"BadRequestError","param":"image","code":400}}"#),
         // Ollama's own form of an error is a string (ollama 0.6.3 from PyPI, ollama/_types.py: ResponseError).
         case("ollama_model", "404 Not Found", "json", r#"{"error":"model \"a-model\" not found, try pulling it first"}"#)
             .lists(r#"{"object":"list","data":null}"#),
-        // llama.cpp, as served by xllamacpp 2026.10.11549 from PyPI; `peer_llamacpp` plays these with the server itself.
+        // llama.cpp, as served by xllamacpp 2026.10.11549 from PyPI; `peer_llamacpp` plays it with the server itself.
         case("llamacpp_context", "400 Bad Request", "json", r#"{"error":{"code":400,"message":"request (9026 tokens) exceeds the available context size (2048 tokens), try increasing it","type":"exceed_context_size_error","n_prompt_tokens":9026,"n_ctx":2048}}"#),
-        // LiteLLM's proxy, litellm[proxy] 1.106.2 from PyPI without a database; `peer_litellm` plays the first with the proxy itself.
+        // LiteLLM's proxy, litellm[proxy] 1.106.2 from PyPI without a database; `peer_litellm` plays it with the proxy itself.
         case("litellm_wrong_key", "400 Bad Request", "json", r#"{"error":{"message":"No connected db.","type":"no_db_connection","param":null,"code":"400"}}"#)
             .keys(&["LITELLM_API_KEY"], KeySent::Yes),
     ]

@@ -221,17 +221,25 @@ fn state_in(path: &Path) -> Result<PathBuf, StartError> {
     if !path.is_dir() {
         return Ok(path.to_owned());
     }
-    let steps = (1_u32..).map(|step| path.join(format!("step_{step}")));
-    let states = steps.take_while(|step| step.is_dir());
-    let states = states.map(|step| step.join(RUN_STATE));
-    let start = path.join(RUN_START).with_extension("npy");
-    let mut all = std::iter::once(start).chain(states).collect::<Vec<_>>();
-    all.retain(|file| file.is_file());
-    all.pop().ok_or_else(|| StartError::Unreadable {
+    let unreadable = |why: String| StartError::Unreadable {
         path: path.to_owned(),
-        why: "it is a folder, and holds no run of `fabc run`; expected its folder, or a .npy file"
-            .to_owned(),
-    })
+        why,
+    };
+    let steps = (1_u32..).map(|step| path.join(format!("step_{step}")));
+    match steps.take_while(|step| step.is_dir()).last() {
+        Some(last) if last.join(RUN_STATE).is_file() => Ok(last.join(RUN_STATE)),
+        Some(last) => Err(unreadable(format!(
+            "`{}` holds no `{RUN_STATE}`: the world of that run does not know its particles",
+            last.display()
+        ))),
+        None if path.join(RUN_START).with_extension("npy").is_file() => {
+            Ok(path.join(RUN_START).with_extension("npy"))
+        }
+        None => Err(unreadable(
+            "it is a folder, and holds no run of `fabc run`; expected its folder, or a .npy file"
+                .to_owned(),
+        )),
+    }
 }
 
 fn read_positions(path: &Path) -> Result<Vec<[f64; 3]>, StartError> {

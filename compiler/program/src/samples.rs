@@ -1,8 +1,12 @@
-//! Makes arguments that fit a signature from its kinds alone. Every row is checked against its declaration with them.
+//! Makes arguments that fit a signature from its kinds alone. Tests use them to check every row against its
+//! declaration.
 
-use fab_program::units;
-use fab_program::vocabulary::{Arg, ArgValue, Args, Default, Kind, Signature};
-use fab_program::{ClothPoint, End, Heading, PixelPoint, Point, Spot};
+use crate::data::annotate::Spot;
+use crate::data::camera::PixelPoint;
+use crate::data::folds::ClothPoint;
+use crate::data::points::{End, Heading, Point};
+use crate::units;
+use crate::vocabulary::{Arg, ArgValue, Args, Default, Kind, Signature};
 
 /// Returns two sets of arguments: with every argument given, and with defaults for the optional ones.
 pub fn of(signature: &Signature) -> [Args; 2] {
