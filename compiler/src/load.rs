@@ -8,7 +8,7 @@ use crate::diag::{Code, Diagnostic, MAX_FINDINGS, Report, Reported};
 use crate::loader::{LoadError, Loader};
 use crate::path;
 use crate::syntax;
-use fab_grammar::ast::{Experts, Material, Task};
+use fab_grammar::ast::{Experts, File, Material, Task};
 use fab_grammar::{FileId, Kind, Node, Sources, Span, Tree};
 use fab_program::invisible::{is_hidden, turns_writing};
 use std::collections::{BTreeMap, BTreeSet};
@@ -34,18 +34,10 @@ struct Parsed {
     is_malformed: bool,
 }
 
-/// The views of one file.
-pub(crate) struct LoadedFile<'a> {
-    pub id: FileId,
-    pub experts: Vec<Experts<'a>>,
-    pub materials: Vec<Material<'a>>,
-    pub tasks: Vec<Task<'a>>,
-}
-
 /// Every file of a compilation, and which files each one sees.
 pub(crate) struct Loaded<'a> {
     texts: &'a Texts,
-    pub files: Vec<LoadedFile<'a>>,
+    pub files: Vec<File<'a>>,
     /// The first declaration of each name in each file, by its kind.
     declared: BTreeMap<(FileId, Kind, &'a str), Node<'a>>,
     /// The tasks that others extend, by the spans of their names.
@@ -58,19 +50,9 @@ pub(crate) struct Loaded<'a> {
 impl<'a> Loaded<'a> {
     /// Views the files of `texts`.
     pub fn of(texts: &'a Texts, loader: &'a dyn Loader) -> Loaded<'a> {
-        let files = texts.parsed.iter().map(|parsed| {
-            let file = parsed.tree.view();
-            LoadedFile {
-                id: file.span().file,
-                tasks: file.tasks().collect(),
-                experts: file.experts().collect(),
-                materials: file.materials().collect(),
-            }
-        });
-        let files: Vec<LoadedFile<'a>> = files.collect();
+        let files: Vec<File<'a>> = { texts.parsed.iter() }.map(|it| it.tree.view()).collect();
         let mut declared = BTreeMap::new();
-        let roots = texts.parsed.iter().map(|parsed| parsed.tree.root());
-        for node in roots.flat_map(Node::children) {
+        for node in files.iter().flat_map(|file| file.node().children()) {
             let head = node.child(Kind::Head);
             if let Some(name) = head.and_then(|head| head.child(Kind::Name)) {
                 let key = (node.span().file, node.kind(), name.text());
@@ -87,8 +69,8 @@ impl<'a> Loaded<'a> {
                 .flat_map(|it| used(&it.tree))
                 .collect(),
         };
-        let tasks = loaded.files.iter().flat_map(|file| &file.tasks);
-        let bases = tasks.filter_map(|task| task.extends());
+        let tasks = loaded.files.iter().flat_map(|file| file.tasks());
+        let bases = tasks.filter_map(Task::extends);
         let bases = bases.filter_map(|base| loaded.task(base.span().file, base.text()));
         loaded.extended = bases.map(|task| task.name().span()).collect();
         loaded
@@ -127,19 +109,20 @@ impl<'a> Loaded<'a> {
     }
 
     /// Returns the files whose declarations `file` sees, in the order in which they were read.
-    pub fn visible_from(&self, file: FileId) -> impl Iterator<Item = &LoadedFile<'a>> {
+    pub fn visible_from(&self, file: FileId) -> impl Iterator<Item = File<'a>> {
         let seen = self.parsed(file).reach.iter();
-        seen.map(|seen| &self.files[seen.index()])
+        seen.map(|seen| self.files[seen.index()])
     }
 
     /// Returns the files whose names and types are checked.
-    pub fn well_formed(&self) -> impl Iterator<Item = &LoadedFile<'a>> {
-        self.files.iter().filter(|file| !self.is_malformed(file.id))
+    pub fn well_formed(&self) -> impl Iterator<Item = File<'a>> {
+        let files = self.files.iter().copied();
+        files.filter(|file| !self.is_malformed(file.span().file))
     }
 
     /// Returns the entry file.
-    pub fn entry(&self) -> &LoadedFile<'a> {
-        &self.files[0]
+    pub fn entry(&self) -> File<'a> {
+        self.files[0]
     }
 
     /// Returns whether `file` sees a file with an error of form, itself or another, or lacks one. Its names and types are

@@ -1,9 +1,9 @@
 //! `actions { pick: one of corners … }`: the fields of an answer, and the choices of each.
 
-use super::context::{Context, Fields, Result};
+use super::context::{Context, Named, Result};
 use super::expressions::{fixed_deg, keypoint, wrong_kind};
 use super::names::Meaning;
-use super::quantity::{measured, no_unit, quantity_of, read, unit as unit_of};
+use super::quantity::{measured, no_unit, quantity_of, read, unit as unit_of, usual_unit};
 use crate::diag::{Code, Diagnostic, Reported, every, nearest};
 use crate::lang::actions::{ChoiceKind, FIELDS, FieldRow, field as moving_field};
 use fab_grammar::Span;
@@ -21,7 +21,7 @@ const MAX_FIELDS: usize = 16;
 const MAX_CHOICES: usize = 256;
 
 /// Builds the action space.
-pub(crate) fn check<'a>(part: Actions<'a>, context: &mut Context<'a>) -> Fields<'a> {
+pub(crate) fn check<'a>(part: Actions<'a>, context: &mut Context<'a>) {
     let places = part.fields().map(|field| field.name().span());
     let within = context.at_most(MAX_FIELDS, places, "an action", "fields");
     let fields = part.fields().map(|field| {
@@ -38,7 +38,7 @@ pub(crate) fn check<'a>(part: Actions<'a>, context: &mut Context<'a>) -> Fields<
             complete = Err(context.error(fault));
         }
     }
-    Fields { list, complete }
+    (context.actions, context.complete) = (Named(list), complete);
 }
 
 /// Reports fields that do not make a complete action: one is missing, or two contradict each other.
@@ -134,7 +134,7 @@ fn kind(choice: Expr<'_>, row: Option<&FieldRow>, context: &mut Context<'_>) -> 
         let kind = row.map_or(ChoiceKind::Lengths, |row| row.choices);
         let diagnostic = no_unit(choice, &format!("one of {}", kind.noun()), context);
         let or_words = row.map_or(", or words in quotes", |_| "");
-        let (written, unit) = (context.written(choice.span()), kind.usual_unit());
+        let (written, unit) = (context.written(choice.span()), usual_unit(kind.dimension()));
         return Err(context.error(diagnostic.help(format!("write `{written}{unit}`{or_words}"))));
     };
     Ok(ChoiceKind::of(unit_of(quantity, unit, context)?.dimension))

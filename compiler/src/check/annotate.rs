@@ -1,6 +1,6 @@
 //! `annotate { corner_dots = dot(corners, color: blue) … }`: what is drawn on the camera's picture.
 
-use super::context::{Context, Result};
+use super::context::{Context, Named, Result};
 use super::expressions::call;
 use crate::lang::annotate::{COLOR, MARKS, POINTS, rgb};
 use crate::merge::Merged;
@@ -13,10 +13,7 @@ use fab_program::{Layer, Spot};
 const MAX_LAYERS: usize = 32;
 
 /// Builds the layers in order.
-pub(crate) fn check<'a>(
-    merged: &Merged<'a>,
-    context: &mut Context<'a>,
-) -> Vec<(&'a str, Result<Layer>)> {
+pub(crate) fn check<'a>(merged: &Merged<'a>, context: &mut Context<'a>) {
     let layers = || merged.annotate().into_iter().flat_map(|part| part.list());
     let places = layers().map(|declared| declared.name().span());
     let within = context.at_most(MAX_LAYERS, places, "a task", "layers");
@@ -24,7 +21,7 @@ pub(crate) fn check<'a>(
         let layer = within.and_then(|()| layer(declared, context));
         (declared.name().text(), layer)
     });
-    layers.collect()
+    context.layers = Named(layers.collect());
 }
 
 fn layer(declared: NamedValue<'_>, context: &mut Context<'_>) -> Result<Layer> {

@@ -7,7 +7,7 @@ use crate::lang::calls::CAMERAS;
 use crate::merge::Merged;
 use fab_grammar::ast::Statement;
 use fab_program::exact::written;
-use fab_program::{Camera, Extractor, Keypoint, KeypointShape, RECORDED_HEIGHT_M};
+use fab_program::{Camera, Extractor, KeypointShape, RECORDED_HEIGHT_M};
 
 /// Reads where the camera is, and what it sees.
 pub(crate) fn check(statement: Statement<'_>, context: &mut Context<'_>) -> Result<Camera> {
@@ -40,13 +40,8 @@ pub(crate) fn fits_cloth(laid: Statement<'_>, seen: Statement<'_>, context: &mut
 const CLEAR_OF_TABLE: f64 = 0.8;
 
 /// Warns of a depth limit so near to the camera that a flat cloth is not in the mask, as after raising the camera.
-pub(crate) fn masks_see_cloth(
-    seen: Statement<'_>,
-    keypoints: &[Keypoint],
-    merged: &Merged<'_>,
-    context: &mut Context<'_>,
-) {
-    let Ok(Some(camera)) = &context.camera else {
+pub(crate) fn masks_see_cloth(seen: Statement<'_>, merged: &Merged<'_>, context: &mut Context<'_>) {
+    let (Ok(Some(camera)), Ok(keypoints)) = (&context.camera, &context.keypoints) else {
         return;
     };
     // A base without a cloth is judged by the recorded one.
@@ -56,17 +51,16 @@ pub(crate) fn masks_see_cloth(
     };
     let (height_m, flat_m) = (camera.height_m, camera.height_m - cloth_m);
     let masks = keypoints.iter().filter_map(|it| match it.extractor {
-        Extractor::DepthMask { below_m } => Some((it, below_m)),
+        Extractor::DepthMask { below_m } => Some((it.name.clone(), below_m)),
         _ => None,
     });
-    let masks: Vec<(&Keypoint, f64)> = masks.collect();
+    let masks: Vec<(String, f64)> = masks.collect();
     // A second mask may be meant for what is above the cloth. A limit at the cloth's own depth excludes it.
     if masks.iter().any(|(_, below_m)| *below_m > flat_m) {
         return;
     }
-    for (keypoint, below_m) in masks {
-        let name = &keypoint.name;
-        let Some(declared) = merged.keypoints.get(name) else {
+    for (name, below_m) in masks {
+        let Some(declared) = merged.keypoints.get(&name) else {
             continue;
         };
         let right_m = height_m - CLEAR_OF_TABLE * cloth_m;
@@ -89,13 +83,10 @@ pub(crate) fn masks_see_cloth(
 }
 
 /// Warns if another mask than the one of that name is the task's cloth.
-pub(crate) fn cloth_is_first(
-    keypoints: &[Keypoint],
-    merged: &Merged<'_>,
-    context: &mut Context<'_>,
-) {
+pub(crate) fn cloth_is_first(merged: &Merged<'_>, context: &mut Context<'_>) {
     const NAME: &str = "cloth";
-    let masks = { keypoints.iter() }.filter(|it| it.extractor.shape() == KeypointShape::Mask);
+    let masks = { context.keypoints.iter().flatten() }
+        .filter(|it| it.extractor.shape() == KeypointShape::Mask);
     let (mut first, mut cloth): (Option<&str>, Option<&str>) = (None, None);
     let mut named = false;
     for mask in masks {

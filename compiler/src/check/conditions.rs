@@ -5,7 +5,9 @@ use super::expressions::{FramedLength, Operand, keypoint, operand, point};
 use super::names::Meaning;
 use super::quantity::{beyond, no_unit, read};
 use crate::diag::{Code, Diagnostic, Reported, among, every, nearest};
-use crate::lang::conditions::{ANGLE_BETWEEN, MARGIN, SIGNS, Sign, WORDS, sign as meaning};
+use crate::lang::conditions::{
+    ANGLE_BETWEEN, MARGIN, MISSPELT_SIGNS, Sign, UNREACHABLE, sign as meaning,
+};
 use fab_grammar::ast::{Compare, Expr, Name, Within};
 use fab_program::exact::cos_deg;
 use fab_program::measures::{COLUMN, QUADRANTS, ROW};
@@ -74,9 +76,12 @@ fn word(expr: Expr<'_>, context: &Context<'_>) -> Declared<Condition> {
         return Ok(None);
     };
     let is_declared = context.names.get(name.text())?.is_some();
-    let row = WORDS.iter().find(|row| row.name == name.text());
-    let make = row.filter(|_| !is_declared).and_then(|row| row.condition);
-    Ok(make.map(|make| make()))
+    Ok(match name.text() {
+        _ if is_declared => None,
+        "last" => Some(Condition::Last),
+        UNREACHABLE => Some(Condition::Unreachable),
+        _ => None,
+    })
 }
 
 // ---- comparisons ---------------------------------------------------------------------------------
@@ -128,11 +133,11 @@ fn compare(compare: Compare<'_>, context: &mut Context<'_>) -> Result<Condition>
 /// Returns the meaning of a sign; reports one that people write for another, such as `≤` for `<=`.
 pub(super) fn sign(sign: Name<'_>, context: &mut Context<'_>) -> Result<Sign> {
     let written = sign.text();
-    if let Some(row) = SIGNS.iter().find(|row| row.misspelling == Some(written)) {
-        let message = format!("`{written}` is written `{}` here", row.name);
+    if let Some((_, right)) = MISSPELT_SIGNS.iter().find(|(wrong, _)| *wrong == written) {
+        let message = format!("`{written}` is written `{right}` here");
         let diagnostic = Diagnostic::new(Code::WrongExpression, sign.span(), message)
-            .help(format!("write `{}`", row.name))
-            .edit(sign.span(), row.name);
+            .help(format!("write `{right}`"))
+            .edit(sign.span(), *right);
         return Err(context.error(diagnostic));
     }
     Ok(meaning(written).expect("every sign that is read has a row"))

@@ -7,7 +7,10 @@ use crate::load::Loaded;
 use fab_grammar::Span;
 use fab_grammar::ast::{Expr, Name};
 use fab_program::vocabulary::Word;
-use fab_program::{ActionField, Camera, Cloth, Colour, Face, Layer, Material, Sequence};
+use fab_program::{
+    ActionField, Camera, Cloth, Colour, Face, Keypoint, Layer, Material, Sequence, Stage, Subgoals,
+    Template,
+};
 use std::collections::BTreeMap;
 
 /// A result of checks that fail only after an error was reported.
@@ -39,38 +42,45 @@ pub(crate) struct Context<'a> {
     /// The grid that replaces every declared one, if the caller gave one.
     pub grid: Option<[u32; 2]>,
     pub camera: Declared<Camera>,
+    pub subgoals: Declared<Subgoals>,
+    /// The most steps.
+    pub horizon: Declared<u32>,
+    pub keypoints: Result<Vec<Keypoint>>,
     /// How many keypoints may be named: an extractor uses those above its own.
     pub n_keypoints: usize,
-    pub actions: Fields<'a>,
-    /// In the order of their declarations.
-    pub layers: Vec<(&'a str, Result<Layer>)>,
+    pub actions: Named<'a, ActionField>,
+    /// Whether the fields make a complete action.
+    pub complete: Result<()>,
+    pub layers: Named<'a, Layer>,
+    pub stages: Named<'a, Stage>,
+    /// The texts that stages say and that tell of a refused answer.
+    pub templates: Vec<Result<Template>>,
     /// The layers that the texts of the current stage name.
     pub named_layers: Vec<(String, Span)>,
     /// The variables of the templates built so far.
     pub variables: Variables,
 }
 
-/// The declared fields of the action; errors in them were reported.
-pub(crate) struct Fields<'a> {
-    pub list: Vec<(&'a str, Result<ActionField>)>,
-    /// Whether together they make a complete action.
-    pub complete: Result<()>,
-}
+/// Parts with names, in the order of their declarations; errors in them were reported.
+pub(crate) struct Named<'a, T>(pub Vec<(&'a str, Result<T>)>);
 
-impl Fields<'_> {
-    /// Returns the field of this name, if there is one.
-    pub fn get(&self, name: &str) -> Declared<&ActionField> {
-        let field = self.list.iter().find(|(declared, _)| *declared == name);
-        field
-            .map(|(_, field)| field.as_ref().map_err(|reported| *reported))
-            .transpose()
+impl<T> Named<'_, T> {
+    /// Returns the part of this name, if there is one.
+    pub fn get(&self, name: &str) -> Declared<&T> {
+        let part = self.0.iter().find(|(declared, _)| *declared == name);
+        let part = part.map(|(_, part)| part.as_ref());
+        part.transpose().map_err(|reported| *reported)
     }
 
-    /// Returns the fields without errors.
-    pub fn right(&self) -> impl Iterator<Item = &ActionField> {
-        self.list
-            .iter()
-            .filter_map(|(_, field)| field.as_ref().ok())
+    /// Returns the parts without errors.
+    pub fn right(&self) -> impl Iterator<Item = &T> {
+        self.0.iter().filter_map(|(_, part)| part.as_ref().ok())
+    }
+
+    /// Takes all parts out; fails if one has an error.
+    pub fn take(&mut self) -> Result<Vec<T>> {
+        let parts = std::mem::take(&mut self.0).into_iter();
+        parts.map(|(_, part)| part).collect()
     }
 }
 
@@ -88,19 +98,22 @@ impl<'a> Context<'a> {
             cloth: Ok(None),
             grid: None,
             camera: Ok(None),
+            subgoals: Ok(None),
+            horizon: Ok(None),
+            keypoints: Ok(Vec::new()),
             n_keypoints: usize::MAX,
-            actions: Fields {
-                list: Vec::new(),
-                complete: Ok(()),
-            },
-            layers: Vec::new(),
+            actions: Named(Vec::new()),
+            complete: Ok(()),
+            layers: Named(Vec::new()),
+            stages: Named(Vec::new()),
+            templates: Vec::new(),
             named_layers: Vec::new(),
             variables: Variables::default(),
             loaded,
         }
     }
 
-    // ---- cloth and camera ------------------------------------------------------------------------
+    // ---- parts of the task -----------------------------------------------------------------------
 
     /// Returns the cloth's longer side, metres; NaN in a base without a cloth, which never becomes a program.
     pub fn edge_m(&self) -> Result<f64> {
@@ -124,11 +137,16 @@ impl<'a> Context<'a> {
         Ok(cloth.map_or_else(|| Colour::recorded(face), |it| it.colour(face)))
     }
 
-    /// Returns the layer of this name, if there is one.
-    pub fn layer(&self, name: &str) -> Declared<&Layer> {
-        let layer = self.layers.iter().find(|(declared, _)| *declared == name);
-        let layer = layer.map(|(_, layer)| layer.as_ref());
-        layer.transpose().map_err(|reported| *reported)
+    /// Finds the stage of this name, with its index.
+    pub fn stage(&mut self, name: Name<'_>) -> Result<(usize, Stage)> {
+        let stages = &self.stages.0;
+        match stages.iter().position(|(known, _)| *known == name.text()) {
+            Some(number) => Ok((number, stages[number].1.clone()?)),
+            None => {
+                let names: Vec<&str> = stages.iter().map(|(known, _)| *known).collect();
+                Err(self.unknown("stage", name, names))
+            }
+        }
     }
 
     /// Returns the text of a span, cut to a length that fits a message.

@@ -2,30 +2,19 @@
 
 use super::context::{Context, Declared};
 use super::files;
-use super::stage::Prompts;
 use crate::diag::Code;
 use crate::loader::Wanted;
-use crate::merge::Merged;
 use fab_grammar::ast;
 use fab_program::{Demos, Read};
 
 /// Reads which demonstrations a stage uses; `None` in a base without stages.
-pub(crate) fn check(
-    part: ast::Demos<'_>,
-    merged: &Merged<'_>,
-    prompts: &Prompts,
-    context: &mut Context<'_>,
-) -> Declared<Demos> {
-    let file = files::named(
-        part.file(),
-        "demonstrations",
-        Wanted::Demonstrations,
-        context,
-    );
-    if merged.stages.is_empty() {
+pub(crate) fn check(part: ast::Demos<'_>, context: &mut Context<'_>) -> Declared<Demos> {
+    let (file, wanted) = (part.file(), Wanted::Demonstrations);
+    let file = files::named(file, "demonstrations", wanted, context);
+    if context.stages.0.is_empty() {
         return file.map(|_| None);
     }
-    let (_, stage) = prompts.stage(part.stage(), merged, context)?;
+    let (_, stage) = context.stage(part.stage())?;
     if stage.read != Read::Action || !stage.show.is_empty() {
         let lacks = if stage.show.is_empty() {
             "does not read the action"
@@ -37,7 +26,7 @@ pub(crate) fn check(
         return Err(context.refuse(Code::WrongForm, part.stage().span(), message, help));
     }
     Ok(Some(Demos {
-        stage: stage.name.clone(),
+        stage: stage.name,
         file: file?,
     }))
 }

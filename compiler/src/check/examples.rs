@@ -40,24 +40,10 @@ pub(crate) fn check(
         stage: stage.name().text(),
         role,
         read,
-        fields: fields(context),
+        // Without all of them, no answer can be judged.
+        fields: { context.complete }.map(|()| context.actions.right().cloned().collect()),
     };
-    every(
-        stage
-            .examples()
-            .map(|example| one(example, &reader, context)),
-    )
-}
-
-/// Returns the fields of the action if all are right; without them no answer can be judged.
-fn fields(context: &Context<'_>) -> Result<Vec<ActionField>> {
-    context.actions.complete?;
-    context
-        .actions
-        .list
-        .iter()
-        .map(|(_, field)| field.clone())
-        .collect()
+    every({ stage.examples() }.map(|example| one(example, &reader, context)))
 }
 
 fn one(
@@ -105,11 +91,8 @@ fn images(
     }
     let places = example.images().map(Image::span);
     context.at_most(MAX_IMAGES, places, "an example", "images")?;
-    every(
-        example
-            .images()
-            .map(|image| files::named(image.path(), "an image", Wanted::Picture, context)),
-    )
+    let image = |it: Image<'_>| files::named(it.path(), "an image", Wanted::Picture, context);
+    every(example.images().map(image))
 }
 
 fn words(text: Text<'_>, context: &mut Context<'_>) -> Result<LiteralText> {

@@ -1,10 +1,10 @@
 //! `experts NAME { sequence { … } }`: the fold sequences that count as right.
 
-use super::context::{Context, Declared, Result};
+use super::context::{Context, Result};
 use super::folds;
 use crate::diag::{Code, every};
 use crate::merge::Merged;
-use fab_grammar::ast::Experts;
+use fab_grammar::ast::{Experts, File};
 use fab_program::{Sequence, Subgoals};
 
 /// Builds the sequences of a list of experts.
@@ -22,13 +22,9 @@ pub(crate) fn check(list: Experts<'_>, context: &mut Context<'_>) -> Result<Vec<
 }
 
 /// Returns the sequences that count as right for a task: the named experts', or else the demonstration.
-pub(crate) fn sequences(
-    merged: &Merged<'_>,
-    subgoals: &Declared<Subgoals>,
-    context: &mut Context<'_>,
-) -> Result<Vec<Sequence>> {
+pub(crate) fn sequences(merged: &Merged<'_>, context: &mut Context<'_>) -> Result<Vec<Sequence>> {
     let Some(named) = merged.experts() else {
-        return Ok(match subgoals {
+        return Ok(match &context.subgoals {
             Ok(Some(Subgoals::Demonstrate { folds })) => vec![Sequence {
                 folds: folds.clone(),
             }],
@@ -40,11 +36,8 @@ pub(crate) fn sequences(
     match context.loaded.experts(file, named.name().text()) {
         Some(found) => context.outside.experts[&found.span()].clone(),
         None => {
-            let seen = context
-                .loaded
-                .visible_from(file)
-                .flat_map(|file| &file.experts);
-            let names: Vec<&str> = seen.map(|list| list.name().text()).collect();
+            let seen = context.loaded.visible_from(file);
+            let names = seen.flat_map(File::experts).map(|list| list.name().text());
             Err(context.unknown("list of experts", named.name(), names))
         }
     }

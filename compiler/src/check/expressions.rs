@@ -762,7 +762,7 @@ fn of_last(path: Path<'_>, context: &mut Context<'_>) -> Result<Operand> {
 
 /// Returns the `place` of an action that declares a direction and a distance instead of a place.
 fn carried(name: Name<'_>, context: &mut Context<'_>) -> Result<Point> {
-    context.actions.complete?;
+    context.complete?;
     for field in ["pick", "direction", "distance"] {
         if context.actions.get(field)?.is_none() {
             return Err(context.unknown("point", name, []));

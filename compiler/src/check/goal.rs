@@ -8,6 +8,7 @@ use crate::diag::{Code, Diagnostic, among};
 use crate::lang::conditions::Sign;
 use crate::lang::goal::{METRICS, MetricRow};
 use crate::merge::Merged;
+use fab_grammar::Span;
 use fab_grammar::ast::{Expr, Name, Statement};
 use fab_program::{Comparison, Goal, Metric, Sequence, exact};
 
@@ -35,7 +36,8 @@ pub(crate) fn check(
         limit: limit?,
     };
     let experts = experts.as_deref().map_err(|reported| *reported)?;
-    has_experts(&goal, statement, merged, experts, context);
+    let span = statement.value().span();
+    has_experts(&goal, span, merged, experts, context);
     if let Ok(Some(cloth)) = &context.cloth
         && let Some(score) = untouched_score::score(&goal, cloth, experts)
         && goal.is_met(score)
@@ -47,12 +49,7 @@ pub(crate) fn check(
         };
         let message = format!("an untouched cloth meets this goal: it scores {written}");
         let help = "set a stricter limit, so that a rollout that does nothing fails";
-        context.warn(
-            Code::GoalMetAtStart,
-            statement.value().span(),
-            message,
-            help,
-        );
+        context.warn(Code::GoalMetAtStart, span, message, help);
     }
     Ok(goal)
 }
@@ -79,7 +76,7 @@ fn comparison(row: &MetricRow, sign: Name<'_>, context: &mut Context<'_>) -> Res
 /// Reports a distance goal without an expert result to measure against.
 fn has_experts(
     goal: &Goal,
-    statement: Statement<'_>,
+    span: Span,
     merged: &Merged<'_>,
     experts: &[Sequence],
     context: &mut Context<'_>,
@@ -93,11 +90,6 @@ fn has_experts(
     if goal.metric == Metric::ParticleDistance && has_none && are_images && is_meant_to_run {
         let message = "there is no expert result to compare with";
         let help = "name `experts`: images do not say how the cloth ends";
-        context.refuse(
-            Code::NothingToCompare,
-            statement.value().span(),
-            message,
-            help,
-        );
+        context.refuse(Code::NothingToCompare, span, message, help);
     }
 }

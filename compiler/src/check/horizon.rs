@@ -5,17 +5,11 @@ use super::quantity::read_whole;
 use crate::diag::{Code, Diagnostic};
 use crate::lang::goal::STEPS;
 use crate::merge::Merged;
-use fab_program::Subgoals;
 
 /// Returns the most steps of a rollout: the stated number, or by default as many as the subgoals show.
-pub(crate) fn check(
-    merged: &Merged<'_>,
-    subgoals: &Declared<Subgoals>,
-    context: &mut Context<'_>,
-) -> Declared<u32> {
-    let n_shown = subgoals
-        .as_ref()
-        .map(|it| it.as_ref().map(|it| it.steps() as u32));
+pub(crate) fn check(merged: &Merged<'_>, context: &mut Context<'_>) -> Declared<u32> {
+    let subgoals = context.subgoals.as_ref().map_err(|reported| *reported);
+    let n_shown = subgoals.map(|it| it.as_ref().map(|it| it.steps() as u32));
     let Some(statement) = merged.statement("horizon") else {
         let is_meant_to_run = merged.statement("cloth").is_some() && !merged.stages.is_empty();
         if merged.subgoals().is_none() && is_meant_to_run {
@@ -24,7 +18,7 @@ pub(crate) fn check(
             let help = "write `horizon 10` for at most ten actions, or show `subgoals`";
             return Err(context.refuse(Code::NoHorizon, name.span(), message, help));
         }
-        return n_shown.map_err(|reported| *reported);
+        return n_shown;
     };
     let stated = read_whole(statement.value(), &STEPS, context)? as u32;
     let Ok(Some(n_shown)) = n_shown else {

@@ -7,7 +7,7 @@ use super::short_text::line;
 use crate::diag::{Code, Diagnostic};
 use crate::lang::material::{self, PROPERTIES};
 use crate::merge::repeated;
-use fab_grammar::ast::{self, Name, Text};
+use fab_grammar::ast::{self, File, Name, Text};
 use fab_program::data::material::{Directions, RECORDED, Source};
 use fab_program::vocabulary::Kind;
 use fab_program::{Colour, Face, Material};
@@ -174,15 +174,19 @@ fn named(name: Name<'_>, context: &mut Context<'_>) -> Result<Option<Material>> 
             .map(Some);
     }
     let seen = context.loaded.visible_from(file);
-    let seen = seen.flat_map(|file| &file.materials);
-    let names = seen.map(|material| material.name().text());
+    let names = seen.flat_map(File::materials).map(|it| it.name().text());
     let message = format!("there is no material `{}`", name.text());
     let diagnostic = Diagnostic::new(Code::UnknownName, name.span(), message)
         .about(name.text())
         .suggest(name.text(), names.chain([RECORDED]), "");
     let mut seen = context.loaded.visible_from(file);
     let library = "lib/materials.fab";
-    if seen.any(|file| context.loaded.portable_name(file.id).ends_with(library)) {
+    if seen.any(|file| {
+        context
+            .loaded
+            .portable_name(file.span().file)
+            .ends_with(library)
+    }) {
         return Err(context.error(diagnostic));
     }
     let help = "the shipped ones need `use \"lib/materials.fab\"` at the top of this file";

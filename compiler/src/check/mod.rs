@@ -42,11 +42,11 @@ mod variables;
 mod verify;
 
 use crate::diag::{Code, Diagnostic, Report};
-use crate::load::{Loaded, LoadedFile};
+use crate::load::Loaded;
 use crate::merge::{self, Bodies, Merged, Site, VariantChange};
 use context::{Context, Outside, Result};
 use fab_grammar::Span;
-use fab_grammar::ast::{Body, Task};
+use fab_grammar::ast::{Body, File, Task};
 use fab_program::{Material, Program, SourceStamp, Test};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -70,11 +70,11 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
     let outside = outside_of_tasks(loaded, report);
     // Only an error outside of tasks counts against every task that sees the file.
     let forms = loaded.well_formed().map(|file| {
-        let mut seen = loaded.visible_from(file.id);
-        let wrong = seen.find_map(|seen| report.error_in(seen.id));
+        let mut seen = loaded.visible_from(file.span().file);
+        let wrong = seen.find_map(|seen| report.error_in(seen.span().file));
         (file, wrong.map_or(Ok(()), Err))
     });
-    let forms: Vec<(&LoadedFile<'_>, Result<()>)> = forms.collect();
+    let forms: Vec<(File<'_>, Result<()>)> = forms.collect();
     let bodies = Bodies::of(loaded, report);
     let mut tasks = Tasks {
         loaded,
@@ -91,8 +91,8 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
         report,
     };
     for (file, form) in forms {
-        for task in &file.tasks {
-            tasks.check(*task, form);
+        for task in file.tasks() {
+            tasks.check(task, form);
         }
     }
     let Tasks {
@@ -114,14 +114,9 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
 
 /// Checks what files declare outside of tasks, even lists and materials that no task names.
 fn outside_of_tasks(loaded: &Loaded<'_>, report: &mut Report) -> Outside {
-    let tasks = || {
-        loaded
-            .well_formed()
-            .flat_map(|file| &file.tasks)
-            .map(|it| it.name())
-    };
-    let lists = || loaded.well_formed().flat_map(|file| &file.experts);
-    let materials = || loaded.well_formed().flat_map(|file| &file.materials);
+    let tasks = || loaded.well_formed().flat_map(File::tasks).map(Task::name);
+    let lists = || loaded.well_formed().flat_map(File::experts);
+    let materials = || loaded.well_formed().flat_map(File::materials);
     let distinct = [
         merge::unique(tasks(), "task", report),
         merge::unique(lists().map(|it| it.name()), "list of experts", report),
@@ -133,9 +128,9 @@ fn outside_of_tasks(loaded: &Loaded<'_>, report: &mut Report) -> Outside {
     differ_by_more_than_case("task", names, report);
     let nothing = Outside::default();
     let mut context = Context::new(loaded, &nothing, report);
-    let lists = lists().map(|it| (it.span(), experts::check(*it, &mut context)));
+    let lists = lists().map(|it| (it.span(), experts::check(it, &mut context)));
     let experts = lists.collect();
-    let materials = materials().map(|it| (it.span(), material::check(*it, &mut context)));
+    let materials = materials().map(|it| (it.span(), material::check(it, &mut context)));
     Outside {
         experts,
         materials: materials.collect(),
@@ -184,7 +179,7 @@ impl<'a> Tasks<'a, '_> {
         let Some(merged) = self.one(task, None, form) else {
             return;
         };
-        if file != self.loaded.entry().id {
+        if file != self.loaded.entry().span().file {
             return;
         }
         let variants = || merged.variants.sites();
@@ -223,7 +218,7 @@ impl<'a> Tasks<'a, '_> {
         let mut context = Context::new(loaded, self.outside, &mut own);
         context.grid = self.grid;
         let built = task::check(&merged, &self.stamps, form, &mut context);
-        let is_entry = task.name().span().file == loaded.entry().id;
+        let is_entry = task.name().span().file == loaded.entry().span().file;
         match (built, &merged.variant) {
             (Ok(Some((program, tests))), variant) if is_entry => {
                 let change = merged.own_body().map(Body::span);

@@ -16,10 +16,8 @@ pub(crate) fn check(
     let written = statement.value();
     let Expr::Call(_) = written else {
         let name = name_of(written, "picker", Picker::WORDS, context)?;
-        return Ok((
-            Picker::from_word(name).unwrap_or_default(),
-            Manner::default(),
-        ));
+        let picker = Picker::from_word(name).unwrap_or_default();
+        return Ok((picker, Manner::default()));
     };
     let (picker, ..) = made("picker", written, PICKERS, context)?;
     Ok(picker)

@@ -269,7 +269,7 @@ fn dotted(path: Path<'_>, scope: TextScope<'_>, context: &mut Context<'_>) -> Re
                 }));
             }
             // A field that the action lacks is reported at the action's declaration.
-            (None, _) => context.actions.complete?,
+            (None, _) => context.complete?,
         }
     }
     let fields = context.actions.right();
@@ -322,7 +322,10 @@ fn written(expr: Expr<'_>, scope: TextScope<'_>, context: &mut Context<'_>) -> R
             later(Placeholder::Text { name })
         }
         Operand::Layer(name) => {
-            let layer = context.layer(&name)?.expect("every layer has been read");
+            let layer = context
+                .layers
+                .get(&name)?
+                .expect("every layer has been read");
             let (words, uses_last) = (layer.words.clone(), layer.uses_last());
             if uses_last {
                 scope.require_last(expr.span(), context)?;

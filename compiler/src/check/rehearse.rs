@@ -4,7 +4,6 @@ use super::context::{Context, Declared, Result};
 use super::expressions::made;
 use super::material;
 use super::quantity::{read, read_whole};
-use super::stage::Prompts;
 use crate::diag::{Code, Diagnostic, Reported};
 use crate::lang::rehearse::{REVISIONS, TRUST, TWINS};
 use crate::merge::{Merged, once};
@@ -17,7 +16,6 @@ use fab_program::{
 pub(crate) fn check(
     part: Rehearse<'_>,
     merged: &Merged<'_>,
-    prompts: &Prompts,
     context: &mut Context<'_>,
 ) -> Declared<Rehearsal> {
     let twins = once(part.twins(), "twin", Call::span, context.report);
@@ -35,7 +33,7 @@ pub(crate) fn check(
         let block = (block.as_str(), part.stage().span());
         context.lacking(Code::RehearsalIncomplete, block, &lines, help);
     }
-    let stage = stage(part, merged, prompts, context);
+    let stage = stage(part, context);
     let asked = stage.as_ref().ok().and_then(|it| it.as_ref());
     let twin = twins.map(|it| twin(it, context)).transpose();
     let choose = choices.map(|it| choose(it, asked, merged, context));
@@ -51,7 +49,7 @@ pub(crate) fn check(
         return Ok(None);
     };
     Ok(Some(Rehearsal {
-        stage: stage.name.clone(),
+        stage: stage.name,
         twin,
         choose,
         revisions: revisions.unwrap_or(0),
@@ -61,17 +59,12 @@ pub(crate) fn check(
 }
 
 /// Returns the stage that is rehearsed; `None` in a base without stages.
-fn stage<'p>(
-    part: Rehearse<'_>,
-    merged: &Merged<'_>,
-    prompts: &'p Prompts,
-    context: &mut Context<'_>,
-) -> Declared<&'p Stage> {
-    if merged.stages.is_empty() {
+fn stage(part: Rehearse<'_>, context: &mut Context<'_>) -> Declared<Stage> {
+    if context.stages.0.is_empty() {
         return Ok(None);
     }
     let name = part.stage();
-    let (_, stage) = prompts.stage(name, merged, context)?;
+    let (_, stage) = context.stage(name)?;
     if stage.read != Read::Action {
         let message = format!("the stage `{}` does not read the action", stage.name);
         let help = "only an action can be tried on a twin: name the last stage";
@@ -134,7 +127,7 @@ fn judged_cloth(line: Call<'_>, friction: f64, context: &mut Context<'_>) -> Rep
 /// Reads the measure by which the best candidate is chosen.
 fn choose(
     line: Choose<'_>,
-    stage: Option<&&Stage>,
+    stage: Option<&Stage>,
     merged: &Merged<'_>,
     context: &mut Context<'_>,
 ) -> Result<RehearsalMeasure> {
@@ -169,11 +162,7 @@ fn choose(
 }
 
 /// Reads how often an answer may be revised.
-fn revisions_of(
-    line: Revise<'_>,
-    stage: Option<&&Stage>,
-    context: &mut Context<'_>,
-) -> Result<u32> {
+fn revisions_of(line: Revise<'_>, stage: Option<&Stage>, context: &mut Context<'_>) -> Result<u32> {
     let count = read_whole(line.count(), &REVISIONS.range, context)?;
     if let Some(stage) = stage.filter(|stage| stage.model == ModelRole::Text) {
         return Err(context.text_model(line.span(), "`revise`", &stage.name));
@@ -182,10 +171,11 @@ fn revisions_of(
 }
 
 /// Reports candidates that would all be alike.
-pub(crate) fn candidates(merged: &Merged<'_>, prompts: &Prompts, context: &mut Context<'_>) {
-    for (declared, stage) in merged.stages.iter().zip(&prompts.stages) {
+pub(crate) fn candidates(merged: &Merged<'_>, context: &mut Context<'_>) {
+    for declared in merged.stages.iter() {
+        let stage = context.stages.get(declared.name().text());
         let mut settings = declared.model().flat_map(ast::Model::settings);
-        let (Ok(stage), Some(setting)) =
+        let (Ok(Some(stage)), Some(setting)) =
             (stage, settings.find(|it| it.name().text() == "candidates"))
         else {
             continue;

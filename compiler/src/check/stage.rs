@@ -4,7 +4,7 @@
 //! stage says. [`super::examples`] reads examples, [`super::placeholders`] the values in texts.
 
 use super::conditions;
-use super::context::{Context, Declared, Result};
+use super::context::{Context, Declared, Named, Result};
 use super::examples;
 use super::expressions::argument;
 use super::placeholders::{TextPlace, TextScope, template};
@@ -32,15 +32,8 @@ const WITH_LAYERS: Picture = Picture::Scene {
     layers: Layers::Drawn,
 };
 
-/// The stages, and every text that they say.
-pub(crate) struct Prompts {
-    /// In the order of their declarations.
-    pub stages: Vec<Result<program::Stage>>,
-    pub templates: Vec<Result<Template>>,
-}
-
 /// Builds the stages of a task and their texts.
-pub(crate) fn check(merged: &Merged<'_>, context: &mut Context<'_>) -> Prompts {
+pub(crate) fn check<'a>(merged: &Merged<'a>, context: &mut Context<'a>) {
     let places = merged.stages.iter().map(|stage| stage.name().span());
     let within = context.at_most(MAX_STAGES, places, "a task", "stages");
     let mut builder = Builder {
@@ -62,10 +55,10 @@ pub(crate) fn check(merged: &Merged<'_>, context: &mut Context<'_>) -> Prompts {
         }
     }
     builder.unsaid();
-    Prompts {
-        stages,
-        templates: builder.in_order(),
-    }
+    let templates = builder.in_order();
+    let names = merged.stages.iter().map(|stage| stage.name().text());
+    context.stages = Named(names.zip(stages).collect());
+    context.templates = templates;
 }
 
 /// Reports an error unless the last stage, and only that one, reads the action.
@@ -142,16 +135,12 @@ struct Built {
 
 impl<'a> Builder<'_, 'a, '_> {
     fn stage(&mut self, number: usize, stage: ast::Stage<'a>) -> Result<program::Stage> {
-        let model = once(
-            stage.model(),
-            "model",
-            ast::Model::span,
-            self.context.report,
-        );
-        let show = once(stage.show(), "show", ast::Show::span, self.context.report);
-        let say = once(stage.say(), "say", Sayings::span, self.context.report);
-        let system = once(stage.system(), "system", Sayings::span, self.context.report);
-        let read = once(stage.read(), "read", ast::Read::span, self.context.report);
+        let report = &mut *self.context.report;
+        let model = once(stage.model(), "model", ast::Model::span, report);
+        let show = once(stage.show(), "show", ast::Show::span, report);
+        let say = once(stage.say(), "say", Sayings::span, report);
+        let system = once(stage.system(), "system", Sayings::span, report);
+        let read = once(stage.read(), "read", ast::Read::span, report);
         let (Some(model), Some(say), Some(read)) = (model, say, read) else {
             let lines = [
                 ("model", model.is_some()),
@@ -389,7 +378,7 @@ impl<'a> Builder<'_, 'a, '_> {
         let named: BTreeSet<&str> = named.map(|(layer, _)| layer.as_str()).collect();
         let drawn = merged.annotate().into_iter().flat_map(|part| part.list());
         let mut unnamed = drawn.map(|layer| layer.name()).filter(|name| {
-            let is_right = matches!(self.context.layer(name.text()), Ok(Some(_)));
+            let is_right = matches!(self.context.layers.get(name.text()), Ok(Some(_)));
             is_right && !named.contains(name.text()) && is_own(name.span())
         });
         let Some(first) = unnamed.next() else {
@@ -436,23 +425,6 @@ fn said_nowhere(merged: &Merged<'_>, context: &mut Context<'_>) {
             ),
         };
         context.warn(Code::SaidNowhere, span, message, help);
-    }
-}
-
-impl Prompts {
-    /// Finds the stage of this name, with its index.
-    pub fn stage(
-        &self,
-        name: Name<'_>,
-        merged: &Merged<'_>,
-        context: &mut Context<'_>,
-    ) -> Result<(usize, &program::Stage)> {
-        let names = || merged.stages.iter().map(|stage| stage.name().text());
-        let Some(number) = names().position(|known| known == name.text()) else {
-            return Err(context.unknown("stage", name, names()));
-        };
-        let stage = self.stages[number].as_ref();
-        stage.map(|stage| (number, stage)).map_err(|it| *it)
     }
 }
 

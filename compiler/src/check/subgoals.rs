@@ -1,6 +1,6 @@
 //! `subgoals { demonstrate { … } }` or `subgoals { image "…" … }`: the pictures that show what to do.
 
-use super::context::{Context, Result};
+use super::context::{Context, Result, declared};
 use super::expressions::pixel_of;
 use super::{files, folds};
 use crate::diag::{Code, Diagnostic, every};
@@ -22,12 +22,10 @@ pub(crate) fn check(
     match (demonstrated, part.images().next()) {
         (Some(block), Some(image)) => {
             let message = "the subgoals are both demonstrated and listed as images";
-            let diagnostic = Diagnostic::new(Code::MixedSubgoals, image.span(), message);
-            Err(context.error(
-                diagnostic
-                    .also(block.head_span(), "demonstrated here")
-                    .help("keep one of the two"),
-            ))
+            let diagnostic = Diagnostic::new(Code::MixedSubgoals, image.span(), message)
+                .also(block.head_span(), "demonstrated here")
+                .help("keep one of the two");
+            Err(context.error(diagnostic))
         }
         (Some(block), None) => Ok(Subgoals::Demonstrate {
             folds: folds::check(block, context)?,
@@ -56,12 +54,12 @@ fn images(part: fab_grammar::ast::Subgoals<'_>, context: &mut Context<'_>) -> Re
 
 fn image(part: Image<'_>, context: &mut Context<'_>) -> Result<SubgoalImage> {
     let file = files::named(part.path(), "an image", Wanted::CameraPicture, context);
-    let ends = part
-        .arrow()
-        .map(|ends| ends.map(|end| pixel_of(end, context)));
-    let arrow = match ends {
-        Some([tail, tip]) => Some([tail?, tip?]),
-        None => None,
-    };
-    Ok(SubgoalImage { file: file?, arrow })
+    let arrow = declared(part.arrow(), |ends| {
+        let [tail, tip] = ends.map(|end| pixel_of(end, context));
+        Ok([tail?, tip?])
+    });
+    Ok(SubgoalImage {
+        file: file?,
+        arrow: arrow?,
+    })
 }

@@ -43,40 +43,29 @@ pub(super) fn check<'a>(
     if let Ok(Some((_, manner))) = &picker {
         picker::stated_once(manner, merged, context);
     }
-    let keypoints = keypoints::check(merged, context);
-    if let (Some(seen), Ok(keypoints)) = (statement("camera"), &keypoints) {
-        camera::masks_see_cloth(seen, keypoints, merged, context);
+    context.keypoints = keypoints::check(merged, context);
+    if let Some(seen) = statement("camera") {
+        camera::masks_see_cloth(seen, merged, context);
     }
-    if let Ok(keypoints) = &keypoints {
-        camera::cloth_is_first(keypoints, merged, context);
-    }
+    camera::cloth_is_first(merged, context);
     if let Some(part) = merged.actions() {
-        context.actions = actions::check(part, context);
+        actions::check(part, context);
     }
-    context.layers = annotate::check(merged, context);
-    let subgoals = declared(merged.subgoals(), |it| subgoals::check(it, context));
-    let experts = experts::sequences(merged, &subgoals, context);
-    let horizon = horizon::check(merged, &subgoals, context);
+    annotate::check(merged, context);
+    context.subgoals = declared(merged.subgoals(), |it| subgoals::check(it, context));
+    let experts = experts::sequences(merged, context);
+    context.horizon = horizon::check(merged, context);
     let goal = declared(statement("goal"), |it| {
         goal::check(it, merged, &experts, context)
     });
-    let mut prompts = stage::check(merged, context);
-    let demos = merged
-        .demos()
-        .map(|part| demos::check(part, merged, &prompts, context));
-    let verify = verify::check(merged, &mut prompts, context);
+    stage::check(merged, context);
+    let demos = merged.demos().map(|part| demos::check(part, context));
+    let verify = verify::check(merged, context);
     let rehearsal = merged
         .rehearse()
-        .map(|part| rehearse::check(part, merged, &prompts, context));
-    rehearse::candidates(merged, &prompts, context);
-    let bounds = test::Bounds {
-        keypoints: keypoints.as_deref().unwrap_or_default(),
-        horizon: horizon.unwrap_or_default(),
-    };
-    let tests = test::check(merged, &prompts, &bounds, context);
-    let layers = std::mem::take(&mut context.layers).into_iter();
-    let actions = std::mem::take(&mut context.actions.list);
-    let complete = context.actions.complete;
+        .map(|part| rehearse::check(part, merged, context));
+    rehearse::candidates(merged, context);
+    let tests = test::check(merged, context);
     let (cloth, camera) = (context.cloth.clone(), context.camera.clone());
     let is_whole = is_whole(merged, form, context);
     // Any reported error counts, in whichever part.
@@ -85,13 +74,13 @@ pub(super) fn check<'a>(
     form?;
     // Only now, because a check that did not parse would seem to be dropped.
     verify::dropped(merged, context.report);
-    let (Some(cloth), Some(camera), Some(horizon), true) = (cloth?, camera?, horizon?, is_whole)
+    let (Some(cloth), Some(camera), Some(horizon), true) =
+        (cloth?, camera?, context.horizon?, is_whole)
     else {
         return Ok(None);
     };
-    complete?;
+    context.complete?;
     let (picker, manner) = picker?.unwrap_or_else(Default::default);
-    let actions = actions.into_iter().map(|(_, field)| field);
     let program = Program {
         format: PROGRAM_FORMAT,
         compiler: env!("CARGO_PKG_VERSION").to_owned(),
@@ -103,13 +92,13 @@ pub(super) fn check<'a>(
         camera,
         picker,
         manner,
-        subgoals: subgoals?,
+        subgoals: context.subgoals.clone()?,
         experts: experts?,
-        keypoints: keypoints?,
-        layers: layers.map(|(_, layer)| layer).collect::<Result<_>>()?,
-        actions: actions.collect::<Result<_>>()?,
-        templates: prompts.templates.into_iter().collect::<Result<_>>()?,
-        stages: prompts.stages.into_iter().collect::<Result<_>>()?,
+        keypoints: context.keypoints.clone()?,
+        layers: context.layers.take()?,
+        actions: context.actions.take()?,
+        templates: context.templates.drain(..).collect::<Result<_>>()?,
+        stages: context.stages.take()?,
         demos: demos.transpose()?.flatten(),
         verify: verify?,
         horizon,
@@ -180,7 +169,7 @@ fn is_whole(merged: &Merged<'_>, form: Result<()>, context: &mut Context<'_>) ->
         return false;
     }
     let is_base = context.loaded.is_extended(merged.task);
-    if !is_base && form.is_ok() && name.span().file == context.loaded.entry().id {
+    if !is_base && form.is_ok() && name.span().file == context.loaded.entry().span().file {
         let lacking = among(own.into_iter().chain(shared));
         let task = name.text();
         let message = format!("`{task}` cannot run by itself: it has no {lacking}");

@@ -5,30 +5,16 @@ use super::examples::plain;
 use super::expressions::{pixel, pixel_in_picture};
 use super::names::Meaning;
 use super::quantity::read_whole;
-use super::stage::Prompts;
 use crate::diag::{Code, every};
 use crate::lang::test::{EXPECTATIONS, GIVEN, STEP};
 use crate::merge::{Merged, declared_twice, once, repeated};
 use fab_grammar::ast::{self, Body, Expr, Name, Reply};
 use fab_program::verify::OFFERED;
-use fab_program::{Expect, Given, Keypoint, KeypointShape, PixelPoint, Read, Stage, Test};
+use fab_program::{Expect, Given, KeypointShape, PixelPoint, Read, Stage, Test};
 use std::collections::BTreeMap;
 
-/// What bounds the values that a test may give.
-pub(crate) struct Bounds<'p> {
-    /// Those of the task; none if one has an error.
-    pub keypoints: &'p [Keypoint],
-    /// The most steps; `None` in a base, or if it has an error.
-    pub horizon: Option<u32>,
-}
-
 /// Builds the tests of a task, or those that a variant states itself.
-pub(crate) fn check(
-    merged: &Merged<'_>,
-    prompts: &Prompts,
-    bounds: &Bounds<'_>,
-    context: &mut Context<'_>,
-) -> Result<Vec<Test>> {
+pub(crate) fn check(merged: &Merged<'_>, context: &mut Context<'_>) -> Result<Vec<Test>> {
     // Tests are not inherited, and neither are those of an inherited variant.
     let task = merged.task.body().span();
     let body = merged.own_body().filter(|body| task.contains(body.span()));
@@ -41,19 +27,13 @@ pub(crate) fn check(
             let diagnostic = declared_twice("test", &name, first, text.span());
             context.error(diagnostic);
         }
-        one(test, merged, prompts, bounds, context)
+        one(test, merged, context)
     });
     Ok(every(tests)?.into_iter().flatten().collect())
 }
 
 /// Builds one test; `None` in a base without a stage that a reply could answer.
-fn one(
-    test: ast::Test<'_>,
-    merged: &Merged<'_>,
-    prompts: &Prompts,
-    bounds: &Bounds<'_>,
-    context: &mut Context<'_>,
-) -> Declared<Test> {
+fn one(test: ast::Test<'_>, merged: &Merged<'_>, context: &mut Context<'_>) -> Declared<Test> {
     let reply = once(test.replies(), "reply", Reply::span, context.report);
     let expect = once(test.expect(), "expect", ast::Expect::span, context.report);
     let (Some(name), Some(reply), Some(expect)) = (test.name(), reply, expect) else {
@@ -73,12 +53,12 @@ fn one(
         }
         Ok(text)
     });
-    let given = self::given(test, bounds, context);
+    let given = self::given(test, context);
     let answer = plain(reply.text(), context);
-    let stage = answered(reply, merged, prompts, context);
-    let expect =
-        stage.and_then(|stage| self::expect(expect, stage.map(|(_, it)| it), merged, context));
-    let Some((stage, _)) = stage? else {
+    let stage = answered(reply, context)?;
+    let asked = stage.as_ref().map(|(_, asked)| asked);
+    let expect = self::expect(expect, asked, merged, context);
+    let Some((stage, _)) = stage else {
         return Ok(None);
     };
     let (declared_in, line) = context.loaded.place(test.span().file, test.span().start);
@@ -96,18 +76,10 @@ fn one(
 }
 
 /// Finds the stage that the reply answers, by default the last one; `None` in a base without stages.
-fn answered<'p>(
-    reply: Reply<'_>,
-    merged: &Merged<'_>,
-    prompts: &'p Prompts,
-    context: &mut Context<'_>,
-) -> Declared<(usize, &'p Stage)> {
-    match (reply.stage(), prompts.stages.last()) {
-        (Some(name), _) => prompts.stage(name, merged, context).map(Some),
-        (None, Some(last)) => {
-            let last = last.as_ref().map_err(|reported| *reported)?;
-            Ok(Some((prompts.stages.len() - 1, last)))
-        }
+fn answered(reply: Reply<'_>, context: &mut Context<'_>) -> Declared<(usize, Stage)> {
+    match (reply.stage(), context.stages.0.last()) {
+        (Some(name), _) => context.stage(name).map(Some),
+        (None, Some((_, last))) => Ok(Some((context.stages.0.len() - 1, last.clone()?))),
         (None, None) => Ok(None),
     }
 }
@@ -117,7 +89,7 @@ fn answered<'p>(
 /// Pick and place of the previous action, where given.
 type Last = [Option<PixelPoint>; 2];
 
-fn given(test: ast::Test<'_>, bounds: &Bounds<'_>, context: &mut Context<'_>) -> Result<Given> {
+fn given(test: ast::Test<'_>, context: &mut Context<'_>) -> Result<Given> {
     let mut given = Given {
         step: 1,
         ..Given::default()
@@ -129,7 +101,7 @@ fn given(test: ast::Test<'_>, bounds: &Bounds<'_>, context: &mut Context<'_>) ->
         let name = part.name();
         if let Some(first) = seen.insert(name.text(), name.span()) {
             all = Err(context.error(repeated(name.text(), first, name.span())));
-        } else if let Err(reported) = give(part, &mut given, &mut last, bounds, context) {
+        } else if let Err(reported) = give(part, &mut given, &mut last, context) {
             all = Err(reported);
         }
     }
@@ -157,7 +129,6 @@ fn give(
     part: ast::Given<'_>,
     given: &mut Given,
     last: &mut Last,
-    bounds: &Bounds<'_>,
     context: &mut Context<'_>,
 ) -> Result<()> {
     use KeypointShape::{Box, Mask, Point, Points};
@@ -169,7 +140,9 @@ fn give(
         "step" => {
             let value = single(part, context)?;
             given.step = read_whole(value, &STEP, context)? as u32;
-            if let Some(horizon) = bounds.horizon.filter(|most| given.step > *most) {
+            if let Ok(Some(horizon)) = context.horizon
+                && given.step > horizon
+            {
                 let message = format!("the task has at most {horizon} steps");
                 return Err(context.fault(Code::OutOfRange, value.span(), message));
             }
@@ -184,8 +157,9 @@ fn give(
                 }
             },
             Some(Meaning::Keypoint(Some(shape @ (Point | Points)), _)) => {
-                let keypoint = bounds.keypoints.iter().find(|it| it.name == text);
-                let most = keypoint.and_then(|it| it.extractor.most_points(bounds.keypoints));
+                let keypoints = context.keypoints.as_deref().unwrap_or_default();
+                let keypoint = keypoints.iter().find(|it| it.name == text);
+                let most = keypoint.and_then(|it| it.extractor.most_points(keypoints));
                 let most = if shape == Point { Some(1) } else { most };
                 let most = most.map_or(usize::MAX, |most| most as usize);
                 let values = values(part, most, context)?.into_iter();

@@ -9,7 +9,7 @@ use crate::lang::actions::{FIELDS, field as moving_field};
 use crate::load::Loaded;
 use crate::merge::{MAX_EXTENDS_DEPTH, Merged};
 use fab_grammar::Span;
-use fab_grammar::ast::{Body, Name, Task};
+use fab_grammar::ast::{Body, File, Name, Task};
 use fab_program::{Depends, Program, Uses};
 use std::collections::BTreeSet;
 
@@ -20,8 +20,8 @@ use std::collections::BTreeSet;
 ///
 /// - `running`: the bodies of tasks and variants that can run.
 pub(crate) fn names(loaded: &Loaded<'_>, running: &BTreeSet<Span>, report: &mut Report) {
-    for task in loaded.well_formed().flat_map(|file| &file.tasks) {
-        let mut above: Vec<Body<'_>> = bases(*task, loaded).map(Task::body).collect();
+    for task in loaded.well_formed().flat_map(File::tasks) {
+        let mut above: Vec<Body<'_>> = bases(task, loaded).map(Task::body).collect();
         own_names(task.body(), &above, loaded, running, report);
         above.push(task.body());
         for variant in task.variants() {
@@ -71,10 +71,10 @@ fn declared(body: Body<'_>) -> impl Iterator<Item = (&'static str, Name<'_>)> {
 /// for others.
 pub(crate) fn outside_of_tasks(loaded: &Loaded<'_>, report: &mut Report) {
     let entry = loaded.entry();
-    if entry.tasks.is_empty() || loaded.is_malformed(entry.id) {
+    if entry.tasks().next().is_none() || loaded.is_malformed(entry.span().file) {
         return;
     }
-    for name in entry.materials.iter().map(|material| material.name()) {
+    for name in entry.materials().map(|material| material.name()) {
         let word = name.text();
         if !loaded.is_used(word) {
             let message = format!("nothing uses the material `{word}`");
@@ -88,14 +88,14 @@ pub(crate) fn outside_of_tasks(loaded: &Loaded<'_>, report: &mut Report) {
     if report.has_errors().is_err() {
         return;
     }
-    let tasks = loaded.files.iter().flat_map(|file| &file.tasks);
+    let tasks = loaded.files.iter().flat_map(|file| file.tasks());
     let bodies = tasks.flat_map(|task| {
         let variants = task.variants().map(|variant| variant.body());
         variants.chain([task.body()])
     });
     let named = bodies.flat_map(|body| body.experts());
     let named: BTreeSet<&str> = named.map(|it| it.name().text()).collect();
-    for name in entry.experts.iter().map(|list| list.name()) {
+    for name in entry.experts().map(|list| list.name()) {
         let word = name.text();
         if !named.contains(word) {
             let message = format!("no task names the experts `{word}`");

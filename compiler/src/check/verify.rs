@@ -4,7 +4,6 @@ use super::conditions;
 use super::context::{Context, Result, declared};
 use super::placeholders::{TextPlace, TextScope, template};
 use super::quantity::{read, read_whole};
-use super::stage::Prompts;
 use crate::diag::{Code, Diagnostic, Report, Reported, every};
 use crate::lang::verify::{ATTEMPTS, DEFAULT_ATTEMPTS, DEFAULT_RETRIES, OVERLAP, RETRIES, given};
 use crate::merge::{Merged, once, unique};
@@ -15,15 +14,11 @@ use fab_program::{Check, Condition, Exhausted, ModelRole, Read, ResultCheck, Ver
 /// The name of the template for the message about a result.
 const RESULT: &str = "result";
 
-/// Builds the checks, and adds their messages to the prompts' templates.
-pub(crate) fn check(
-    merged: &Merged<'_>,
-    prompts: &mut Prompts,
-    context: &mut Context<'_>,
-) -> Result<Verify> {
+/// Builds the checks, and adds their messages to the templates.
+pub(crate) fn check(merged: &Merged<'_>, context: &mut Context<'_>) -> Result<Verify> {
     let part = merged.verify();
     let checks = merged.checks.iter();
-    let checks = every(checks.map(|check| of_answer(check, prompts, context)));
+    let checks = every(checks.map(|check| of_answer(check, context)));
     let attempts = part.into_iter().flat_map(|part| part.attempts());
     let attempts = once(attempts, "attempts", |it| it.span(), context.report);
     let count = attempts.map_or(Ok(DEFAULT_ATTEMPTS), |it| {
@@ -32,11 +27,11 @@ pub(crate) fn check(
     let relaxed = attempts.map_or(Ok(Vec::new()), |it| relaxed(it, merged, context));
     let picture = attempts.and_then(|it| it.with_picture());
     if let Some(picture) = picture {
-        shows_refused(picture, prompts, context);
+        shows_refused(picture, context);
     }
     let results = part.into_iter().flat_map(|part| part.results());
     let results = once(results, "result", |it| it.span(), context.report);
-    let result = declared(results, |it| self::result(it, prompts, context));
+    let result = declared(results, |it| self::result(it, context));
     Ok(Verify {
         checks: checks?,
         attempts: count? as u32,
@@ -52,15 +47,11 @@ pub(crate) fn check(
 
 // ---- checks of an answer -------------------------------------------------------------------------
 
-fn of_answer(
-    check: ast::Check<'_>,
-    prompts: &mut Prompts,
-    context: &mut Context<'_>,
-) -> Result<Check> {
+fn of_answer(check: ast::Check<'_>, context: &mut Context<'_>) -> Result<Check> {
     let name = check.name();
     if let Some(row) = given(name.text()) {
         let message = format!("every task has a check `{}` already", row.name);
-        let help = format!("it refuses {}; choose another name", row.refuses);
+        let help = format!("it refuses {}; choose another name", row.doc);
         context.refuse(Code::DuplicateName, name.span(), message, help);
     }
     let guarded = format!("check {}", name.text());
@@ -95,9 +86,8 @@ fn of_answer(
         return Err(context.refuse(Code::MissingMessage, check.head_span(), lacks, help));
     };
     let scope = TextScope::new(TextPlace::Message, has_last, &guarded);
-    prompts
-        .templates
-        .push(template(&message, text, None, scope, context));
+    let template = template(&message, text, None, scope, context);
+    context.templates.push(template);
     Ok(Check {
         name: name.text().to_owned(),
         when: when?,
@@ -158,12 +148,11 @@ pub(crate) fn dropped(merged: &Merged<'_>, report: &mut Report) {
 // ---- attempts ------------------------------------------------------------------------------------
 
 /// Reports `with picture` if the stage that reads the action asks a model that takes no pictures.
-fn shows_refused(with_picture: Phrase<'_>, prompts: &Prompts, context: &mut Context<'_>) {
-    let mut stages = prompts.stages.iter().flatten();
-    if let Some(stage) = stages.find(|stage| stage.read == Read::Action)
-        && stage.model == ModelRole::Text
-    {
-        context.text_model(with_picture.span(), "`with picture`", &stage.name);
+fn shows_refused(with_picture: Phrase<'_>, context: &mut Context<'_>) {
+    let stage = context.stages.right().find(|it| it.read == Read::Action);
+    if let Some(stage) = stage.filter(|it| it.model == ModelRole::Text) {
+        let name = stage.name.clone();
+        context.text_model(with_picture.span(), "`with picture`", &name);
     }
 }
 
@@ -193,7 +182,7 @@ fn not_relaxed(name: Name<'_>, merged: &Merged<'_>, context: &mut Context<'_>) -
     };
     if let Some(row) = given(name.text()) {
         let diagnostic = new(format!("`{}` cannot be left out", row.name));
-        return context.error(diagnostic.help(format!("{} cannot be executed", row.refuses)));
+        return context.error(diagnostic.help(format!("{} cannot be executed", row.doc)));
     }
     let diagnostic = new(format!("there is no check `{}` to leave out", name.text()));
     let names = merged.checks.names();
@@ -202,11 +191,7 @@ fn not_relaxed(name: Name<'_>, merged: &Merged<'_>, context: &mut Context<'_>) -
 
 // ---- the result of a step ------------------------------------------------------------------------
 
-fn result(
-    part: ast::ResultCheck<'_>,
-    prompts: &mut Prompts,
-    context: &mut Context<'_>,
-) -> Result<ResultCheck> {
+fn result(part: ast::ResultCheck<'_>, context: &mut Context<'_>) -> Result<ResultCheck> {
     let overlap_above = read(part.above(), &OVERLAP.range, context);
     let retries = part.retries();
     let retries = retries.map_or(Ok(DEFAULT_RETRIES), |it| {
@@ -218,9 +203,8 @@ fn result(
         return Err(context.refuse(Code::MissingMessage, part.span(), message, help));
     };
     let scope = TextScope::new(TextPlace::Result, true, RESULT);
-    prompts
-        .templates
-        .push(template(RESULT, text, None, scope, context));
+    let template = template(RESULT, text, None, scope, context);
+    context.templates.push(template);
     Ok(ResultCheck {
         overlap_above: overlap_above?,
         retries: retries? as u32,

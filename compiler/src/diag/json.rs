@@ -2,7 +2,7 @@
 
 use super::diagnostic::{Certainty, Diagnostic};
 use fab_grammar::{Source, Sources, Span};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 /// Writes diagnostics as an array of objects `code, severity, message, file, start, end, labels, help, edits`.
 ///
@@ -15,21 +15,13 @@ pub fn to_json(diagnostics: &[Diagnostic], sources: &Sources) -> Value {
 }
 
 fn object(diagnostic: &Diagnostic, sources: &Sources) -> Value {
-    let mut labels = Vec::with_capacity(diagnostic.labels.len() + 1);
-    if !diagnostic.label.is_empty() {
-        labels.push(with_place(
-            diagnostic.span,
-            sources,
-            "text",
-            &diagnostic.label,
-        ));
-    }
-    labels.extend(
-        diagnostic
-            .labels
-            .iter()
-            .map(|label| with_place(label.span, sources, "text", &label.text)),
-    );
+    let main = (diagnostic.span, &diagnostic.label);
+    let others = { diagnostic.labels.iter() }.map(|label| (label.span, &label.text));
+    let labels = std::iter::once(main).chain(others);
+    let labels: Vec<Value> = labels
+        .filter(|(_, text)| !text.is_empty())
+        .map(|(span, text)| with_place(span, sources, "text", text))
+        .collect();
     let edits: Vec<Value> = diagnostic
         .edits
         .iter()
@@ -55,12 +47,12 @@ fn object(diagnostic: &Diagnostic, sources: &Sources) -> Value {
 
 fn with_place(span: Span, sources: &Sources, key: &str, text: &str) -> Value {
     let source = sources.get(span.file);
-    let mut object = Map::new();
-    object.insert("file".to_owned(), json!(source.name));
-    object.insert("start".to_owned(), position(source, span.start));
-    object.insert("end".to_owned(), position(source, span.end));
-    object.insert(key.to_owned(), json!(text));
-    Value::Object(object)
+    json!({
+        "file": source.name,
+        "start": position(source, span.start),
+        "end": position(source, span.end),
+        key: text,
+    })
 }
 
 fn position(source: &Source, byte: usize) -> Value {

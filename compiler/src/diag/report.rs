@@ -40,24 +40,14 @@ pub(crate) struct Report {
 impl Report {
     /// Adds an error once: each task that extends a task checks it again.
     pub(crate) fn error(&mut self, diagnostic: Diagnostic) -> Reported {
-        debug_assert_eq!(
-            diagnostic.severity,
-            Severity::Error,
-            "{}",
-            diagnostic.message
-        );
+        debug_assert_eq!(diagnostic.severity, Severity::Error, "{diagnostic:?}");
         self.add(diagnostic);
         Reported(())
     }
 
     /// Adds a warning or a note.
     pub(crate) fn remark(&mut self, diagnostic: Diagnostic) {
-        debug_assert_ne!(
-            diagnostic.severity,
-            Severity::Error,
-            "{}",
-            diagnostic.message
-        );
+        debug_assert_ne!(diagnostic.severity, Severity::Error, "{diagnostic:?}");
         self.add(diagnostic);
     }
 

@@ -1,7 +1,7 @@
 //! Rows of `actions`: the fields that act.
 
 use fab_program::data::manner::{LIFT, PRESS, RELEASE_HEIGHT, SPEED};
-use fab_program::units::{Dimension, UNITS};
+use fab_program::units::Dimension;
 use fab_program::vocabulary::{Arg, Kind, Range};
 
 /// The kind of a field's choices.
@@ -105,17 +105,13 @@ impl ChoiceKind {
         }
     }
 
-    /// Returns the unit that advice adds to a number without one.
-    pub fn usual_unit(self) -> &'static str {
-        let dimension = match self {
+    /// Returns the dimension of a number among such choices, by which advice adds a unit.
+    pub fn dimension(self) -> Dimension {
+        match self {
             ChoiceKind::Directions => Dimension::Angle,
             ChoiceKind::Speeds => Dimension::Speed,
             ChoiceKind::Points | ChoiceKind::Lengths | ChoiceKind::Words => Dimension::Length,
-        };
-        UNITS
-            .iter()
-            .find(|unit| unit.dimension == dimension)
-            .map_or("", |unit| unit.name)
+        }
     }
 
     /// Returns the plural noun for choices of this kind.

@@ -1,7 +1,7 @@
 //! Rows of `verify`: its numbers, and the checks that every task has.
 
 use fab_program::verify::{OFFERED, REACHABLE};
-use fab_program::vocabulary::Range;
+use fab_program::vocabulary::{Range, Word};
 
 /// A number in `verify`.
 #[derive(Clone, Copy, Debug)]
@@ -52,27 +52,14 @@ pub(crate) const DEFAULT_RETRIES: f64 = 1.0;
 /// The numbers, in the order of the reference.
 pub(crate) const NUMBERS: [&NumberRow; 3] = [&ATTEMPTS, &OVERLAP, &RETRIES];
 
-/// A check that every task has. No other check may have its name, and no task may remove it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct GivenCheck {
-    pub name: &'static str,
-    /// What it refuses.
-    pub refuses: &'static str,
-}
-
-/// The checks that every task has.
-pub(crate) const GIVEN_CHECKS: &[GivenCheck] = &[
-    GivenCheck {
-        name: OFFERED,
-        refuses: "a value that was not offered",
-    },
-    GivenCheck {
-        name: REACHABLE,
-        refuses: "a point that is out of reach",
-    },
+/// The checks that every task has, each with what it refuses. No other check may have these names, and no task may
+/// remove them.
+pub(crate) const GIVEN_CHECKS: &[Word] = &[
+    Word::new(OFFERED, "a value that was not offered"),
+    Word::new(REACHABLE, "a point that is out of reach"),
 ];
 
 /// Returns the row of a check that every task has.
-pub(crate) fn given(name: &str) -> Option<&'static GivenCheck> {
+pub(crate) fn given(name: &str) -> Option<&'static Word> {
     GIVEN_CHECKS.iter().find(|row| row.name == name)
 }

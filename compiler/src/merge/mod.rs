@@ -19,8 +19,8 @@ use crate::diag::{Code, Diagnostic, Report, Reported};
 use crate::lang::sections::{Inheritance, inheritance};
 use crate::load::Loaded;
 use fab_grammar::ast::{
-    Actions, AddedSay, Body, Check, Component, Declares, Demos, ExpertsUsed, Expr, Keypoints, Name,
-    NamedValue, Rehearse, ResultCheck, Stage, Statement, Subgoals, Task, Verify,
+    Actions, AddedSay, Body, Check, Component, Declares, Demos, ExpertsUsed, Expr, File, Keypoints,
+    Name, NamedValue, Rehearse, ResultCheck, Stage, Statement, Subgoals, Task, Verify,
 };
 use fab_grammar::{Node, Span};
 pub(crate) use lists::{declared_twice, once, repeated, unique};
@@ -41,7 +41,7 @@ impl<'a> Bodies<'a> {
     pub fn of(loaded: &Loaded<'a>, report: &mut Report) -> Bodies<'a> {
         let mut bodies = BTreeMap::new();
         for file in loaded.well_formed() {
-            for task in &file.tasks {
+            for task in file.tasks() {
                 let variants = task.variants().map(|variant| variant.body());
                 for body in variants.chain([task.body()]) {
                     bodies.insert(body.span(), Sections::of(body, report));
@@ -114,19 +114,18 @@ pub(crate) fn merge<'a>(
         variants: Parts::of("variant"),
         joined: Ok(()),
     };
-    let mut join = Join { report };
     for task in chain.into_iter().rev() {
         let is_inherited = |word: &str| inheritance(word) != Inheritance::Never;
         merged.single.retain(|word, _| is_inherited(word));
-        join.sections(&mut merged, bodies.sections(task.body()));
+        merged.join(bodies.sections(task.body()), report);
     }
     let change = variant.as_ref().map(|site| site.part);
     merged.variant = variant;
     match change {
-        Some(VariantChange::Body(body)) => join.sections(&mut merged, bodies.sections(body)),
+        Some(VariantChange::Body(body)) => merged.join(bodies.sections(body), report),
         Some(VariantChange::Without(name)) => {
             let unfit = merged.components.remove(&[name]);
-            join.unfit(unfit, &mut merged);
+            merged.unfit(unfit, report);
         }
         None => {}
     }
@@ -166,14 +165,14 @@ fn unknown_task(task: Task<'_>, base: Name<'_>, loaded: &Loaded<'_>) -> Diagnost
     let message = format!("there is no task `{}`", base.text());
     let diagnostic = Diagnostic::new(Code::UnknownName, base.span(), message);
     let mut files = loaded.files.iter();
-    if let Some(file) = files.find(|file| loaded.task(file.id, base.text()).is_some()) {
+    if let Some(file) = files.find(|file| loaded.task(file.span().file, base.text()).is_some()) {
         return diagnostic.help(format!(
             "it is declared in `{}`; add a `use` of that file",
-            loaded.name(file.id)
+            loaded.name(file.span().file)
         ));
     }
     let seen = loaded.visible_from(base.span().file);
-    let seen = seen.flat_map(|file| &file.tasks).map(|it| it.name().text());
+    let seen = seen.flat_map(File::tasks).map(|it| it.name().text());
     let others = seen.filter(|name| *name != task.name().text());
     diagnostic.suggest(
         base.text(),
@@ -254,42 +253,39 @@ impl<'a> Merged<'a> {
     }
 }
 
-/// Joins sections, and reports those that do not fit what is inherited.
-struct Join<'r> {
-    report: &'r mut Report,
-}
+// ---- joining -------------------------------------------------------------------------------------
 
-impl<'a> Join<'_> {
-    /// Joins the sections of one body with those that it inherits.
-    fn sections(&mut self, merged: &mut Merged<'a>, own: &Sections<'a>) {
-        merged.joined = merged.joined.and(own.fault);
-        merged.constants.put(&own.constants);
-        merged.keypoints.put_block(&own.keypoints);
-        let mut unfit = merged.components.remove(&own.without_components);
-        unfit.extend(merged.components.change(&own.components));
-        unfit.extend(merged.variants.remove(&own.without_variants));
-        self.unfit(unfit, merged);
-        merged.variants.put(&own.variants);
+impl<'a> Merged<'a> {
+    /// Joins the sections of one body with those that it inherits, and reports those that do not fit.
+    fn join(&mut self, own: &Sections<'a>, report: &mut Report) {
+        self.joined = self.joined.and(own.fault);
+        self.constants.put(&own.constants);
+        self.keypoints.put_block(&own.keypoints);
+        let mut unfit = self.components.remove(&own.without_components);
+        unfit.extend(self.components.change(&own.components));
+        unfit.extend(self.variants.remove(&own.without_variants));
+        self.unfit(unfit, report);
+        self.variants.put(&own.variants);
         for stage in own.stages.iter().map(|site| site.part) {
             let name = stage.name().text();
-            if merged.said.insert(name, Said::of(stage)).is_some() {
-                merged.replaced_stages.insert(name);
+            if self.said.insert(name, Said::of(stage)).is_some() {
+                self.replaced_stages.insert(name);
             }
         }
-        merged.stages.put(&own.stages);
-        self.checks(merged, own);
-        merged.single.extend(&own.single);
-        self.added_sayings(merged, own);
+        self.stages.put(&own.stages);
+        self.join_checks(own, report);
+        self.single.extend(&own.single);
+        self.add_sayings(own, report);
     }
 
     /// Takes over the checks of a `verify`, or changes inherited ones.
-    fn checks(&mut self, merged: &mut Merged<'a>, own: &Sections<'a>) {
-        merged.dropped = Dropped::default();
+    fn join_checks(&mut self, own: &Sections<'a>, report: &mut Report) {
+        self.dropped = Dropped::default();
         let verify = own.single.get("verify");
         let Some(verify) = verify.and_then(|node| Verify::cast(*node)) else {
-            let mut unfit = merged.checks.remove(&own.without_checks);
-            unfit.extend(merged.checks.change(&own.checks));
-            return self.unfit(unfit, merged);
+            let mut unfit = self.checks.remove(&own.without_checks);
+            unfit.extend(self.checks.change(&own.checks));
+            return self.unfit(unfit, report);
         };
         let is_restated = |name: &str| own.verified.iter().any(|site| site.name == name);
         let (beside, left_out): (Vec<Name<'_>>, Vec<Name<'_>>) =
@@ -301,42 +297,42 @@ impl<'a> Join<'_> {
             (it.part.name(), if is_new { added } else { restated })
         });
         for (name, help) in beside.into_iter().map(|it| (it, restated)).chain(added) {
-            merged.joined = Err(self.report.error(beside_verify(name, verify).help(help)));
+            self.joined = Err(report.error(beside_verify(name, verify).help(help)));
         }
-        let unfit = merged.checks.remove(&left_out);
-        self.unfit(unfit, merged);
-        let inherited = merged.checks.sites();
+        let unfit = self.checks.remove(&left_out);
+        self.unfit(unfit, report);
+        let inherited = self.checks.sites();
         let dropped = inherited.filter(|site| !is_restated(&site.name));
-        merged.dropped = Dropped {
+        self.dropped = Dropped {
             checks: dropped
                 .map(|site| (site.name.to_string(), site.span))
                 .collect(),
-            has_result: merged.result().is_some() && verify.results().next().is_none(),
+            has_result: self.result().is_some() && verify.results().next().is_none(),
         };
-        merged.checks.restate(&own.verified);
+        self.checks.restate(&own.verified);
         // A misplaced check stays, so that nothing that refers to it is reported as well.
-        merged.checks.put(&own.checks);
+        self.checks.put(&own.checks);
     }
 
     /// Adds components to what inherited stages say.
-    fn added_sayings(&mut self, merged: &mut Merged<'a>, own: &Sections<'a>) {
+    fn add_sayings(&mut self, own: &Sections<'a>, report: &mut Report) {
         for (line, part) in &own.added_sayings {
-            if let Some(diagnostic) = unsayable(*line, *part, own, merged) {
-                merged.joined = Err(self.report.error(diagnostic));
+            if let Some(diagnostic) = unsayable(*line, *part, own, self) {
+                self.joined = Err(report.error(diagnostic));
                 continue;
             }
-            let said = merged.said.entry(line.stage().text()).or_default();
+            let said = self.said.entry(line.stage().text()).or_default();
             said.add(*part, *line);
         }
     }
 
     /// Reports changes that do not fit what is inherited.
-    fn unfit(&mut self, found: Vec<Diagnostic>, merged: &mut Merged<'a>) {
+    fn unfit(&mut self, found: Vec<Diagnostic>, report: &mut Report) {
         for mut diagnostic in found {
             let name = diagnostic.about.clone().unwrap_or_default();
             let kinds = [
-                ("component", merged.components.get(&name).is_some()),
-                ("check", merged.checks.get(&name).is_some()),
+                ("component", self.components.get(&name).is_some()),
+                ("check", self.checks.get(&name).is_some()),
             ];
             if diagnostic.code == Code::NothingToRemove
                 && let Some((kind, _)) = kinds.iter().find(|(_, has_name)| *has_name)
@@ -344,19 +340,17 @@ impl<'a> Join<'_> {
                 let help = format!("`{name}` is a {kind}: write `without {kind} {name}`");
                 diagnostic.help = vec![help];
             }
-            if let Some(variant) = &merged.variant
-                && !merged.task.body().span().contains(diagnostic.span)
+            if let Some(variant) = &self.variant
+                && !self.task.body().span().contains(diagnostic.span)
             {
                 // An inherited variant is in order where it is declared.
                 let name = &variant.name;
                 diagnostic.message = format!("in the variant `{name}`, {}", diagnostic.message);
-                diagnostic = diagnostic
-                    .caused_at(merged.task.name().span())
-                    .help(format!(
-                        "leave out the variant too: `without variant {name}`"
-                    ));
+                diagnostic = diagnostic.caused_at(self.task.name().span()).help(format!(
+                    "leave out the variant too: `without variant {name}`"
+                ));
             }
-            merged.joined = Err(self.report.error(diagnostic));
+            self.joined = Err(report.error(diagnostic));
         }
     }
 }
