@@ -7,14 +7,15 @@ use super::{
     self_friction, table_friction,
 };
 use crate::material::{Directions, Material};
+use std::borrow::Cow;
 
 /// One line of the textile table.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Reading {
     /// What was measured.
     pub what: &'static str,
     /// How, by whose method.
-    pub method: &'static str,
+    pub method: Cow<'static, str>,
     /// Unit of both values; nothing for a plain number.
     pub unit: &'static str,
     /// What the material declares; `None` for what it says nothing of.
@@ -102,7 +103,7 @@ pub fn textile_table(
             let bounded = expected.filter(|_| is_bounded);
             Reading {
                 what,
-                method,
+                method: method.into(),
                 unit,
                 declared: declared.map(|value| scale * value),
                 expected,

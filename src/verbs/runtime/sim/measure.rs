@@ -13,6 +13,11 @@ use fab_sim::{Grid, Material, Params};
 use fab_world::corner_fold::{CARRIED_MM, CornerFold};
 use fab_world::simulated;
 use serde::Serialize;
+use std::borrow::Cow;
+
+/// The reading of a corner that is carried by [`CARRIED_MM`].
+const CARRIED: &str = "corner carried 40 mm";
+const _: () = assert!(CARRIED_MM == 40);
 
 /// Arguments of `sim measure`.
 #[derive(Args)]
@@ -63,15 +68,14 @@ pub fn run(arguments: &MeasureArguments, io: &Io) -> Result<Exit, Failure> {
     }
     io.progress("folding corners");
     let mut fold = CornerFold::new(params, spacing_m)?;
-    let what = format!("corner carried {CARRIED_MM} mm");
-    let method = "how far away it stays".to_owned();
-    readings.push(of_corner(what, method, fold.stays_mm(&interrupt)?));
+    let stays_mm = fold.stays_mm(&interrupt)?;
+    readings.push(of_corner(CARRIED, "how far away it stays".into(), stays_mm));
     if arguments.smallest_fold {
         let (method, mm) = match fold.smallest(&interrupt)? {
-            SmallestFold::From { mm } => ("carried so far, it stays".to_owned(), Some(mm.into())),
-            SmallestFold::NoneUpTo { mm } => (format!("none up to {mm} mm stays"), None),
+            SmallestFold::From { mm } => ("carried so far, it stays".into(), Some(mm.into())),
+            SmallestFold::NoneUpTo { mm } => (format!("none up to {mm} mm stays").into(), None),
         };
-        readings.push(of_corner("smallest corner fold".to_owned(), method, mm));
+        readings.push(of_corner("smallest corner fold", method, mm));
     }
     io.progress("");
     let measured = Measured {
@@ -89,11 +93,10 @@ pub fn run(arguments: &MeasureArguments, io: &Io) -> Result<Exit, Failure> {
 }
 
 /// Returns what becomes of a corner of a square of 340 mm that is carried along the diagonal.
-fn of_corner(what: String, method: String, mm: Option<f64>) -> Reading {
+fn of_corner(what: &'static str, method: Cow<'static, str>, mm: Option<f64>) -> Reading {
     Reading {
-        // The words of a reading live as long as the process; there are two such readings.
-        what: what.leak(),
-        method: method.leak(),
+        what,
+        method,
         unit: "mm",
         declared: None,
         expected: None,
@@ -138,6 +141,6 @@ fn cells(reading: &Reading) -> [String; 7] {
         value(Some(reading.measured).filter(|it| it.is_finite())),
         reading.unit.to_owned(),
         within.unwrap_or("-".to_owned()),
-        reading.method.to_owned(),
+        reading.method.to_string(),
     ]
 }
