@@ -239,14 +239,14 @@ fn peer_llamacpp_answers_and_its_failures_are_understood() {
             None,
             &question("fold it"),
             Fault::NotAuthorised,
-            "no key was sent, since `FABC_LLAMACPP_KEY` is set neither",
+            "no key was sent, since `FABC_LLAMACPP_KEY` is not set",
         ),
         (
             "/llm",
             Some(KEY),
             &question("fold it"),
             Fault::BadRequest,
-            "is probably wrong",
+            "its interface lies elsewhere",
         ),
     ] {
         let error = server.ask(path, key, request).unwrap_err();

@@ -297,7 +297,9 @@ fn a_variable_that_names_a_proxy_is_named_where_the_proxy_answers() {
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{said}");
     assert!(
-        said.contains("the proxy named by `HTTP_PROXY` wants a user name and a password"),
+        said.contains(
+            "`HTTP_PROXY` is set, so the call goes through that proxy, which does not pass it on"
+        ),
         "{said}"
     );
 }
