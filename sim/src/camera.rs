@@ -278,7 +278,7 @@ struct Tiles {
     colours: [[u8; 3]; 2],
     /// For each sample along a pixel's side: the number of the tile that a pixel's column shows.
     columns: [Vec<i32>; OFFSETS.len()],
-    /// Likewise of its row.
+    /// For each sample along a pixel's side: the number of the tile that a pixel's row shows.
     rows: [Vec<i32>; OFFSETS.len()],
 }
 

@@ -284,7 +284,7 @@ impl<'a> Context<'a> {
         self.unknown_at(kind, name.text(), name.span(), candidates)
     }
 
-    /// Does the same as [`Context::unknown`] for names joined by dots.
+    /// Reports an unknown name, which may be joined by dots, such as `last.pick`.
     pub fn unknown_at<'c>(
         &mut self,
         kind: &str,

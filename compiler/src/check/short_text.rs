@@ -30,7 +30,7 @@ pub(super) fn short(
     Ok(plain)
 }
 
-/// Does the same for a text whose line breaks mean nothing.
+/// Reads a short text on one line: line breaks become blanks.
 pub(super) fn line(
     text: Text<'_>,
     what: &str,

@@ -93,14 +93,15 @@ fn excerpt<'d>(
     let text = source.text.as_str();
     let mut start = line_start(text, first.unwrap_or(0));
     let mut end = line_end(text, last.unwrap_or(0));
-    if end - start > MOST_BYTES {
+    // Too far apart, or in too long a line: only the first one, with what stands around it.
+    if end - start > MOST_BYTES
+        && let Some((span, ..)) = marks.first_mut()
+    {
+        span.end = text.floor_char_boundary(span.end.min(span.start + MOST_BYTES));
+        let from = text.floor_char_boundary(span.start.saturating_sub(AROUND));
+        start = line_start(text, span.start).max(from);
+        end = line_end(text, span.end).min(text.floor_char_boundary(span.end + AROUND));
         marks.truncate(1);
-        for (span, ..) in &mut marks {
-            span.end = text.floor_char_boundary(span.end.min(span.start + MOST_BYTES));
-            let from = text.floor_char_boundary(span.start.saturating_sub(AROUND));
-            start = line_start(text, span.start).max(from);
-            end = line_end(text, span.end).min(text.floor_char_boundary(span.end + AROUND));
-        }
     }
     let shown = &text[start..end];
     // Where a byte is in the text that is shown.

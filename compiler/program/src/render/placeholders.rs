@@ -85,9 +85,10 @@ pub(super) fn unreachable(scene: &dyn SceneView, notation: &Notation) -> String 
     let texts: Vec<String> = points
         .map(|it| format!("{}: {}", notation.written(it.point), it.why))
         .collect();
-    match texts.is_empty() {
-        true => "none".to_owned(),
-        false => texts.join("; "),
+    if texts.is_empty() {
+        "none".to_owned()
+    } else {
+        texts.join("; ")
     }
 }
 

@@ -246,9 +246,10 @@ impl<'a> BenchReport<'a> {
 
 impl Report for BenchReport<'_> {
     fn text(&self) -> String {
-        match self.rows.is_empty() {
-            true => "no rollout has finished: there is nothing to tabulate".to_owned(),
-            false => table::text(self.bench.suite, self.rows),
+        if self.rows.is_empty() {
+            "no rollout has finished: there is nothing to tabulate".to_owned()
+        } else {
+            table::text(self.bench.suite, self.rows)
         }
     }
 }

@@ -24,9 +24,10 @@ impl PlannedRun<'_> {
     /// Reads the plan of a run that ended.
     pub fn of(report: Ended, settings: &Settings) -> Result<PlannedRun<'_>, Failure> {
         let folder = Path::new(&report.took.run_dir);
-        let plan = match folder.join(PLAN_FILE).exists() {
-            true => Some(read_plan(folder).map_err(Failure::environment)?),
-            false => None,
+        let plan = if folder.join(PLAN_FILE).exists() {
+            Some(read_plan(folder).map_err(Failure::environment)?)
+        } else {
+            None
         };
         Ok(PlannedRun {
             report,
