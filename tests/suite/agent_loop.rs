@@ -64,7 +64,6 @@ fn play_task(program: &Program, vision: &[&str], text: &[&str], interrupt: &Inte
         horizon: None,
         early_stop: true,
         budget: Budget::default(),
-        recorder: None,
         repetition: 0,
         start_number: None,
     };

@@ -98,7 +98,6 @@ fn a_person_is_told_in_words_and_nothing_is_connected_for_an_estimate() {
         answers: Answers::PerStart,
         cache: &Cache::none(),
         budget: &Budget::default(),
-        recorder: None,
         operator: None,
         interrupt: &Interrupt::default(),
     };

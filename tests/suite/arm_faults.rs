@@ -205,7 +205,6 @@ fn run(trial: &Trial<'_>, trouble: &Trouble, folder: &Path) -> Ended {
         examples: &trial.examples,
         make_policy: &Prompted { models },
         budget: &Budget::default(),
-        recorder: None,
         make_world: &make_world,
         make_expert_world: &|| support::world(trial.program),
         cache: &trial.cache,

@@ -180,7 +180,7 @@ fn shared_answers_are_stated_and_clustered_and_not_mixed_with_others() {
     let said = finish(&mut bench(
         folder,
         &provider,
-        &["--share-answers", "--record", "shared.jsonl"],
+        &["--share-answers"],
     ));
     assert_eq!(said.code, 0, "{}", said.stderr);
     assert_asked(&provider, 2);
@@ -214,14 +214,13 @@ fn shared_answers_are_stated_and_clustered_and_not_mixed_with_others() {
     let mixed = finish(&mut bench(folder, &provider, &[]));
     assert_eq!(mixed.code, 2, "{}", mixed.stderr);
     assert!(
-        mixed.stderr.contains("one answer for all starts")
-            && mixed.stderr.contains("own answers for start "),
+        mixed.stderr.contains("`drawn_for` (recorded ") && mixed.stderr.contains("`--share-answers` decides"),
         "{}",
         mixed.stderr
     );
 
     let replay = |more: &[&str]| {
-        let arguments = ["bench", "tiny", "--json", "--model", "replay:shared.jsonl"];
+        let arguments = ["bench", "tiny", "--json", "--model", "replay:out"];
         finish(&mut command(folder, &[&arguments, more].concat()))
     };
     let replayed = replay(&["--out", "again", "--share-answers"]);

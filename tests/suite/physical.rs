@@ -263,7 +263,6 @@ fn coverage_by_pictures_has_columns_of_its_own() {
         answers: Answers::PerStart,
         cache: &Cache::none(),
         budget: &Budget::default(),
-        recorder: None,
         operator: Some(&operator),
         interrupt: &Interrupt::default(),
     };

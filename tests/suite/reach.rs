@@ -154,7 +154,6 @@ fn with_job<T>(
             },
         },
         budget: &Budget::default(),
-        recorder: None,
         make_world: &make_world,
         make_expert_world: &make_world,
         cache: &Cache::none(),

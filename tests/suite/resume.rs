@@ -1,6 +1,7 @@
 //! Resuming rollouts that were cut off, stopped by a cap, or changed in the meantime.
 
-use super::support::{self, Trial, bring_library, fabc, finish, project};
+use super::provider::Provider;
+use super::support::{self, Captured, Trial, bring_library, fabc, finish, project};
 use fab_agent::journal::{JournalError, RunFolder};
 use fab_agent::outcome::Outcome;
 use fab_agent::record::RECORD_FILE;
@@ -284,22 +285,43 @@ fn what_cannot_be_gone_on_with_is_named() {
     assert!(resume("odd").contains("run.json is damaged"));
 }
 
+/// A run with a provider, in a cache of its own.
+fn paid(folder: &Path, provider: &Provider, more: &[&str]) -> Captured {
+    let asked = [
+        "--model",
+        "compatible:geometric",
+        "--allow-unknown-price",
+        "--base-url",
+        provider.base_url(),
+    ];
+    finish(
+        fabc(folder)
+            .arg("run")
+            .args(more)
+            .args(asked)
+            .env("FABC_CACHE_DIR", folder.join("cache")),
+    )
+}
+
 #[test]
 #[ignore = "long"]
-fn two_runs_on_one_recording_write_the_same_journal() {
+fn two_replays_of_one_run_write_its_journal() {
     let folder = tempfile::tempdir().unwrap();
+    let provider = Provider::reliable();
     let task = project("tasks/double_triangle.fab");
-    let run = |more: &[&str]| {
-        let said = finish(fabc(folder.path()).args(["run", &task]).args(more));
-        assert_eq!(said.code, 0, "{}", said.stderr);
-    };
-    run(&["--out", "first", "--record", "recording.jsonl"]);
-    run(&["--out", "second", "--model", "replay:recording.jsonl"]);
-    run(&["--out", "third", "--model", "replay:recording.jsonl"]);
+    let bought = paid(folder.path(), &provider, &[&task, "--out", "first"]);
+    assert_eq!(bought.code, 0, "{}", bought.stderr);
+    let calls = provider.counts().len();
+    for (name, source) in [("second", "replay:first"), ("third", "replay:first/calls.jsonl")] {
+        let arguments = ["run", &task, "--out", name, "--model", source];
+        let replayed = finish(fabc(folder.path()).args(arguments));
+        assert_eq!(replayed.code, 0, "{}", replayed.stderr);
+    }
+    assert_eq!(provider.counts().len(), calls, "a replay asks nobody");
     let journal = |name: &str| journal(&folder.path().join(name));
     assert_eq!(journal("second"), journal("third"));
     assert_eq!(
-        journal("first").replace("\"geometric", "\"replay(geometric)"),
+        journal("first").replace("\"compatible:geometric", "\"replay(compatible:geometric)"),
         journal("second")
     );
 }
@@ -309,32 +331,19 @@ fn two_runs_on_one_recording_write_the_same_journal() {
 fn a_replay_of_another_prompt_says_which_part_changed() {
     let folder = tempfile::tempdir().unwrap();
     bring_library(folder.path());
+    let provider = Provider::reliable();
     let task = fs::read_to_string(project("tasks/double_triangle.fab")).unwrap();
     fs::write(folder.path().join("mine.fab"), &task).unwrap();
-    let first = [
-        "run",
-        "mine.fab",
-        "--out",
-        "first",
-        "--record",
-        "recording.jsonl",
-    ];
-    assert_eq!(finish(fabc(folder.path()).args(first)).code, 0);
+    let bought = paid(folder.path(), &provider, &["mine.fab", "--out", "first"]);
+    assert_eq!(bought.code, 0, "{}", bought.stderr);
     let library = folder.path().join("lib/folding.fab");
     let text = fs::read_to_string(&library).unwrap();
     let changed = text.replace("Answer in two lines:", "Answer in exactly two lines:");
     assert_ne!(changed, text);
     fs::write(&library, changed).unwrap();
-    let second = [
-        "run",
-        "mine.fab",
-        "--out",
-        "second",
-        "--model",
-        "replay:recording.jsonl",
-    ];
+    let second = ["run", "mine.fab", "--out", "second", "--model", "replay:first"];
     let said = finish(fabc(folder.path()).args(second));
     assert_eq!(said.code, 2, "{}", said.stderr);
-    let named = "(recorded `Answer in two lines:`, now `Answer in exactly two lines:`)";
+    let named = "(recorded \"Answer in two lines:\", now \"Answer in exactly two lines:\")";
     assert!(said.stderr.contains(named), "{}", said.stderr);
 }

@@ -36,14 +36,12 @@ fn command(folder: &Path, arguments: &[&str]) -> Fabc {
     command
 }
 
-fn run_arguments(provider: &Provider) -> [String; 11] {
+fn run_arguments(provider: &Provider) -> [String; 9] {
     [
         "run",
         "small.fab",
         "--out",
         "run",
-        "--record",
-        "recording.jsonl",
         "--model",
         "compatible:geometric",
         "--allow-unknown-price",
@@ -82,23 +80,6 @@ fn ended_before(child: &mut Child, reached: impl Fn() -> bool) -> bool {
         thread::sleep(Duration::from_millis(1));
     }
     false
-}
-
-/// The exchanges of a recording, without values that depend on a clock.
-fn exchanges(path: &Path) -> Vec<Value> {
-    let text = fs::read_to_string(path).unwrap();
-    let lines = text
-        .lines()
-        .map(|line| serde_json::from_str::<Value>(line).unwrap());
-    let timeless = lines.map(|mut line| {
-        line.as_object_mut().unwrap().remove("took_s");
-        // An answer that was cached but not yet recorded when the process died costs nothing when it is reused.
-        if let Some(reply) = line["reply"].as_object_mut() {
-            reply.remove("cost");
-        }
-        line
-    });
-    timeless.collect()
 }
 
 #[test]
@@ -178,10 +159,10 @@ fn kill_at(moments: Vec<(usize, u64)>) {
             journal,
             "{what}"
         );
-        let recorded = |folder: &Path| exchanges(&folder.join("recording.jsonl"));
+        let answers = |run: &Path| ledger::read(run).unwrap().answered;
         assert!(
-            recorded(folder.path()) == recorded(whole.path()),
-            "{what}: the recordings differ"
+            answers(&run).keys().eq(answers(&whole.path().join("run")).keys()),
+            "{what}: the ledgers differ"
         );
     }
     assert!(
@@ -229,7 +210,7 @@ fn no_artefact_holds_the_key() {
         .count();
     assert!(
         hidden >= 3,
-        "answers, recording and messages show that something was hidden"
+        "answers, ledger and messages show that something was hidden"
     );
     for (name, text) in files {
         for key in &keys {

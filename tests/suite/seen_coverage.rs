@@ -107,7 +107,6 @@ fn play_in(
             },
         },
         budget: &Budget::default(),
-        recorder: None,
         make_world,
         make_expert_world: make_world,
         cache: &Cache::none(),

@@ -15,7 +15,6 @@ use fab_base::interrupt::Interrupt;
 use fab_compiler::{LoadError, Loader};
 use fab_model::Models;
 use fab_model::calls::{Budget, Calls};
-use fab_model::recording::Recorder;
 use fab_model::{Model, ModelError, ModelKind, Part, Reply, Request};
 use fab_program::Program;
 use fab_standins::Geometric;
@@ -270,7 +269,6 @@ pub struct Trial<'p> {
     pub repetition: u32,
     pub start_number: Option<u64>,
     pub budget: Budget,
-    pub recorder: Option<Recorder>,
 }
 
 impl<'p> Trial<'p> {
@@ -295,7 +293,6 @@ impl<'p> Trial<'p> {
             repetition: 0,
             start_number: None,
             budget: Budget::default(),
-            recorder: None,
         }
     }
 
@@ -352,7 +349,6 @@ impl<'p> Trial<'p> {
             examples: &self.examples,
             make_policy,
             budget: &self.budget,
-            recorder: self.recorder.as_ref(),
             make_world,
             make_expert_world: make_world,
             cache: &self.cache,

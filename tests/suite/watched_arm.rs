@@ -351,7 +351,6 @@ fn a_panic_while_the_arm_moves_is_told_with_what_is_verified() {
                 },
             },
             budget: &Budget::default(),
-            recorder: None,
             make_world: &make_world,
             make_expert_world: &|| world(&program),
             cache: &Cache::none(),

@@ -96,7 +96,6 @@
 //!     examples: &Examples::default(),
 //!     make_policy: &Prompted { models: Models { vision: &Geometric, text: &Geometric } },
 //!     budget: &Budget::default(), // no cap
-//!     recorder: None,
 //!     make_world: &make_world,
 //!     make_expert_world: &make_world,
 //!     cache: &Cache::none(),

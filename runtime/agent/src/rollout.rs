@@ -29,7 +29,6 @@ use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_base::wording::counted;
 use fab_model::calls::{Budget, Spent};
-use fab_model::recording::Recorder;
 use fab_program::{Choices, Manner, Program, manner_field};
 use fab_vision::VisionError;
 use fab_world::expert::MakeWorld;
@@ -62,8 +61,6 @@ pub struct Job<'a> {
     pub make_policy: &'a dyn MakePolicy,
     /// Caps on model calls, shared with other rollouts of the same run.
     pub budget: &'a Budget,
-    /// Records questions and answers, if requested.
-    pub recorder: Option<&'a Recorder>,
     /// Makes the world of the rollout.
     pub make_world: &'a MakeWorld<'a>,
     /// Makes worlds that know their particles, for expert results; a real arm must not repeat the expert's folds.
@@ -287,7 +284,7 @@ pub fn run(
     if let Some(why) = unfit_manner(job.program, world.as_ref()) {
         return Err(RunError::Unfit(why));
     }
-    let asking = Asking::in_folder(folder.path(), job.budget, job.recorder);
+    let asking = Asking::in_folder(folder.path(), job.budget);
     let asking = asking.map_err(JournalError::from)?;
     let mut keeper = RolloutWriter::open(job, folder, asking, who.clone(), world.as_ref())?;
     let mut sheet = Sheet::new();

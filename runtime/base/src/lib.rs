@@ -1,4 +1,4 @@
-//! The runtime's foundation: journals, files and what they really are, particle positions, a cache, hashes, seeded
+//! The runtime's foundation: journals, the first difference of two documents, files and what they really are, particle positions, a cache, hashes, seeded
 //! chance, threads, a queue that cannot block, interrupts, programs that answer lines, names of enumerations, tables,
 //! foreign text made visible.
 //!
@@ -30,6 +30,7 @@
 pub mod cache;
 pub mod chance;
 pub mod child;
+pub mod difference;
 pub mod digest;
 pub mod files;
 pub mod interrupt;

@@ -35,7 +35,6 @@ use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_model::Models;
 use fab_model::calls::{Budget, LedgerError};
-use fab_model::recording::Recorder;
 use fab_program::Program;
 use fab_world::vary::AxisValues;
 use fab_world::{About, World, WorldError};
@@ -73,8 +72,6 @@ pub struct Bench<'a> {
     pub cache: &'a Cache,
     /// Caps on model calls for the whole suite.
     pub budget: &'a Budget,
-    /// Records questions and answers, if requested.
-    pub recorder: Option<&'a Recorder>,
     /// Judges after each rollout whether its task was reached, if somebody is asked; rollouts then run one at a time.
     pub operator: Option<&'a dyn Operator>,
     /// A request to stop early.

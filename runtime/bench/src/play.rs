@@ -136,7 +136,7 @@ pub fn play(
     // Earlier calls of this suite count towards its caps.
     for which in &jobs {
         let noted = ledger::read(&folder_of(bench, *which))?;
-        bench.budget.restore(&noted.spent, &noted.overruns);
+        bench.budget.restore(&noted.spent);
     }
     progress(Phase::Rollouts, 0, jobs.len());
     let done = match &bench.arm {
@@ -291,7 +291,6 @@ pub(super) fn one(
         examples: &entry.examples,
         make_policy: entry.make_policy,
         budget: bench.budget,
-        recorder: bench.recorder,
         make_world: &make_world,
         make_expert_world: &make_simulated,
         cache: bench.cache,

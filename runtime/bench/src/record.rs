@@ -6,9 +6,10 @@
 use fab_agent::outcome::Outcome;
 use fab_agent::policy;
 use fab_agent::record::{self, Header, MAX_BYTES, Record, RecordError, Report, StepSpent};
-use fab_base::{files, npy};
+use fab_base::{difference, files, npy};
 use fab_program::{Goal, Metric as GoalMetric};
 use fab_world::vary::AxisValues;
+use serde::Serialize;
 use serde_json::Value;
 use std::path::Path;
 
@@ -44,7 +45,7 @@ impl Step {
 }
 
 /// The identity of a rollout; rollouts with the same identity have the same figures.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Identity {
     /// Hash of the program.
     pub program: String,
@@ -142,63 +143,37 @@ pub(super) fn last_words(folder: &Path) -> Option<String> {
     Record::read(folder).ok()?.steps.pop()?.stopped
 }
 
-/// What is told apart by [`Identity::drawn_for`].
-const ANSWERS: &str = "way to share answers (see `--share-answers`)";
-
-fn drawn_for(start: Option<u64>) -> String {
-    match start {
-        Some(start) => format!("own answers for start {start}"),
-        None => "one answer for all starts".to_owned(),
-    }
-}
-
 impl Identity {
+    /// Reads the identity of a record.
+    fn of(header: &Header) -> Identity {
+        Identity {
+            program: header.program.clone(),
+            vary: header.vary.clone(),
+            params: header.params.clone(),
+            code: header.code.clone(),
+            start: header.start.digest.clone(),
+            policy: header.policy.clone(),
+            horizon: header.horizon,
+            early_stop: header.early_stop,
+            repetition: header.repetition,
+            drawn_for: header.drawn_for,
+        }
+    }
+
     /// Says how a record's header differs from this identity.
     fn difference(&self, header: &Header) -> Option<String> {
-        let policy = |policy: &policy::Description| {
-            serde_json::to_string(policy).expect("a description has string keys")
+        let document = |identity: &Identity| {
+            serde_json::to_value(identity).expect("an identity has string keys")
         };
-        let vary = |values: &AxisValues| {
-            serde_json::to_string(values).expect("values have string keys and finite numbers")
+        let found = difference::first(&document(&Identity::of(header)), &document(self))?;
+        let advice = if self.drawn_for != header.drawn_for {
+            "; `--share-answers` decides whether each start draws answers of its own"
+        } else {
+            ""
         };
-        let pairs = [
-            ("program", header.program.clone(), self.program.clone()),
-            ("vary", vary(&header.vary), vary(&self.vary)),
-            ("params", header.params.clone(), self.params.clone()),
-            ("code", header.code.clone(), self.code.clone()),
-            ("start", header.start.digest.clone(), self.start.clone()),
-            (
-                "policy",
-                header.policy.name.clone(),
-                self.policy.name.clone(),
-            ),
-            // The name may be the same with another model, program or sight behind it.
-            ("policy", policy(&header.policy), policy(&self.policy)),
-            (
-                "horizon",
-                header.horizon.to_string(),
-                self.horizon.to_string(),
-            ),
-            (
-                "early_stop",
-                header.early_stop.to_string(),
-                self.early_stop.to_string(),
-            ),
-            (
-                "repetition",
-                header.repetition.to_string(),
-                self.repetition.to_string(),
-            ),
-            (
-                ANSWERS,
-                drawn_for(header.drawn_for),
-                drawn_for(self.drawn_for),
-            ),
-        ];
-        let different = pairs.into_iter().find(|(_, there, wanted)| there != wanted);
-        different.map(|(what, there, wanted)| {
-            format!("its {what} is `{there}`, but the suite asks for `{wanted}`")
-        })
+        Some(format!(
+            "it is not what the suite asks for: it differs in {found}{advice}"
+        ))
     }
 }
 

@@ -1,5 +1,5 @@
 //! Models that answer prompts, behind one trait; how a model gets points and pictures, calls with caps and ledger,
-//! recordings.
+//! replays of earlier runs.
 //!
 //! In: a self-contained [`Request`]: a model gets nothing else, neither the task's name nor the simulator's state. Out:
 //! a [`Reply`]. Reading the answer is the job of `fab_program::reply`, judging it of `fab_program::verify`, asking
@@ -7,7 +7,7 @@
 
 pub mod calls;
 pub mod lowering;
-pub mod recording;
+pub mod replay;
 
 use crate::calls::{CallRefused, Calls, Fault, Usage, Usd};
 use serde::{Deserialize, Serialize};

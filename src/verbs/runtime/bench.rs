@@ -150,10 +150,9 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
     let mut answering = deciding.values().filter_map(Deciding::answering);
     if !arguments.share_answers && answering.any(Answering::shares_answers) {
         return Err(Failure::environment(
-            "the recording holds one answer for all starts, and not one for each: `--share-answers` replays it so, and the table says so",
+            "the replayed run holds one answer for all starts, and not one for each: `--share-answers` replays it so, and the table says so",
         ));
     }
-    let recorder = models::recorder(&arguments.spend)?;
     let budget = models::budget(&arguments.spend, &interrupt);
     let threads = match arguments.jobs {
         _ if arguments.operator => 1,
@@ -231,7 +230,6 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         },
         cache: &cache,
         budget: &budget,
-        recorder: recorder.as_ref(),
         operator: if has_operator { Some(&terminal) } else { None },
         interrupt: &interrupt,
     };

@@ -193,7 +193,6 @@ pub fn play(
         start.name
     ));
     let budget = models::budget(&arguments.spend, &interrupt);
-    let recorder = models::recorder(&arguments.spend)?;
     let terminal = TerminalOperator(io);
     let job = Job {
         program: &program,
@@ -202,7 +201,6 @@ pub fn play(
         examples: &examples,
         make_policy: &deciding,
         budget: &budget,
-        recorder: recorder.as_ref(),
         make_world: &make_world,
         make_expert_world: &make_expert_world,
         cache: &setting::cache(io),
@@ -256,7 +254,7 @@ pub fn play(
     // From here on, only this process writes into the folder.
     let noted = ledger::read(folder.path())?;
     let spent = noted.spent;
-    budget.restore(&spent, &noted.overruns);
+    budget.restore(&spent);
     keep_beginning(&folder, arguments, &destination)?;
     let earlier = folder.earlier_steps();
     if let Destination::Existing(_) = destination {

@@ -5,6 +5,7 @@
 
 use super::JournalError;
 use crate::record::{Line, MAX_BYTES};
+use fab_base::difference;
 use fab_base::jsonl::Reader;
 use serde_json::Value;
 use std::collections::VecDeque;
@@ -88,66 +89,17 @@ fn is_taken(line: &str, number: usize) -> Result<bool, String> {
     }
 }
 
-/// Names the field in which two lines differ, by its path.
-fn difference(then: &str, now: &str) -> String {
+/// Names the field in which two lines differ.
+fn difference(stored: &str, now: &str) -> String {
     let object = |line: &str| serde_json::from_str::<Value>(line).unwrap_or_default();
-    let (then, now) = (object(then), object(now));
-    let what = match then["type"].as_str() {
-        Some("step") => format!("step {}", then["step"]),
+    let (stored, now) = (object(stored), object(now));
+    let line = match stored["type"].as_str() {
+        Some("step") => format!("step {}", stored["step"]),
         _ => "the first line".to_owned(),
     };
-    let mut path = Vec::new();
-    let (then, now) = first_difference(&then, &now, &mut path);
-    format!(
-        "{what} had `{}` {} and would now have {}",
-        path.join("."),
-        shortened(then),
-        shortened(now)
-    )
-}
-
-/// Descends to the first value that differs, collecting the names on the way.
-fn first_difference<'v>(
-    then: &'v Value,
-    now: &'v Value,
-    path: &mut Vec<String>,
-) -> (&'v Value, &'v Value) {
-    const ABSENT: &Value = &Value::Null;
-    let pair = match (then, now) {
-        (Value::Object(then), Value::Object(now)) => {
-            let names = then.keys().chain(now.keys());
-            let mut differing = names.filter(|name| then.get(*name) != now.get(*name));
-            differing.next().map(|name| {
-                let of =
-                    |fields: &'v serde_json::Map<String, Value>| fields.get(name).unwrap_or(ABSENT);
-                (name.clone(), of(then), of(now))
-            })
-        }
-        (Value::Array(then), Value::Array(now)) => {
-            let mut indices = 0..then.len().max(now.len());
-            let differing = indices.find(|index| then.get(*index) != now.get(*index));
-            differing.map(|index| {
-                let of = |items: &'v [Value]| items.get(index).unwrap_or(ABSENT);
-                (index.to_string(), of(then), of(now))
-            })
-        }
-        _ => None,
-    };
-    match pair {
-        Some((name, then, now)) => {
-            path.push(name);
-            first_difference(then, now, path)
-        }
-        None => (then, now),
-    }
-}
-
-fn shortened(value: &Value) -> String {
-    const MOST: usize = 60;
-    let text = value.to_string();
-    let short: String = text.chars().take(MOST).collect();
-    match short.len() < text.len() {
-        true => format!("{short}…"),
-        false => short,
+    match difference::first(&stored, &now) {
+        Some(found) => format!("{line} differs in {found}"),
+        // The same values may be written in another way by another version.
+        None => format!("{line} is written differently"),
     }
 }

@@ -1,21 +1,18 @@
 //! Asks a rollout's questions of its models, and none of them twice.
 //!
 //! In: a model and a request. Out: its reply: either the one already in the rollout's ledger, or a new one, which is
-//! then stored in the ledger and in the recording, if there is one.
+//! then stored there.
 
 use super::PolicyError;
 use fab_model::calls::{Budget, CallRefused, Ledger, LedgerError, Spent, Unrecorded};
-use fab_model::recording::Recorder;
 use fab_model::{Model, ModelError, ModelKind, Reply, Request};
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::time::Instant;
 
 /// The questions of one rollout.
 #[derive(Debug, Default)]
 pub struct Asking<'a> {
     ledger: Option<Ledger<'a>>,
-    recorder: Option<&'a Recorder>,
     step_kind: StepKind,
 }
 
@@ -30,15 +27,10 @@ pub enum StepKind {
 }
 
 impl<'a> Asking<'a> {
-    /// Stores the calls in the run folder, and the exchanges in the recording, if any.
-    pub fn in_folder(
-        folder: &Path,
-        budget: &'a Budget,
-        recorder: Option<&'a Recorder>,
-    ) -> Result<Asking<'a>, LedgerError> {
+    /// Stores questions, calls and answers in the run folder.
+    pub fn in_folder(folder: &Path, budget: &'a Budget) -> Result<Asking<'a>, LedgerError> {
         Ok(Asking {
             ledger: Some(Ledger::open(folder, budget)?),
-            recorder,
             step_kind: StepKind::New,
         })
     }
@@ -55,16 +47,6 @@ impl<'a> Asking<'a> {
 
     /// Returns the model's reply.
     pub fn ask(&mut self, model: &dyn Model, request: &Request) -> Result<Reply, ModelError> {
-        let begun = Instant::now();
-        let answered = self.answer(model, request);
-        let Some(recorder) = self.recorder else {
-            return answered;
-        };
-        recorder.keep(model, request, &answered, begun.elapsed())?;
-        answered
-    }
-
-    fn answer(&mut self, model: &dyn Model, request: &Request) -> Result<Reply, ModelError> {
         let Some(ledger) = &mut self.ledger else {
             return model.ask(request, &mut Unrecorded);
         };
@@ -79,6 +61,7 @@ impl<'a> Asking<'a> {
         if self.step_kind == StepKind::Repeated {
             return Err(CallRefused::Lost.into());
         }
+        ledger.asks(model, request);
         let reply = model.ask(request, ledger)?;
         ledger.keep(&key, &reply)?;
         Ok(reply)

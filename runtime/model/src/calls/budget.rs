@@ -2,13 +2,12 @@
 //!
 //! In: calls about to be sent and their results. Out: permission, at once or after a wait. The most that a call may cost
 //! is reserved before it is sent, and a call with an unknown cost counts with that full amount. If a reservation does
-//! not fit, it waits until calls under way have ended, because most of them cost less than was reserved. Once a model
-//! cost more than was reserved, its reservations grow by the worst ratio seen.
+//! not fit, it waits until calls under way have ended, because most of them cost less than was reserved. So the cap is
+//! passed at most by what the calls under way cost beyond their reservations.
 
 use super::{Billing, CallEnd, CallRefused, CapReached, FailedCall, Usage, Usd};
 use fab_base::interrupt::Interrupt;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -141,77 +140,6 @@ impl Spent {
     }
 }
 
-/// A call that cost more than its estimated maximum.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Overrun {
-    /// What it cost.
-    cost: Usd,
-    /// What it was estimated to cost at most.
-    estimated: Usd,
-}
-
-impl Overrun {
-    /// Compares a reported cost with its estimate; `None` if it was not above it.
-    fn of(estimated: Usd, cost: Usd) -> Option<Overrun> {
-        (cost > estimated).then_some(Overrun { cost, estimated })
-    }
-
-    /// Returns an estimate times this ratio, rounded up.
-    fn scale(self, estimated: Usd) -> Usd {
-        let nano = |amount: Usd| u128::from(amount.nano());
-        // An estimate of zero has no ratio to it; a billionth stands for it.
-        let scaled =
-            (nano(estimated).max(1) * nano(self.cost)).div_ceil(nano(self.estimated).max(1));
-        Usd::from_nano(u64::try_from(scaled).unwrap_or(u64::MAX))
-    }
-
-    fn is_worse_than(self, other: Overrun) -> bool {
-        let cross = |a: Overrun, b: Overrun| {
-            u128::from(a.cost.nano()) * u128::from(b.estimated.nano().max(1))
-        };
-        cross(self, other) > cross(other, self)
-    }
-}
-
-/// The worst overrun of each model.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Overruns(BTreeMap<String, Overrun>);
-
-impl Overruns {
-    /// Learns from a call that reported its cost.
-    pub fn learn(&mut self, model: &str, estimated: Option<Usd>, end: &CallEnd<'_>) {
-        let (cost, _) = end.reported();
-        let found = estimated
-            .zip(cost)
-            .and_then(|(estimated, cost)| Overrun::of(estimated, cost));
-        if let Some(found) = found {
-            self.keep(model, found);
-        }
-    }
-
-    fn keep(&mut self, model: &str, found: Overrun) {
-        match self.0.get_mut(model) {
-            Some(worst) if found.is_worse_than(*worst) => *worst = found,
-            Some(_) => {}
-            None => {
-                self.0.insert(model.to_owned(), found);
-            }
-        }
-    }
-
-    fn absorb(&mut self, other: &Overruns) {
-        for (model, overrun) in &other.0 {
-            self.keep(model, *overrun);
-        }
-    }
-
-    /// Returns what to reserve for a model's estimate.
-    fn scale(&self, model: &str, estimated: Usd) -> Usd {
-        let worst = self.0.get(model);
-        worst.map_or(estimated, |worst| worst.scale(estimated))
-    }
-}
-
 /// Caps, and what counts towards them so far.
 #[derive(Debug, Default)]
 pub struct Budget {
@@ -224,16 +152,15 @@ pub struct Budget {
 #[derive(Debug, Default)]
 struct State {
     spent: Spent,
-    overruns: Overruns,
-    /// Model and estimate of each call in progress.
-    under_way: Vec<(String, Option<Usd>)>,
+    /// What is reserved for each call in progress; `None` if its price is unknown.
+    under_way: Vec<Option<Usd>>,
 }
 
 /// The answer to a call that asks for permission.
 #[derive(Debug)]
 enum Admission {
-    /// It may be sent, and this is reserved for it.
-    Granted(Option<Usd>),
+    /// It may be sent.
+    Granted,
     /// It fits only if calls under way cost less than is reserved for them.
     Wait,
     /// A cap is reached.
@@ -241,14 +168,7 @@ enum Admission {
 }
 
 impl State {
-    /// Returns what is reserved, by the worst ratios seen so far.
-    fn reserved(&self) -> Usd {
-        let calls = self.under_way.iter();
-        let reserved = calls.filter_map(|(model, it)| Some(self.overruns.scale(model, (*it)?)));
-        reserved.sum()
-    }
-
-    fn admit(&mut self, caps: Caps, model: &str, estimated: Option<Usd>) -> Admission {
+    fn admit(&mut self, caps: Caps, at_most: Option<Usd>) -> Admission {
         let under_way = self.under_way.len() as u64;
         // Each call under way will count, whatever its end, so waiting would not help.
         if let Some(cap) = caps
@@ -261,7 +181,6 @@ impl State {
                 raise: Some("--max-calls"),
             });
         }
-        let at_most = estimated.map(|estimated| self.overruns.scale(model, estimated));
         if let Some(cap) = caps.cost {
             let Some(at_most) = at_most else {
                 return Admission::Refused(CapReached {
@@ -273,36 +192,30 @@ impl State {
                 });
             };
             let taken = self.spent.at_most();
-            if taken + self.reserved() + at_most > cap {
-                return match under_way {
-                    0 => Admission::Refused(no_room(cap, taken, at_most, estimated)),
-                    _ => Admission::Wait,
-                };
+            let reserved: Usd = self.under_way.iter().copied().flatten().sum();
+            if taken + reserved + at_most > cap {
+                if under_way > 0 {
+                    return Admission::Wait;
+                }
+                return Admission::Refused(no_room(cap, taken, at_most));
             }
         }
-        self.under_way.push((model.to_owned(), estimated));
-        Admission::Granted(at_most)
+        self.under_way.push(at_most);
+        Admission::Granted
     }
 
     /// Gives back what was reserved for a call, and counts the call if it was sent.
-    fn end(
-        &mut self,
-        model: &str,
-        [estimated, at_most]: [Option<Usd>; 2],
-        end: Option<&CallEnd<'_>>,
-    ) {
-        let is_it = |(its, its_estimate): &(String, _)| its == model && *its_estimate == estimated;
-        if let Some(index) = self.under_way.iter().position(is_it) {
+    fn end(&mut self, at_most: Option<Usd>, end: Option<&CallEnd<'_>>) {
+        if let Some(index) = self.under_way.iter().position(|its| *its == at_most) {
             self.under_way.swap_remove(index);
         }
         if let Some(end) = end {
             self.spent.count(at_most, end);
-            self.overruns.learn(model, estimated, end);
         }
     }
 }
 
-fn no_room(cap: Usd, taken: Usd, at_most: Usd, estimated: Option<Usd>) -> CapReached {
+fn no_room(cap: Usd, taken: Usd, at_most: Usd) -> CapReached {
     if taken > cap {
         return CapReached {
             why: format!(
@@ -312,16 +225,9 @@ fn no_room(cap: Usd, taken: Usd, at_most: Usd, estimated: Option<Usd>) -> CapRea
             raise: None,
         };
     }
-    let learned = match estimated {
-        Some(estimated) if estimated < at_most => format!(
-            " (estimated {estimated}, but a call of this model cost {:.1} times its estimate)",
-            at_most.nano() as f64 / estimated.nano().max(1) as f64
-        ),
-        _ => String::new(),
-    };
     CapReached {
         why: format!(
-            "the next call may cost {at_most}{learned}, and of the cap of {cap} {} is left",
+            "the next call may cost {at_most}, and of the cap of {cap} {} is left",
             cap.less(taken)
         ),
         raise: Some("--max-cost"),
@@ -332,8 +238,6 @@ fn no_room(cap: Usd, taken: Usd, at_most: Usd, estimated: Option<Usd>) -> CapRea
 #[derive(Debug)]
 pub(super) struct Reservation<'b> {
     budget: &'b Budget,
-    model: String,
-    estimated: Option<Usd>,
     /// The amount reserved; `None` if the price is unknown.
     pub at_most: Option<Usd>,
     is_settled: bool,
@@ -352,8 +256,7 @@ impl Reservation<'_> {
 
     fn close(&mut self, end: Option<&CallEnd<'_>>) {
         self.is_settled = true;
-        let amounts = [self.estimated, self.at_most];
-        self.budget.state().end(&self.model, amounts, end);
+        self.budget.state().end(self.at_most, end);
         self.budget.ended.notify_all();
     }
 }
@@ -393,32 +296,24 @@ impl Budget {
         self.state().spent
     }
 
-    /// Counts what earlier parts of the same run spent, and learns from their overruns.
-    pub fn restore(&self, spent: &Spent, overruns: &Overruns) {
-        let mut state = self.state();
-        state.spent.absorb(spent);
-        state.overruns.absorb(overruns);
+    /// Counts what earlier parts of the same run spent.
+    pub fn restore(&self, spent: &Spent) {
+        self.state().spent.absorb(spent);
     }
 
     /// Reserves what a call may cost; waits for calls under way if that exceeds a cap, and fails if none is.
     ///
-    /// - `estimated`: the most that it should cost; `None` if the price is unknown.
-    pub(super) fn reserve(
-        &self,
-        model: &str,
-        estimated: Option<Usd>,
-    ) -> Result<Reservation<'_>, CallRefused> {
+    /// - `at_most`: `None` if the price is unknown.
+    pub(super) fn reserve(&self, at_most: Option<Usd>) -> Result<Reservation<'_>, CallRefused> {
         let mut state = self.state();
         loop {
             if self.interrupt.is_raised() {
                 return Err(CallRefused::Interrupted);
             }
-            match state.admit(self.caps, model, estimated) {
-                Admission::Granted(at_most) => {
+            match state.admit(self.caps, at_most) {
+                Admission::Granted => {
                     return Ok(Reservation {
                         budget: self,
-                        model: model.to_owned(),
-                        estimated,
                         at_most,
                         is_settled: false,
                     });

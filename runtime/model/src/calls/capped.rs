@@ -30,7 +30,7 @@ impl<'b> Capped<'b> {
 
 impl Calls for Capped<'_> {
     fn begin(&mut self, call: &Call<'_>) -> Result<(), CallRefused> {
-        self.open = Some(self.budget.reserve(call.model, call.at_most)?);
+        self.open = Some(self.budget.reserve(call.at_most)?);
         Ok(())
     }
 

@@ -1,15 +1,17 @@
-//! The calls of one rollout on disk: each call before it is sent, and its result.
+//! The questions, calls and answers of one rollout on disk.
 //!
-//! In: a run folder. Out: `calls.jsonl`, with one synced line per start and end of a call, and the answers in it, so no
-//! answer is ever bought twice. A call without an end may have been sent, and counts as possibly billed. A rollout that
-//! sends nothing leaves no such file.
+//! In: a run folder. Out: `calls.jsonl`, with one synced line per question, start of a call and end of a call, so no
+//! answer is ever bought twice. A call without an end may have been sent, and counts as possibly billed. Pictures are
+//! replaced by the hash of their bytes. A rollout that sends nothing leaves no such file. [`crate::replay`] answers from
+//! such files.
 
-use super::budget::{Budget, Overruns, Reservation, Spent};
+use super::budget::{Budget, Reservation, Spent};
 use super::{Call, CallEnd, CallRefused, Calls, FailedCall, Fault, Usd};
-use crate::Reply;
+use crate::{Lowering, Model, ModelKind, Reply, Request};
 use fab_base::jsonl::{Appender, Reader};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use serde_json::Value;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Name of the ledger in a run folder.
@@ -21,7 +23,9 @@ const MAX_BYTES: u64 = 1 << 30;
 /// A line of the ledger.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
-enum Line {
+pub(crate) enum Line {
+    /// A question to a model, before its first call.
+    Question(Question),
     /// A call is about to be sent.
     Begin {
         call: u64,
@@ -31,9 +35,6 @@ enum Line {
         number: u32,
         /// The amount reserved.
         at_most: Option<Usd>,
-        /// The most that it should cost, if more was reserved because earlier calls cost more.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        estimated: Option<Usd>,
     },
     /// The call was answered.
     Answered { call: u64, reply: Reply },
@@ -43,8 +44,33 @@ enum Line {
         #[serde(flatten)]
         failed: FailedCall,
     },
-    /// A question was answered without a call, from a cache or a recording.
+    /// A question was answered without a call: from a cache, from an earlier run, or by a program.
     Kept { key: String, reply: Reply },
+}
+
+/// A question as it was put to a model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Question {
+    /// [`Request::key`].
+    pub key: String,
+    pub model: String,
+    pub nature: ModelKind,
+    pub lowering: Lowering,
+    /// The request as JSON, with each picture replaced by the SHA-256 of its bytes.
+    pub request: Value,
+}
+
+impl Question {
+    pub(crate) fn new(model: &dyn Model, request: &Request) -> Question {
+        Question {
+            key: request.key(),
+            model: model.name().to_owned(),
+            nature: model.nature(),
+            lowering: model.lowering(),
+            request: serde_json::to_value(request)
+                .expect("a request holds strings and finite numbers"),
+        }
+    }
 }
 
 /// The contents of a ledger.
@@ -56,8 +82,8 @@ pub struct Noted {
     pub spent: Spent,
     /// Number of failed calls by fault.
     pub faults: BTreeMap<Fault, u32>,
-    /// The calls that cost more than their estimate.
-    pub overruns: Overruns,
+    /// Keys of the questions that have a line of their own.
+    questions: BTreeSet<String>,
     /// Calls so far.
     calls: u64,
     /// Bytes up to the end of the last whole line.
@@ -83,65 +109,45 @@ pub fn read(folder: &Path) -> Result<Noted, LedgerError> {
         noted.take(line, &mut open);
     }
     noted.whole_bytes = lines.whole_bytes();
-    for begun in open.into_values() {
+    for (_, at_most) in open.into_values() {
         noted
             .spent
-            .count(begun.at_most, &CallEnd::Failed(&FailedCall::UNRESOLVED));
+            .count(at_most, &CallEnd::Failed(&FailedCall::UNRESOLVED));
     }
     Ok(noted)
 }
 
-/// A call that was noted and has not ended.
-struct Begun {
-    model: String,
-    key: String,
-    at_most: Option<Usd>,
-    estimated: Option<Usd>,
-}
-
 impl Noted {
-    fn take(&mut self, line: Line, open: &mut BTreeMap<u64, Begun>) {
+    /// Takes a line in.
+    ///
+    /// - `open`: question and reservation of each call that has not ended.
+    fn take(&mut self, line: Line, open: &mut BTreeMap<u64, (String, Option<Usd>)>) {
         match line {
+            Line::Question(question) => {
+                self.questions.insert(question.key);
+            }
             Line::Begin {
-                call,
-                model,
-                key,
-                at_most,
-                estimated,
-                ..
+                call, key, at_most, ..
             } => {
                 self.calls = self.calls.max(call);
-                let begun = Begun {
-                    model,
-                    key,
-                    at_most,
-                    estimated: estimated.or(at_most),
-                };
-                open.insert(call, begun);
+                open.insert(call, (key, at_most));
             }
             Line::Answered { call, reply } => {
-                let Some(begun) = open.remove(&call) else {
-                    return;
-                };
-                self.count(&begun, &CallEnd::Answered(&reply));
-                self.answered.insert(begun.key, reply);
+                if let Some((key, at_most)) = open.remove(&call) {
+                    self.spent.count(at_most, &CallEnd::Answered(&reply));
+                    self.answered.insert(key, reply);
+                }
             }
             Line::Failed { call, failed } => {
-                let Some(begun) = open.remove(&call) else {
-                    return;
-                };
-                self.count(&begun, &CallEnd::Failed(&failed));
-                *self.faults.entry(failed.fault).or_default() += 1;
+                if let Some((_, at_most)) = open.remove(&call) {
+                    self.spent.count(at_most, &CallEnd::Failed(&failed));
+                    *self.faults.entry(failed.fault).or_default() += 1;
+                }
             }
             Line::Kept { key, reply } => {
                 self.answered.insert(key, reply);
             }
         }
-    }
-
-    fn count(&mut self, begun: &Begun, end: &CallEnd<'_>) {
-        self.spent.count(begun.at_most, end);
-        self.overruns.learn(&begun.model, begun.estimated, end);
     }
 }
 
@@ -162,6 +168,8 @@ pub struct Ledger<'b> {
     file: Option<Appender>,
     budget: &'b Budget,
     noted: Noted,
+    /// The question that the next call or stored answer is for, unless it has its line.
+    asked: Option<Question>,
     /// The call in progress: its number, its question, and its part of the budget.
     open: Option<(u64, String, Reservation<'b>)>,
 }
@@ -176,6 +184,7 @@ impl<'b> Ledger<'b> {
             file: None,
             budget,
             noted: read(folder)?,
+            asked: None,
             open: None,
         })
     }
@@ -195,16 +204,33 @@ impl<'b> Ledger<'b> {
         &self.noted.faults
     }
 
+    /// Says which question the next call or stored answer is for; its line is written with them.
+    pub fn asks(&mut self, model: &dyn Model, request: &Request) {
+        let question = Question::new(model, request);
+        self.asked = Some(question).filter(|it| !self.noted.questions.contains(&it.key));
+    }
+
     /// Stores an answer that cost no call, so a resumed rollout does not depend on its source.
     pub fn keep(&mut self, key: &str, reply: &Reply) -> Result<(), CallRefused> {
         if self.noted.answered.contains_key(key) {
             return Ok(());
         }
+        self.write_question()?;
         self.write(&Line::Kept {
             key: key.to_owned(),
             reply: reply.clone(),
         })?;
         self.noted.answered.insert(key.to_owned(), reply.clone());
+        Ok(())
+    }
+
+    fn write_question(&mut self) -> Result<(), CallRefused> {
+        let Some(question) = self.asked.take() else {
+            return Ok(());
+        };
+        let key = question.key.clone();
+        self.write(&Line::Question(question))?;
+        self.noted.questions.insert(key);
         Ok(())
     }
 
@@ -230,16 +256,16 @@ impl<'b> Ledger<'b> {
 
 impl Calls for Ledger<'_> {
     fn begin(&mut self, call: &Call<'_>) -> Result<(), CallRefused> {
-        let reserved = self.budget.reserve(call.model, call.at_most)?;
+        let reserved = self.budget.reserve(call.at_most)?;
         let number = self.noted.calls + 1;
-        let begun = self.write(&Line::Begin {
+        let line = Line::Begin {
             call: number,
             model: call.model.to_owned(),
             key: call.key.to_owned(),
             number: call.number,
             at_most: reserved.at_most,
-            estimated: call.at_most.filter(|_| reserved.at_most != call.at_most),
-        });
+        };
+        let begun = self.write_question().and_then(|()| self.write(&line));
         if begun.is_err() {
             reserved.release();
             return begun;

@@ -10,7 +10,7 @@ mod capped;
 mod fault;
 mod usage;
 
-pub use budget::{Budget, Caps, Overruns, Spent};
+pub use budget::{Budget, Caps, Spent};
 pub use capped::Capped;
 pub use fault::{Billing, Fault};
 pub use ledger::{Ledger, LedgerError};

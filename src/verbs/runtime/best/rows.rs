@@ -149,7 +149,6 @@ impl Playing<'_> {
             examples: self.examples,
             make_policy,
             budget: &Budget::default(),
-            recorder: None,
             make_world: &make_world,
             make_expert_world: &make_world,
             cache: search.cache,

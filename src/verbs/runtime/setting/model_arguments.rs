@@ -1,19 +1,18 @@
 //! The arguments that select models and limit their cost; `run` and `bench` share them.
 
 use super::catalogue::FactsArguments;
-use clap::{Args, ValueHint};
+use clap::Args;
 use fab_model::Reasoning;
 use fab_model::calls::{Caps, Usd};
 use fab_providers::remote::settings::Parameter;
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
 use std::time::Duration;
 
 /// Who answers.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
 pub struct ModelArguments {
     /// Who answers: `geometric` (an embedded stand-in without key and network), `random[:SEED]`, `imperfect:RATE[:SEED[:ERRORS]]`,
-    /// `replay:FILE`, or `PROVIDER:NAME` (see `fabc models`); `vision=MODEL` and `text=MODEL` name one for a role.
+    /// `replay:RUN`, or `PROVIDER:NAME` (see `fabc models`); `vision=MODEL` and `text=MODEL` name one for a role.
     /// Default: `geometric`.
     #[arg(long, value_name = "[ROLE=]MODEL")]
     pub model: Vec<String>,
@@ -90,9 +89,6 @@ pub struct SpendArguments {
     /// Print what would be asked and what that costs, and send nothing.
     #[arg(long)]
     pub estimate: bool,
-    /// Add every question with its answer to this recording, for `--model replay:FILE`.
-    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
-    pub record: Option<PathBuf>,
     #[command(flatten)]
     #[serde(flatten)]
     pub caps: CapArguments,

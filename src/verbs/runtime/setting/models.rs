@@ -12,7 +12,7 @@ use fab_agent::rollout::FirstQuestion;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{Budget, Spent};
 use fab_model::lowering::Lowering;
-use fab_model::recording::{Recorder, Replay};
+use fab_model::replay::Replay;
 use fab_model::{Model, ModelError, ModelRole, Models, Request};
 use fab_providers::catalogue::{Facts, Profile, Wire};
 use fab_providers::probe::Subject;
@@ -24,7 +24,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// The models that this build knows.
-const MODELS: &str = "`geometric` (an embedded stand-in), `random` or `random:SEED` (draws from what is offered), `imperfect:RATE`, `imperfect:RATE:SEED` or `imperfect:RATE:SEED:ERRORS` (geometric with that share of wrong answers; ERRORS is `persistent` or `neighbour`), `replay:FILE` (a recording), and `PROVIDER:NAME` (`fabc models` lists them)";
+const MODELS: &str = "`geometric` (an embedded stand-in), `random` or `random:SEED` (draws from what is offered), `imperfect:RATE`, `imperfect:RATE:SEED` or `imperfect:RATE:SEED:ERRORS` (geometric with that share of wrong answers; ERRORS is `persistent` or `neighbour`), `replay:RUN` (the answers of an earlier run), and `PROVIDER:NAME` (`fabc models` lists them)";
 
 /// Prefix of a recording's name.
 const REPLAY: &str = "replay:";
@@ -224,7 +224,7 @@ impl Subject for Varied {
 pub fn without_provider(name: &str) -> Result<Arc<dyn Model>, Failure> {
     if let Some(file) = name.strip_prefix(REPLAY) {
         let replay = Replay::load(Path::new(file), ModelRole::Vision);
-        return Ok(Arc::new(replay?.by_words()));
+        return Ok(Arc::new(replay?));
     }
     let model = embedded(name, ModelRole::Vision)?;
     model.map(Arc::from).ok_or_else(|| {
@@ -322,12 +322,4 @@ fn imperfect(rate: &str, more: &[&str]) -> Option<Box<dyn Model>> {
 /// Makes the budget from the command line; an interrupt ends waits for calls under way.
 pub fn budget(arguments: &SpendArguments, interrupt: &Interrupt) -> Budget {
     Budget::new(arguments.caps.caps(), Spent::default()).interrupted_by(interrupt)
-}
-
-/// Opens the recording that the command line names; an estimate records nothing.
-pub fn recorder(arguments: &SpendArguments) -> Result<Option<Recorder>, Failure> {
-    let file = arguments.record.as_deref().filter(|_| !arguments.estimate);
-    file.map(Recorder::open)
-        .transpose()
-        .map_err(Failure::environment)
 }

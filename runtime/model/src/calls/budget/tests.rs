@@ -6,8 +6,6 @@ use crate::Reply;
 use proptest::prelude::*;
 use std::thread;
 
-const MODEL: &str = "some:model";
-
 fn usd(dollars: f64) -> Option<Usd> {
     Some(Usd::from_dollars(dollars).unwrap())
 }
@@ -33,11 +31,11 @@ fn failed(billing: Billing) -> FailedCall {
 #[test]
 fn money_is_set_aside_before_a_call_and_the_rest_given_back_after_it() {
     let budget = capped(usd(1.0));
-    let first = budget.reserve(MODEL, usd(0.6)).unwrap();
+    let first = budget.reserve(usd(0.6)).unwrap();
     first.settle(&CallEnd::Answered(&reply(usd(0.1))));
-    let second = budget.reserve(MODEL, usd(0.9)).unwrap();
+    let second = budget.reserve(usd(0.9)).unwrap();
     second.settle(&CallEnd::Failed(&failed(Billing::Possibly)));
-    let refused = budget.reserve(MODEL, usd(0.01)).unwrap_err().to_string();
+    let refused = budget.reserve(usd(0.01)).unwrap_err().to_string();
     assert!(refused.contains("0.0000 USD is left"), "{refused}");
     let spent = budget.spent();
     assert_eq!((spent.calls, spent.possibly_billed), (2, 1));
@@ -56,20 +54,20 @@ fn calls_under_way_count_towards_the_cap() {
         ..Spent::default()
     };
     let budget = Budget::new(caps, earlier);
-    let call = budget.reserve(MODEL, None).unwrap();
-    assert!(budget.reserve(MODEL, None).is_err());
+    let call = budget.reserve(None).unwrap();
+    assert!(budget.reserve(None).is_err());
     call.settle(&CallEnd::Failed(&failed(Billing::No)));
-    assert!(budget.reserve(MODEL, None).is_err());
+    assert!(budget.reserve(None).is_err());
     assert_eq!(budget.spent().possibly_billed, 0);
 }
 
 #[test]
 fn a_cap_on_an_unknown_cost_lets_nothing_through() {
     let budget = capped(usd(5.0));
-    let refused = budget.reserve(MODEL, None).unwrap_err();
+    let refused = budget.reserve(None).unwrap_err();
     assert!(refused.to_string().contains("is unknown"));
     let free = Budget::default();
-    let call = free.reserve(MODEL, None).unwrap();
+    let call = free.reserve(None).unwrap();
     call.settle(&CallEnd::Answered(&reply(None)));
     assert_eq!(free.spent().unpriced, 1);
 }
@@ -78,10 +76,10 @@ fn a_cap_on_an_unknown_cost_lets_nothing_through() {
 fn a_call_without_usage_counts_as_reserved_and_as_no_fact() {
     let budget = capped(usd(1.0));
     for _ in 0..2 {
-        let call = budget.reserve(MODEL, usd(0.5)).unwrap();
+        let call = budget.reserve(usd(0.5)).unwrap();
         call.settle(&CallEnd::Answered(&reply(None)));
     }
-    assert!(budget.reserve(MODEL, usd(0.5)).is_err());
+    assert!(budget.reserve(usd(0.5)).is_err());
     let spent = budget.spent();
     assert_eq!((spent.unreported, spent.cost), (2, Usd::ZERO));
     assert_eq!(
@@ -128,8 +126,8 @@ fn a_reservation_that_does_not_fit_waits_for_calls_under_way() {
     for (end, fits) in cases {
         let budget = capped(usd(1.0));
         thread::scope(|scope| {
-            let call = budget.reserve(MODEL, usd(0.6)).unwrap();
-            let waiting = scope.spawn(|| budget.reserve(MODEL, usd(0.6)).is_ok());
+            let call = budget.reserve(usd(0.6)).unwrap();
+            let waiting = scope.spawn(|| budget.reserve(usd(0.6)).is_ok());
             until_waiting(&budget, &waiting);
             end(call);
             assert_eq!(waiting.join().unwrap(), fits);
@@ -142,12 +140,9 @@ fn an_interrupt_ends_the_waiting() {
     let interrupt = Interrupt::default();
     let budget = capped(usd(1.0)).interrupted_by(&interrupt);
     thread::scope(|scope| {
-        let call = budget.reserve(MODEL, usd(1.0)).unwrap();
+        let call = budget.reserve(usd(1.0)).unwrap();
         let interrupted = || {
-            matches!(
-                budget.reserve(MODEL, usd(1.0)),
-                Err(CallRefused::Interrupted)
-            )
+            matches!(budget.reserve(usd(1.0)), Err(CallRefused::Interrupted))
         };
         let waiting = scope.spawn(interrupted);
         until_waiting(&budget, &waiting);
@@ -163,7 +158,7 @@ fn eight_threads(budget: &Budget, calls_each: u32, estimated: Option<Usd>, facto
         for _ in 0..8 {
             scope.spawn(|| {
                 for _ in 0..calls_each {
-                    let Ok(call) = budget.reserve(MODEL, estimated) else {
+                    let Ok(call) = budget.reserve(estimated) else {
                         return;
                     };
                     thread::yield_now();
@@ -220,21 +215,19 @@ fn fate() -> impl Strategy<Value = Fate> {
 
 #[derive(Clone, Debug)]
 struct Flight {
-    model: &'static str,
-    amounts: [Option<Usd>; 2],
+    at_most: Usd,
     fate: Fate,
 }
 
 impl Flight {
     /// Returns what the call reports, and what it counts for.
     fn costs(&self) -> (Option<Usd>, Usd) {
-        let [estimated, at_most] = self.amounts.map(Option::unwrap);
         match self.fate {
             Fate::Bills(percent) | Fate::BillsAndFails(percent) => {
-                let cost = Usd::from_nano(estimated.nano() * percent / 100);
+                let cost = Usd::from_nano(self.at_most.nano() * percent / 100);
                 (Some(cost), cost)
             }
-            Fate::ReportsNothing | Fate::IsCut => (None, at_most),
+            Fate::ReportsNothing | Fate::IsCut => (None, self.at_most),
             Fate::IsRefused => (None, Usd::ZERO),
         }
     }
@@ -252,7 +245,7 @@ impl Flight {
             Fate::BillsAndFails(_) | Fate::IsCut => CallEnd::Failed(&possibly_billed),
             Fate::IsRefused => CallEnd::Failed(&unbilled),
         };
-        state.end(self.model, self.amounts, Some(&end));
+        state.end(Some(self.at_most), Some(&end));
     }
 }
 
@@ -264,7 +257,7 @@ proptest! {
     #[test]
     fn spending_keeps_to_the_bound(
         cap in 1..5_000u64,
-        calls in prop::collection::vec((0..2usize, 0..1_000u64, fate()), 1..40),
+        calls in prop::collection::vec((0..1_000u64, fate()), 1..40),
         order in prop::collection::vec((any::<bool>(), 0..8usize), 200),
     ) {
         let cap = Usd::from_nano(cap);
@@ -272,26 +265,17 @@ proptest! {
         let mut state = State::default();
         let mut queue = calls.into_iter().peekable();
         let (mut flying, mut at_last_grant): (Vec<Flight>, Vec<Flight>) = Default::default();
-        // Model, estimate and report of each call above its estimate.
-        let mut above: Vec<(&str, Usd, Usd)> = Vec::new();
         // After the drawn order, everything lands.
         let order = order.into_iter().chain([(false, 0); 8]);
         let mut is_over = false;
         for (begins, which) in order {
             if begins && !is_over && flying.len() < 8 {
-                let Some((model, nano, fate)) = queue.peek().copied() else { continue };
-                let (model, estimated) = (["a:a", "b:b"][model], Usd::from_nano(nano));
-                match state.admit(caps, model, Some(estimated)) {
-                    Admission::Granted(at_most) => {
-                        let worst = above.iter().filter(|(its, ..)| *its == model);
-                        let scaled = worst.map(|(_, base, cost)| {
-                            (u128::from(nano.max(1)) * u128::from(cost.nano()))
-                                .div_ceil(u128::from(base.nano().max(1))) as u64
-                        });
-                        let expected = scaled.max().unwrap_or(nano);
-                        prop_assert_eq!(at_most, Some(Usd::from_nano(expected)));
-                        flying.push(Flight { model, amounts: [Some(estimated), at_most], fate });
-                        let reserved: Usd = flying.iter().filter_map(|it| it.amounts[1]).sum();
+                let Some((nano, fate)) = queue.peek().copied() else { continue };
+                let at_most = Usd::from_nano(nano);
+                match state.admit(caps, Some(at_most)) {
+                    Admission::Granted => {
+                        flying.push(Flight { at_most, fate });
+                        let reserved: Usd = flying.iter().map(|it| it.at_most).sum();
                         prop_assert!(state.spent.at_most() + reserved <= cap);
                         at_last_grant.clone_from(&flying);
                         queue.next();
@@ -303,14 +287,11 @@ proptest! {
                     }
                 }
             } else if !flying.is_empty() {
-                let landing = flying.swap_remove(which % flying.len());
-                landing.land(&mut state);
-                let (cost, estimated) = (landing.costs().0, landing.amounts[0].unwrap());
-                above.extend(cost.filter(|cost| *cost > estimated).map(|cost| (landing.model, estimated, cost)));
+                flying.swap_remove(which % flying.len()).land(&mut state);
             }
         }
         prop_assert!(flying.is_empty() && state.under_way.is_empty());
-        let beyond = at_last_grant.iter().map(|it| it.costs().1.less(it.amounts[1].unwrap()));
+        let beyond = at_last_grant.iter().map(|it| it.costs().1.less(it.at_most));
         prop_assert!(state.spent.at_most() <= cap + beyond.sum());
     }
 }

@@ -1,0 +1,159 @@
+//! The first value in which two JSON documents differ, for people.
+//!
+//! In: what was stored, and what is there now. Out: where they differ, with both values, shortened. Whoever compares a
+//! record with what would be recorded now says the difference in these words.
+
+use serde_json::Value;
+use std::fmt;
+
+/// The most characters of a value that are shown.
+const MAX_SHOWN: usize = 60;
+/// The characters shown before the first one that differs.
+const CONTEXT: usize = 20;
+
+/// A value that two documents do not share.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Difference {
+    /// Its path, such as `messages[0].parts[1].text`, and its line if it is a text of several lines.
+    pub place: String,
+    /// The stored value, or `nothing`.
+    pub stored: String,
+    /// The value now, or `nothing`.
+    pub now: String,
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} (recorded {}, now {})",
+            self.place, self.stored, self.now
+        )
+    }
+}
+
+/// Finds the first difference, in the order of the stored document; `None` if the two are equal.
+pub fn first(stored: &Value, now: &Value) -> Option<Difference> {
+    at(String::new(), Some(stored), Some(now))
+}
+
+fn at(path: String, stored: Option<&Value>, now: Option<&Value>) -> Option<Difference> {
+    if stored == now {
+        return None;
+    }
+    match (stored, now) {
+        (Some(Value::Object(stored)), Some(Value::Object(now))) => {
+            let is_new = |name: &&String| !stored.contains_key(*name);
+            let mut names = stored.keys().chain(now.keys().filter(is_new));
+            names.find_map(|name| {
+                let dot = if path.is_empty() { "" } else { "." };
+                at(format!("{path}{dot}{name}"), stored.get(name), now.get(name))
+            })
+        }
+        (Some(Value::Array(stored)), Some(Value::Array(now))) => {
+            let mut indices = 0..stored.len().max(now.len());
+            indices.find_map(|index| {
+                at(format!("{path}[{index}]"), stored.get(index), now.get(index))
+            })
+        }
+        (Some(Value::String(stored)), Some(Value::String(now))) => Some(of_texts(path, stored, now)),
+        _ => Some(Difference {
+            place: format!("`{path}`"),
+            stored: shown(stored),
+            now: shown(now),
+        }),
+    }
+}
+
+/// Compares two texts that differ, line by line.
+fn of_texts(path: String, stored: &str, now: &str) -> Difference {
+    let (mut ours, mut theirs) = (stored.split('\n'), now.split('\n'));
+    let mut number = 1;
+    loop {
+        match (ours.next(), theirs.next()) {
+            (Some(stored), Some(now)) if stored == now => number += 1,
+            (stored_line, now_line) => {
+                let has_lines = stored.contains('\n') || now.contains('\n');
+                let alike = stored_line
+                    .unwrap_or_default()
+                    .chars()
+                    .zip(now_line.unwrap_or_default().chars())
+                    .take_while(|(a, b)| a == b)
+                    .count();
+                let excerpt = |line: Option<&str>| match line {
+                    Some(line) => shown(Some(&Value::from(from_char(line, alike)))),
+                    None => shown(None),
+                };
+                return Difference {
+                    place: if has_lines {
+                        format!("`{path}`, line {number}")
+                    } else {
+                        format!("`{path}`")
+                    },
+                    stored: excerpt(stored_line),
+                    now: excerpt(now_line),
+                };
+            }
+        }
+    }
+}
+
+/// Returns a line from a little before its first differing character.
+fn from_char(line: &str, alike: usize) -> String {
+    if alike <= CONTEXT + 1 {
+        return line.to_owned();
+    }
+    let rest: String = line.chars().skip(alike - CONTEXT).collect();
+    format!("…{rest}")
+}
+
+fn shown(value: Option<&Value>) -> String {
+    let Some(value) = value else {
+        return "nothing".to_owned();
+    };
+    let text = value.to_string();
+    let short: String = text.chars().take(MAX_SHOWN).collect();
+    if short.len() < text.len() {
+        format!("{short}…")
+    } else {
+        short
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn the_first_difference_is_named_with_both_values() {
+        let long = "a".repeat(100);
+        let cases = [
+            (json!({"a": 1}), json!({"a": 1}), None),
+            (json!({"a": 1, "b": 2}), json!({"a": 1, "b": 3}), Some("`b` (recorded 2, now 3)")),
+            (json!({"a": [1, 2]}), json!({"a": [1]}), Some("`a[1]` (recorded 2, now nothing)")),
+            (json!({}), json!({"c": null}), Some("`c` (recorded nothing, now null)")),
+            (json!({"a": {"b": "x"}}), json!({"a": {"b": "y"}}), Some("`a.b` (recorded \"x\", now \"y\")")),
+            (
+                json!({"t": "one\ntwo"}),
+                json!({"t": "one\ntoo\nthree"}),
+                Some("`t`, line 2 (recorded \"two\", now \"too\")"),
+            ),
+            (
+                json!({"t": "one"}),
+                json!({"t": "one\n"}),
+                Some("`t`, line 2 (recorded nothing, now \"\")"),
+            ),
+            (
+                json!([format!("{long}b")]),
+                json!([format!("{long}c")]),
+                Some("`[0]` (recorded \"…aaaaaaaaaaaaaaaaaaaab\", now \"…aaaaaaaaaaaaaaaaaaaac\")"),
+            ),
+            (json!(1), json!([1]), Some("`` (recorded 1, now [1])")),
+        ];
+        for (stored, now, expected) in cases {
+            let found = first(&stored, &now).map(|it| it.to_string());
+            assert_eq!(found.as_deref(), expected);
+        }
+    }
+}

@@ -1,0 +1,261 @@
+//! `replay:RUN`: answers from the ledgers of earlier runs, byte for byte, and sends nothing.
+//!
+//! In: the `calls.jsonl` of a run, the folder of a run, or a folder of runs such as a suite's. Out: a [`Model`] that
+//! answers the questions asked there. A question matches by its words, pictures, settings and draw; the schema does not
+//! count, because it follows from the task and its scene. The last answer to a question counts; if there is none, its
+//! last failure.
+
+use crate::calls::ledger::{LEDGER_FILE, Line, Question};
+use crate::calls::{Calls, Fault, LedgerError};
+use crate::{Lowering, Model, ModelError, ModelKind, ModelRole, Reply, Request};
+use fab_base::difference;
+use fab_base::jsonl::Reader;
+use serde_json::Value;
+use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The deepest that a run folder may lie below the named one.
+const MAX_DEPTH: u32 = 4;
+
+/// How a question ended: with an answer, or with a fault and its description.
+type End = Result<Reply, (Fault, String)>;
+
+/// The runs that answer in place of the model of one role.
+#[derive(Debug)]
+pub struct Replay {
+    name: String,
+    path: PathBuf,
+    nature: ModelKind,
+    lowering: Lowering,
+    /// Questions with an end, by [`question_key`], in the order in which they were first asked.
+    exchanges: Vec<(Question, End)>,
+    by_key: BTreeMap<String, usize>,
+}
+
+impl Replay {
+    /// Reads the runs for a role; the name is `replay(MODEL)`, with the model that was asked in that role.
+    ///
+    /// Fails if a ledger cannot be read, or if there is no answer from a model.
+    pub fn load(path: &Path, role: ModelRole) -> Result<Replay, LedgerError> {
+        let mut exchanges = Vec::new();
+        let mut by_key = BTreeMap::new();
+        for file in ledgers(path)? {
+            read(&file, &mut exchanges, &mut by_key)?;
+        }
+        let role = serde_json::json!(role);
+        let questions = || exchanges.iter().map(|(question, _)| question);
+        let mut own: Vec<&Question> = questions()
+            .filter(|question| question.request["role"] == role)
+            .collect();
+        if own.is_empty() {
+            own.extend(questions());
+        }
+        // One model has one lowering; with several models the first decides, and the others' questions differ by name.
+        let Some(first) = own.first() else {
+            return Err(unusable(path, "it holds no answer from a model"));
+        };
+        let models: BTreeSet<&str> = own.iter().map(|it| it.model.as_str()).collect();
+        let models: Vec<&str> = models.into_iter().collect();
+        let is_stand_in = own.iter().any(|it| it.nature == ModelKind::StandIn);
+        Ok(Replay {
+            name: format!("replay({})", models.join(", ")),
+            path: path.to_owned(),
+            nature: if is_stand_in {
+                ModelKind::StandIn
+            } else {
+                ModelKind::Model
+            },
+            lowering: first.lowering,
+            by_key,
+            exchanges,
+        })
+    }
+
+    /// Names the recorded question most similar to a request, and what differs first.
+    fn nearest(&self, asked: &Value) -> String {
+        // The last of equal ones wins, and reversed that is the first.
+        let in_reverse = self.exchanges.iter().rev().map(|(question, _)| question);
+        let best = in_reverse.max_by_key(|question| likeness(&question.request, asked));
+        let question = best.expect("a replay holds a question");
+        let is_other = |name: &str| question.request[name] != asked[name];
+        if is_other("role") && is_other("messages") {
+            return format!(
+                "it holds no question to a model of {} that is like it",
+                asked["role"]
+            );
+        }
+        let difference = difference::first(&without_schema(&question.request), &without_schema(asked));
+        format!(
+            "the recorded question that is most like it is one of action {}, and differs in {}",
+            question.request["step"],
+            difference.map_or("nothing".to_owned(), |it| it.to_string())
+        )
+    }
+}
+
+/// Finds the ledgers at or below a path, in the order of their names.
+fn ledgers(path: &Path) -> Result<Vec<PathBuf>, LedgerError> {
+    if !path.is_dir() {
+        return Ok(vec![path.to_owned()]);
+    }
+    let mut found = Vec::new();
+    collect(path, MAX_DEPTH, &mut found)
+        .map_err(|error| unusable(path, &error.to_string()))?;
+    if found.is_empty() {
+        return Err(unusable(
+            path,
+            &format!("no {LEDGER_FILE} lies in it: no model of a provider was asked there"),
+        ));
+    }
+    Ok(found)
+}
+
+fn collect(folder: &Path, depth: u32, found: &mut Vec<PathBuf>) -> std::io::Result<()> {
+    let file = folder.join(LEDGER_FILE);
+    if file.is_file() {
+        found.push(file);
+        return Ok(());
+    }
+    if depth == 0 {
+        return Ok(());
+    }
+    let entries: Result<Vec<_>, _> = fs::read_dir(folder)?.collect();
+    let mut folders: Vec<PathBuf> = entries?
+        .into_iter()
+        .filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()))
+        .map(|entry| entry.path())
+        .collect();
+    folders.sort();
+    folders
+        .iter()
+        .try_for_each(|folder| collect(folder, depth - 1, found))
+}
+
+/// Adds the questions of a ledger.
+fn read(
+    file: &Path,
+    exchanges: &mut Vec<(Question, End)>,
+    by_key: &mut BTreeMap<String, usize>,
+) -> Result<(), LedgerError> {
+    let mut lines = Reader::open(file, u64::MAX).map_err(|why| unusable(file, &why))?;
+    let mut asked: BTreeMap<String, Question> = BTreeMap::new();
+    let mut calls: BTreeMap<u64, String> = BTreeMap::new();
+    while let Some(line) = lines.read().map_err(|why| unusable(file, &why))? {
+        let (key, end) = match line {
+            Line::Question(question) => {
+                asked.insert(question.key.clone(), question);
+                continue;
+            }
+            Line::Begin { call, key, .. } => {
+                calls.insert(call, key);
+                continue;
+            }
+            Line::Answered { call, reply } => (calls.remove(&call), Ok(reply)),
+            Line::Failed { call, failed } => (calls.remove(&call), Err((failed.fault, failed.why))),
+            Line::Kept { key, reply } => (Some(key), Ok(reply)),
+        };
+        // What a program answered has no question of a model.
+        let Some(question) = key.and_then(|key| asked.get(&key)) else {
+            continue;
+        };
+        match by_key.entry(question_key(&question.request)) {
+            Entry::Vacant(free) => {
+                free.insert(exchanges.len());
+                exchanges.push((question.clone(), end));
+            }
+            Entry::Occupied(known) => {
+                let known = &mut exchanges[*known.get()];
+                if end.is_ok() || known.1.is_err() {
+                    *known = (question.clone(), end);
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+fn unusable(path: &Path, why: &str) -> LedgerError {
+    LedgerError {
+        path: path.to_owned(),
+        why: why.to_owned(),
+    }
+}
+
+fn without_schema(request: &Value) -> Value {
+    let mut question = request.clone();
+    if let Some(fields) = question.as_object_mut() {
+        fields.shift_remove("schema");
+    }
+    question
+}
+
+/// Hashes a question without its schema.
+fn question_key(request: &Value) -> String {
+    fab_base::digest::of(without_schema(request).to_string())
+}
+
+/// How much two requests have in common, most important criterion first.
+fn likeness(recorded: &Value, asked: &Value) -> (bool, bool, usize, usize) {
+    let list = |value: &Value| value.as_array().cloned().unwrap_or_default();
+    let (there, here) = (list(&recorded["messages"]), list(&asked["messages"]));
+    let alike = there.iter().zip(&here).take_while(|(a, b)| a == b).count();
+    let fields = asked.as_object().into_iter().flatten();
+    let settings = fields.filter(|(name, value)| recorded[name.as_str()] == **value);
+    (
+        recorded["role"] == asked["role"],
+        recorded["step"] == asked["step"],
+        alike + usize::from(there.len() == here.len()),
+        settings.count(),
+    )
+}
+
+impl Model for Replay {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn nature(&self) -> ModelKind {
+        self.nature
+    }
+
+    fn lowering(&self) -> Lowering {
+        self.lowering
+    }
+
+    fn shares_answers(&self) -> bool {
+        let mut requests = self.exchanges.iter().map(|(question, _)| &question.request);
+        requests.all(|request| request["start"].is_null())
+    }
+
+    fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
+        let asked =
+            serde_json::to_value(request).expect("a request holds strings and finite numbers");
+        let Some(index) = self.by_key.get(&question_key(&asked)) else {
+            return Err(ModelError::Unsupported {
+                model: self.name.clone(),
+                why: format!(
+                    "`{}` holds no answer to it: {}",
+                    self.path.display(),
+                    self.nearest(&asked)
+                ),
+            });
+        };
+        match &self.exchanges[*index].1 {
+            // A replay buys nothing, so it does not report the original cost.
+            Ok(reply) => Ok(Reply {
+                cost: None,
+                ..reply.clone()
+            }),
+            Err((fault, why)) => Err(ModelError::Failed {
+                model: self.name.clone(),
+                fault: *fault,
+                why: why.clone(),
+            }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
