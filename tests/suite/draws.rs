@@ -177,11 +177,7 @@ fn shared_answers_are_stated_and_clustered_and_not_mixed_with_others() {
     let folder = folder.path();
     suite(folder, 3, 2, &["asked"]);
     let provider = Provider::reliable();
-    let said = finish(&mut bench(
-        folder,
-        &provider,
-        &["--share-answers"],
-    ));
+    let said = finish(&mut bench(folder, &provider, &["--share-answers"]));
     assert_eq!(said.code, 0, "{}", said.stderr);
     assert_asked(&provider, 2);
     let shared = document(&said);
@@ -214,7 +210,8 @@ fn shared_answers_are_stated_and_clustered_and_not_mixed_with_others() {
     let mixed = finish(&mut bench(folder, &provider, &[]));
     assert_eq!(mixed.code, 2, "{}", mixed.stderr);
     assert!(
-        mixed.stderr.contains("`drawn_for` (recorded ") && mixed.stderr.contains("`--share-answers` decides"),
+        mixed.stderr.contains("`drawn_for` (recorded ")
+            && mixed.stderr.contains("`--share-answers` decides"),
         "{}",
         mixed.stderr
     );

@@ -312,7 +312,10 @@ fn two_replays_of_one_run_write_its_journal() {
     let bought = paid(folder.path(), &provider, &[&task, "--out", "first"]);
     assert_eq!(bought.code, 0, "{}", bought.stderr);
     let calls = provider.counts().len();
-    for (name, source) in [("second", "replay:first"), ("third", "replay:first/calls.jsonl")] {
+    for (name, source) in [
+        ("second", "replay:first"),
+        ("third", "replay:first/calls.jsonl"),
+    ] {
         let arguments = ["run", &task, "--out", name, "--model", source];
         let replayed = finish(fabc(folder.path()).args(arguments));
         assert_eq!(replayed.code, 0, "{}", replayed.stderr);
@@ -341,7 +344,14 @@ fn a_replay_of_another_prompt_says_which_part_changed() {
     let changed = text.replace("Answer in two lines:", "Answer in exactly two lines:");
     assert_ne!(changed, text);
     fs::write(&library, changed).unwrap();
-    let second = ["run", "mine.fab", "--out", "second", "--model", "replay:first"];
+    let second = [
+        "run",
+        "mine.fab",
+        "--out",
+        "second",
+        "--model",
+        "replay:first",
+    ];
     let said = finish(fabc(folder.path()).args(second));
     assert_eq!(said.code, 2, "{}", said.stderr);
     let named = "(recorded \"Answer in two lines:\", now \"Answer in exactly two lines:\")";

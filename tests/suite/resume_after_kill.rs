@@ -161,7 +161,9 @@ fn kill_at(moments: Vec<(usize, u64)>) {
         );
         let answers = |run: &Path| ledger::read(run).unwrap().answered;
         assert!(
-            answers(&run).keys().eq(answers(&whole.path().join("run")).keys()),
+            answers(&run)
+                .keys()
+                .eq(answers(&whole.path().join("run")).keys()),
             "{what}: the ledgers differ"
         );
     }

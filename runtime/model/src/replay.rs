@@ -86,7 +86,8 @@ impl Replay {
                 asked["role"]
             );
         }
-        let difference = difference::first(&without_schema(&question.request), &without_schema(asked));
+        let difference =
+            difference::first(&without_schema(&question.request), &without_schema(asked));
         format!(
             "the recorded question that is most like it is one of action {}, and differs in {}",
             question.request["step"],
@@ -101,8 +102,7 @@ fn ledgers(path: &Path) -> Result<Vec<PathBuf>, LedgerError> {
         return Ok(vec![path.to_owned()]);
     }
     let mut found = Vec::new();
-    collect(path, MAX_DEPTH, &mut found)
-        .map_err(|error| unusable(path, &error.to_string()))?;
+    collect(path, MAX_DEPTH, &mut found).map_err(|error| unusable(path, &error.to_string()))?;
     if found.is_empty() {
         return Err(unusable(
             path,

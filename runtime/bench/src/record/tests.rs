@@ -161,13 +161,19 @@ fn every_part_of_an_identity_tells_rollouts_apart() {
         ("/horizon", json!(9), "horizon"),
         ("/early_stop", json!(false), "early_stop"),
         ("/repetition", json!(9), "repetition"),
-        ("/drawn_for", json!(9), ANSWERS),
-        ("/drawn_for", Value::Null, ANSWERS),
+        ("/drawn_for", json!(9), "drawn_for"),
+        ("/drawn_for", Value::Null, "drawn_for"),
     ] {
         let mut changed = header();
         *changed.pointer_mut(pointer).unwrap() = other;
         let why = difference(changed).unwrap();
-        assert!(why.starts_with(&format!("its {name} is `")), "{why}");
+        let begins = format!("it is not what the suite asks for: it differs in `{name}");
+        assert!(why.starts_with(&begins), "{why}");
+        assert_eq!(
+            why.contains("--share-answers"),
+            name == "drawn_for",
+            "{why}"
+        );
     }
 }
 

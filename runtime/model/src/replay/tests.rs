@@ -158,7 +158,10 @@ fn the_runs_of_a_suite_are_one_replay() {
     let why = at(Some(2)).unwrap_err().to_string();
     assert!(why.contains("`start` (recorded "), "{why}");
     answer(&folder.path().join("a/0000"), "again", "for all");
-    assert_eq!(ask(&asked(folder.path()), &request("again")).unwrap().text, "for all");
+    assert_eq!(
+        ask(&asked(folder.path()), &request("again")).unwrap().text,
+        "for all"
+    );
 }
 
 #[test]
@@ -168,13 +171,19 @@ fn what_holds_no_answers_is_refused_with_its_name() {
     let refused = |path: &Path| Replay::load(path, ModelRole::Text).unwrap_err().to_string();
     let cases = [
         ("my notes\n", "line 1 is damaged"),
-        ("{\"type\":\"recording\",\"schema\":1}\n", "unknown variant `recording`"),
+        (
+            "{\"type\":\"recording\",\"schema\":1}\n",
+            "unknown variant `recording`",
+        ),
         ("", "it holds no answer from a model"),
     ];
     for (text, why) in cases {
         std::fs::write(&file, text).unwrap();
         let message = refused(&file);
-        assert!(message.contains("notes.jsonl") && message.contains(why), "{message}");
+        assert!(
+            message.contains("notes.jsonl") && message.contains(why),
+            "{message}"
+        );
     }
     assert!(refused(folder.path()).contains("no calls.jsonl lies in it"));
     assert!(refused(&folder.path().join("absent")).contains("absent"));
@@ -187,10 +196,19 @@ fn a_question_that_was_not_asked_names_what_changed() {
     let replay = asked(folder.path());
     type Change = fn(&mut Request);
     let cases: [(Change, &str); 9] = [
-        (|it| it.temperature = Some(0.7), "`temperature` (recorded 0.2, now 0.7)"),
-        (|it| it.max_tokens = Some(5), "`max_tokens` (recorded null, now 5)"),
+        (
+            |it| it.temperature = Some(0.7),
+            "`temperature` (recorded 0.2, now 0.7)",
+        ),
+        (
+            |it| it.max_tokens = Some(5),
+            "`max_tokens` (recorded null, now 5)",
+        ),
         (|it| it.repetition = 2, "`repetition` (recorded 0, now 2)"),
-        (|it| it.candidate = 2, "`candidate` (recorded nothing, now 2)"),
+        (
+            |it| it.candidate = 2,
+            "`candidate` (recorded nothing, now 2)",
+        ),
         (|it| it.step = 4, "`step` (recorded 1, now 4)"),
         (|it| it.role = ModelRole::Text, "`role`"),
         (

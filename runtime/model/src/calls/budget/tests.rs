@@ -141,9 +141,7 @@ fn an_interrupt_ends_the_waiting() {
     let budget = capped(usd(1.0)).interrupted_by(&interrupt);
     thread::scope(|scope| {
         let call = budget.reserve(usd(1.0)).unwrap();
-        let interrupted = || {
-            matches!(budget.reserve(usd(1.0)), Err(CallRefused::Interrupted))
-        };
+        let interrupted = || matches!(budget.reserve(usd(1.0)), Err(CallRefused::Interrupted));
         let waiting = scope.spawn(interrupted);
         until_waiting(&budget, &waiting);
         interrupt.raise();
