@@ -111,7 +111,7 @@ fn counting(folder: &Path) -> (Command, PathBuf) {
     let text = text.replace(
         "for line in sys.stdin:\n",
         &format!(
-            "for line in sys.stdin:\n    open({:?}, 'a').write(str(json.loads(line)['action']) + '\\n')\n",
+            "for line in sys.stdin:\n    asked = json.loads(line).get('action')\n    if asked: open({:?}, 'a').write(f'{{asked}}\\n')\n",
             asked.display().to_string()
         ),
     );
