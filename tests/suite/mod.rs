@@ -27,6 +27,7 @@ mod completions;
 mod crossings;
 mod demos;
 mod draws;
+mod events;
 mod explain;
 mod external_world;
 #[cfg(unix)]
@@ -76,6 +77,7 @@ mod sim_replay;
 mod sim_verbs;
 mod skipped_steps;
 mod snap;
+mod spaces;
 mod spacing;
 mod springing_back;
 mod stand_in;

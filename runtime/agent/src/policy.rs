@@ -11,8 +11,10 @@ mod external;
 mod judge;
 mod prompted;
 mod proposing;
+pub mod protocol;
 mod random;
 mod reach;
+mod rehearsing;
 
 pub use asking::{Asking, StepKind};
 pub use expert::Expert;
@@ -22,12 +24,14 @@ pub use prompted::{
     opening, rehearse,
 };
 pub use random::Random;
+pub use rehearsing::Rehearsing;
 
 pub(crate) use judge::is_accepted;
 
 use crate::journal::JournalError;
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
+use crate::record::RehearsedStep;
 use crate::result::StepResult;
 use crate::scene::Scene;
 use crate::twins::Twins;
@@ -42,7 +46,7 @@ use fab_program::reply::Stated;
 use fab_program::verify::Verdict;
 use fab_program::{Exhausted, Program, Proposal, Value};
 use fab_world::start::Start;
-use fab_world::{Reach, Refuses};
+use fab_world::{Motion, Reach, Refuses};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -168,6 +172,8 @@ pub struct StepView<'a> {
     pub before: Option<StepResult>,
     /// The previous action.
     pub last: Option<&'a ExecutedAction>,
+    /// What the world has done since the previous decision, if anything.
+    pub executed: Option<&'a Motion>,
     /// The pictures that can be shown.
     pub pictures: &'a Pictures,
     /// Tells what is out of the world's reach.
@@ -214,6 +220,7 @@ impl<'a> StepView<'a> {
             horizon: program.horizon,
             before: None,
             last,
+            executed: None,
             pictures,
             reach: &fab_world::everywhere,
             refuses: &fab_world::nothing,
@@ -266,12 +273,32 @@ impl<'a> StepView<'a> {
 pub struct Exchange<'e, 'j> {
     /// Gets answers, which are bought or computed once and never again.
     pub asking: &'e mut Asking<'j>,
-    /// Receives each attempt as soon as it is complete.
-    pub record: &'e mut dyn FnMut(&Attempt) -> Result<(), JournalError>,
+    /// Receives each question before it is asked, and each attempt as soon as it is complete.
+    pub record: &'e mut dyn FnMut(Exchanged<'_>) -> Result<(), JournalError>,
     /// A request to stop early.
     pub interrupt: &'e Interrupt,
     /// The twins on which actions can be tried, if the task rehearses.
     pub twins: Option<&'e mut Twins>,
+}
+
+/// What a policy tells while it decides.
+#[derive(Clone, Debug)]
+pub enum Exchanged<'a> {
+    /// A question that is about to be asked.
+    Question {
+        /// The stage that asks.
+        stage: &'a str,
+        /// The attempt's number within this stage and step, from 1.
+        attempt: u32,
+        /// The question.
+        question: &'a Question,
+    },
+    /// A complete attempt.
+    Attempt(&'a Attempt),
+    /// What was tried on twins in the step, and how long it took.
+    Rehearsed(&'a RehearsedStep, Duration),
+    /// Something that the user should know.
+    Note(String),
 }
 
 /// One proposal or answer, and its result.

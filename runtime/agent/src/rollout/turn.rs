@@ -2,18 +2,18 @@
 //!
 //! In: the job and the state left by the step before. Out: the step's line, and an outcome if the rollout ends with it.
 
+use super::event::{At, AttemptOf, SentFiles};
 use super::timer::Timer;
 use super::writer::RolloutWriter;
 use super::{Event, Job, RunError};
 use crate::action::Action;
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
-use crate::policy::{self, Attempt, Decision, Exchange, Policy, PolicyError, StepView, Truth};
+use crate::policy::{self, Decision, Exchange, Exchanged, Policy, PolicyError, StepView, Truth};
 use crate::record;
 use crate::result::StepResult;
 use crate::scene::{Scene, SceneError};
 use crate::sheet::Sheet;
-use crate::twins::{Interrupted, Twins};
 use fab_base::wording::counted;
 use fab_picture::observation::Observation;
 use fab_program::facts::ExecutedAction;
@@ -33,8 +33,8 @@ pub(super) struct Memory {
     last: Option<ExecutedAction>,
     /// In how many places the simulated cloth went through itself before the action.
     pub(super) crossings: usize,
-    /// The twins of the cloth, if the task rehearses.
-    pub(super) twins: Option<Twins>,
+    /// What the world has done since the last decision.
+    executed: Option<Motion>,
     /// What was said about pictures, without its numbers.
     said: BTreeSet<String>,
 }
@@ -47,7 +47,7 @@ impl Memory {
             first_scene: None,
             last: None,
             crossings: 0,
-            twins: None,
+            executed: None,
             said: BTreeSet::new(),
         }
     }
@@ -107,6 +107,14 @@ impl<'j> Turn<'j> {
         self.is_planned.then_some(self.planning.as_secs_f64())
     }
 
+    /// Returns when in the rollout it is.
+    pub(super) fn at(&self) -> At {
+        At {
+            action: self.number,
+            step: self.step,
+        }
+    }
+
     /// Takes the step; returns an outcome if the rollout ends with it.
     pub(super) fn take(
         &mut self,
@@ -115,9 +123,9 @@ impl<'j> Turn<'j> {
         memory: &mut Memory,
         keeper: &mut RolloutWriter,
         sheet: &mut Sheet,
-        progress: &mut dyn FnMut(Event<'_>),
+        progress: &mut dyn FnMut(Event),
     ) -> Result<Option<Outcome>, RunError> {
-        let (job, number, step) = (self.job, self.number, self.step);
+        let (job, number, step, at) = (self.job, self.number, self.step, self.at());
         let begun = Instant::now();
         if job.interrupt.is_raised() {
             return Ok(self.stop(Outcome::Interrupted, "interrupted"));
@@ -126,7 +134,8 @@ impl<'j> Turn<'j> {
             Ok(observation) => observation,
             Err(error) => return Ok(self.stop_for(&error)),
         };
-        self.line.files.before = Some(keeper.keep_picture(number, "before", &observation.rgb)?);
+        let file = keeper.keep_picture(number, "before", &observation.rgb)?;
+        self.line.files.before = Some(file.clone());
         // The first scene is stored unfiltered: the arm's reach is not a property of the cloth.
         let first = &mut memory.first_scene;
         let reach = |point: &WorldPoint| world.out_of_reach(point);
@@ -149,28 +158,19 @@ impl<'j> Turn<'j> {
             }
         };
         self.line.scene = scene.to_json();
+        progress(Event::Picture {
+            at,
+            file,
+            scene: self.line.scene.clone(),
+        });
         let mut notes = observation.notes.clone();
         notes.extend(scene.beyond_the_picture());
         for note in notes.into_iter().filter(|note| memory.is_new(note)) {
-            progress(Event::Note(format!("before step {step}: {note}")));
-        }
-        let mut rehearsing = Duration::ZERO;
-        if let Some(twins) = &mut memory.twins {
-            let looked = twins.look(step, &observation, scene.cloth(), job.interrupt);
-            rehearsing = twins.take_time();
-            self.timer.add("rehearse", rehearsing);
-            if let Err(Interrupted) = looked {
-                return Ok(self.stop(Outcome::Interrupted, "interrupted"));
-            }
-            self.line.rehearsal = Some(twins.line().clone());
-            if let Some(why) = twins.refusal() {
-                return Ok(self.stop(Outcome::RehearsalRefused, &why));
-            }
-            if let Some(why) = twins.aside() {
-                progress(Event::Note(format!("step {step} is not rehearsed: {why}")));
-            }
+            let note = format!("before step {step}: {note}");
+            progress(Event::Note { note });
         }
         let last = memory.last.as_ref();
+        let executed = memory.executed.take();
         let drawn = self.plan("annotate", || {
             let subgoals = job.subgoals.step(step as usize - 1)?;
             let examples = job.examples.clone();
@@ -195,19 +195,65 @@ impl<'j> Turn<'j> {
             tally,
             ..
         } = keeper;
-        let mut record = |attempt: &Attempt| {
+        let mut sent = SentFiles::default();
+        let mut record = |exchanged: Exchanged<'_>| {
             let keeping = Instant::now();
-            tally.attempt(attempt);
-            self.line
-                .attempts
-                .push(folder.keep_attempt(number, attempt)?);
-            self.timer.add(&attempt.stage, attempt.took);
-            progress(Event::Asked {
-                number,
-                step,
-                attempt,
-            });
-            aside += attempt.took + keeping.elapsed();
+            match exchanged {
+                Exchanged::Question {
+                    stage,
+                    attempt,
+                    question,
+                } => {
+                    let of = AttemptOf::new(at, stage, attempt);
+                    sent = folder.keep_question(&of, question)?;
+                    progress(Event::Question {
+                        of,
+                        files: sent.clone(),
+                    });
+                }
+                Exchanged::Attempt(attempt) => {
+                    tally.attempt(attempt);
+                    let of = AttemptOf::new(at, &attempt.stage, attempt.number);
+                    let sent = std::mem::take(&mut sent);
+                    let asked = folder.keep_attempt(&of, attempt, sent)?;
+                    self.timer.add(&attempt.stage, attempt.took);
+                    let answer = attempt.reply.as_ref().zip(asked.reply.clone());
+                    if let Some((reply, file)) = answer {
+                        progress(Event::Answer {
+                            of: of.clone(),
+                            text: reply.text.clone(),
+                            file,
+                            took_s: attempt.took.as_secs_f64(),
+                            usage: asked.usage,
+                        });
+                    }
+                    progress(Event::Verdict {
+                        of,
+                        note: asked.note.clone(),
+                        result: asked.result.clone(),
+                    });
+                    self.line.attempts.push(asked);
+                    aside += attempt.took;
+                }
+                Exchanged::Rehearsed(rehearsal, took) => {
+                    if let Some(why) = &rehearsal.shortfall {
+                        let note = format!("step {step}: {why}");
+                        progress(Event::Note { note });
+                    }
+                    if rehearsal.aside.is_none() && !rehearsal.candidates.is_empty() {
+                        progress(Event::Rehearsed {
+                            at,
+                            rehearsal: Box::new(rehearsal.clone()),
+                            took_s: took.as_secs_f64(),
+                        });
+                    }
+                    self.line.rehearsal = Some(rehearsal.clone());
+                    self.timer.add("rehearse", took);
+                    aside += took;
+                }
+                Exchanged::Note(note) => progress(Event::Note { note }),
+            }
+            aside += keeping.elapsed();
             Ok(())
         };
         let view = StepView {
@@ -219,6 +265,7 @@ impl<'j> Turn<'j> {
             step,
             horizon: job.horizon(),
             last,
+            executed: executed.as_ref(),
             pictures: &pictures,
             reach: &reach,
             refuses: &refuses,
@@ -235,30 +282,13 @@ impl<'j> Turn<'j> {
             asking: line,
             record: &mut record,
             interrupt: job.interrupt,
-            twins: memory.twins.as_mut(),
+            twins: None,
         };
         let decision = policy.decide(&view, &mut exchange)?;
-        if let Some(twins) = &mut memory.twins {
-            let took = twins.take_time();
-            self.timer.add("rehearse", took);
-            aside += took;
-            self.line.rehearsal = Some(twins.line().clone());
-            if let Some(why) = &twins.line().shortfall {
-                progress(Event::Note(format!("step {step}: {why}")));
-            }
-            if twins.aside().is_none() && !twins.line().candidates.is_empty() {
-                progress(Event::Rehearsed {
-                    number,
-                    step,
-                    line: twins.line(),
-                    seconds: (rehearsing + took).as_secs_f64(),
-                });
-            }
-        }
         let deciding = asking.elapsed().saturating_sub(aside);
         self.timer.add("prompt and verify", deciding);
         self.planning += deciding;
-        self.is_planned = true;
+        self.is_planned = !self.line.attempts.is_empty();
         let proposal = match decision {
             Decision::Act { grips, accepted } => {
                 let [proposal] = <[Proposal; 1]>::try_from(grips).map_err(|grips| {
@@ -278,12 +308,7 @@ impl<'j> Turn<'j> {
             }
             Decision::Skip(outcome) => {
                 self.line.skipped = Some(outcome);
-                progress(Event::Skipped {
-                    number,
-                    step,
-                    horizon: job.horizon(),
-                    why: outcome,
-                });
+                progress(Event::Skipped { at, why: outcome });
                 return Ok(None);
             }
             Decision::Stop { outcome, why } => return Ok(self.stop(outcome, &why)),
@@ -296,32 +321,26 @@ impl<'j> Turn<'j> {
         };
         let drawn = keeper.keep_action(&mut self.line, &observation.rgb, &action)?;
         let before = world.particles();
-        let executed = match self
-            .timer
-            .time("act", || world.act(&action.motion, job.interrupt))
-        {
+        self.line.action = Some(vec![action.clone()]);
+        let motion = Motion::from(action.grip);
+        let executed = match self.timer.time("act", || world.act(&motion, job.interrupt)) {
             Ok(executed) => executed,
-            Err(error) => {
-                self.line.action = Some(action);
-                return Ok(self.stop_for(&error));
-            }
+            Err(error) => return Ok(self.stop_for(&error)),
         };
         // It was done, whatever can be seen of it.
-        self.line.action = Some(action.clone());
         self.line.executed = Some(executed.clone());
-        if let Some(twins) = &mut memory.twins {
-            twins.follow(&executed.motion);
-        }
+        memory.executed = Some(executed.motion());
         self.line.cloth = before
             .zip(world.particles())
             .and_then(|(before, after)| cloth_moved(&before, &after, &executed));
         self.line.crossings = world.crossings().filter(|count| *count > 0);
         let crossings = self.line.crossings.unwrap_or(0);
         if crossings > std::mem::replace(&mut memory.crossings, crossings) {
-            progress(Event::Note(format!(
-                "after step {step} the simulated cloth goes through itself, as no real one does ({})",
-                counted(crossings, "place")
-            )));
+            let places = counted(crossings, "place");
+            let note = format!(
+                "after step {step} the simulated cloth goes through itself, as no real one does ({places})"
+            );
+            progress(Event::Note { note });
         }
         let after = match world.observe() {
             Ok(after) => after,
@@ -342,27 +361,26 @@ impl<'j> Turn<'j> {
         };
         sheet.row(number, shown, drawn, after.rgb.clone());
         self.after = Some(after);
-        let grasp = executed.grasp;
         let beside = proposal.fields.iter().filter_map(|(name, value)| {
             let field = job.program.field(name).filter(|it| !it.is_point())?;
             Some(format!("{name} {}", space::text(field, value)))
         });
-        progress(Event::Stepped {
-            number,
-            step,
-            horizon: job.horizon(),
-            action: &action,
-            other_values: beside.collect(),
-            without: self.line.accepted.as_ref().map_or(&[], |it| &it.without),
-            grasp,
-            moved: self.line.cloth,
-            seconds: begun.elapsed().as_secs_f64(),
-            spent: keeper.asking.spent(),
-        });
         memory.last = Some(ExecutedAction {
-            proposal,
             pick: action.pick_on_cloth_px,
             place: action.place_px,
+            proposal: proposal.clone(),
+        });
+        let accepted = self.line.accepted.as_ref();
+        progress(Event::Motion {
+            at,
+            grips: vec![action],
+            other_values: beside.collect(),
+            without: accepted.map_or(Vec::new(), |it| it.without.clone()),
+            executed: Box::new(executed),
+            cloth: self.line.cloth,
+            files: Box::new(self.line.files.clone()),
+            took_s: begun.elapsed().as_secs_f64(),
+            spent: keeper.asking.spent(),
         });
         Ok(None)
     }

@@ -152,7 +152,7 @@ fn fall_short(exchange: &mut Exchange<'_, '_>, why: String) {
 /// Returns the motion of a proposal; `None` if it leads nowhere, which the rollout reports if it is taken.
 fn lowered(step: StepView<'_>, proposal: &Proposal) -> Option<Motion> {
     let action = Action::lower(step.program, proposal, step.scene, step.observation)?;
-    Some(action.motion)
+    Some(action.grip.into())
 }
 
 /// Folds a candidate on the twins.
@@ -224,9 +224,8 @@ fn revise(
         };
         taken.attempts.show_prediction(&taken.reply, PREDICTED, png);
         taken.attempts.number_after(asked.all);
-        let attempt = taken.attempts.ask(model, exchange.asking, texts)?;
+        let attempt = taken.attempts.ask(model, exchange, texts)?;
         asked.all += 1;
-        (exchange.record)(&attempt)?;
         let reply = attempt.reply.as_ref();
         let reply = reply.map(|it| it.text.clone()).unwrap_or_default();
         let fields = match attempt.finding {
