@@ -3,7 +3,6 @@
 use super::{Exchange, Outcome, RecordingError, difference, question_key, read};
 use crate::calls::Calls;
 use crate::{Lowering, Model, ModelError, ModelKind, ModelRole, Reply, Request};
-use fab_base::cache::Cache;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -15,18 +14,8 @@ pub struct Replay {
     nature: ModelKind,
     lowering: Lowering,
     exchanges: Vec<Exchange>,
-    matching: MatchRule,
-    /// Index of the exchange that answers a question.
+    /// Index of the exchange that answers a question; its schema may differ.
     by_key: BTreeMap<String, usize>,
-}
-
-/// How a question is matched with a recorded one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum MatchRule {
-    /// By everything but the schema.
-    Whole,
-    /// By role and messages; settings, repetition and action number may differ.
-    Words,
 }
 
 impl Replay {
@@ -71,41 +60,10 @@ impl Replay {
                 false => ModelKind::Model,
             },
             lowering,
-            matching: MatchRule::Whole,
             by_key,
             exchanges,
         })
     }
-
-    /// Matches questions by words and pictures alone, for programs that know nothing about steps and schemas; for a
-    /// question repeated in several steps the first answer counts.
-    pub fn by_words(mut self) -> Replay {
-        self.matching = MatchRule::Words;
-        self.by_key.clear();
-        for (index, exchange) in self.exchanges.iter().enumerate() {
-            if let Outcome::Reply(_) = exchange.outcome {
-                self.by_key
-                    .entry(words_key(&exchange.request))
-                    .or_insert(index);
-            }
-        }
-        self
-    }
-
-    fn key(&self, request: &Request) -> String {
-        let request =
-            serde_json::to_value(request).expect("a request holds strings and finite numbers");
-        match self.matching {
-            MatchRule::Whole => question_key(&request),
-            MatchRule::Words => words_key(&request),
-        }
-    }
-}
-
-/// Hashes a request's words and pictures.
-fn words_key(request: &serde_json::Value) -> String {
-    let (role, messages) = (request["role"].to_string(), request["messages"].to_string());
-    Cache::key([role.as_str(), &messages])
 }
 
 impl Model for Replay {
@@ -127,7 +85,9 @@ impl Model for Replay {
     }
 
     fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
-        let Some(index) = self.by_key.get(&self.key(request)) else {
+        let key =
+            serde_json::to_value(request).expect("a request holds strings and finite numbers");
+        let Some(index) = self.by_key.get(&question_key(&key)) else {
             return Err(ModelError::Unsupported {
                 model: self.name.clone(),
                 why: format!(

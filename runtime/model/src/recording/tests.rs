@@ -130,27 +130,6 @@ fn a_question_with_another_schema_or_none_has_the_same_answer() {
 }
 
 #[test]
-fn whoever_knows_no_steps_is_answered_by_words_and_pictures() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = recorded(folder.path());
-    let asked = Request {
-        step: 7,
-        temperature: None,
-        schema: None,
-        ..request("again")
-    };
-    let whole = Replay::load(&path, ModelRole::Vision).unwrap();
-    assert!(whole.ask(&asked, &mut Unrecorded).is_err());
-    let by_words = whole.by_words();
-    assert_eq!(
-        by_words.ask(&asked, &mut Unrecorded).unwrap().text,
-        "at last"
-    );
-    let other = request("something else");
-    assert!(by_words.ask(&other, &mut Unrecorded).is_err());
-}
-
-#[test]
 fn a_recording_tells_whether_it_was_made_for_each_start() {
     let folder = tempfile::tempdir().unwrap();
     let path = recorded(folder.path());

@@ -187,26 +187,26 @@ fn connections() -> Vec<(&'static str, &'static str, Act)> {
             "tls_where_http_was_meant",
             "http://localhost",
             |mut stream| {
-                read_request(&mut stream);
+                Question::read(&mut stream);
                 let _ = stream.write_all(b"\x15\x03\x01\x00\x02\x02\x46");
             },
         ),
         ("another_service", "http://localhost", |mut stream| {
-            read_request(&mut stream);
+            Question::read(&mut stream);
             say(&mut stream, "SSH-2.0-OpenSSH_9.9\r\n\r\n");
         }),
         ("cut_before_the_reply", "http://localhost", |mut stream| {
-            read_request(&mut stream);
+            Question::read(&mut stream);
         }),
         ("cut_within_the_reply", "http://localhost", |mut stream| {
-            read_request(&mut stream);
+            Question::read(&mut stream);
             say(
                 &mut stream,
                 "HTTP/1.1 200 OK\r\ncontent-length: 99\r\n\r\n{\"choices\"",
             );
         }),
         ("endless_header", "http://localhost", |mut stream| {
-            read_request(&mut stream);
+            Question::read(&mut stream);
             say(
                 &mut stream,
                 &format!(
@@ -216,7 +216,7 @@ fn connections() -> Vec<(&'static str, &'static str, Act)> {
             );
         }),
         ("silent", "http://localhost", |mut stream| {
-            read_request(&mut stream);
+            Question::read(&mut stream);
             thread::sleep(Duration::from_millis(500));
         }),
     ]
@@ -251,34 +251,14 @@ fn listen(act: impl Fn(TcpStream) + Send + 'static) -> u16 {
 fn play(case: &Case) -> u16 {
     let (reply, models) = (case.reply.clone(), case.models);
     listen(move |mut stream| {
-        let head = read_request(&mut stream);
-        let reply = match (head.starts_with("GET "), models) {
+        let question = Question::read(&mut stream).unwrap();
+        let reply = match (question.method == "GET", models) {
             (false, _) => reply.clone(),
             (true, Some(models)) => self::case("", "200 OK", "json", models).reply,
             (true, None) => self::case("", "404 Not Found", "", "").reply,
         };
         let _ = stream.write_all(&reply);
     })
-}
-
-/// Reads head and body, and returns the head.
-fn read_request(stream: &mut TcpStream) -> String {
-    let mut bytes = Vec::new();
-    let mut chunk = [0; 4096];
-    loop {
-        let text = String::from_utf8_lossy(&bytes).to_lowercase();
-        if let Some(head) = text.find("\r\n\r\n") {
-            let length = text[..head].split("content-length: ").nth(1);
-            let length = length.and_then(|rest| rest.lines().next()?.trim().parse().ok());
-            if bytes.len() >= head + 4 + length.unwrap_or(0) {
-                return String::from_utf8_lossy(&bytes[..head]).into_owned();
-            }
-        }
-        match stream.read(&mut chunk) {
-            Ok(0) | Err(_) => return String::new(),
-            Ok(count) => bytes.extend_from_slice(&chunk[..count]),
-        }
-    }
 }
 
 /// Asks once, and returns the message with `PORT` in place of the port.
@@ -370,10 +350,8 @@ fn the_list_of_models_is_asked_for_once() {
     let asked = Arc::new(std::sync::Mutex::new(Vec::new()));
     let seen = asked.clone();
     let port = listen(move |mut stream| {
-        let head = read_request(&mut stream);
-        seen.lock()
-            .unwrap()
-            .push(head.lines().next().unwrap().to_owned());
+        let question = Question::read(&mut stream).unwrap();
+        seen.lock().unwrap().push((question.method, question.path));
         let _ = stream.write_all(&case.reply);
     });
     let model = trial(&format!("http://127.0.0.1:{port}/v1")).model();
@@ -383,14 +361,14 @@ fn the_list_of_models_is_asked_for_once() {
     let asked = asked.lock().unwrap();
     let lists = asked
         .iter()
-        .filter(|line| line.starts_with("GET /v1/models "));
+        .filter(|(method, path)| method == "GET" && path == "/v1/models");
     assert_eq!((lists.count(), asked.len()), (1, 4), "{asked:?}");
 }
 
 #[test]
 fn a_list_of_models_that_never_ends_is_given_up() {
     let port = listen(|mut stream| {
-        read_request(&mut stream);
+        Question::read(&mut stream);
         say(&mut stream, "HTTP/1.1 200 OK\r\n\r\n");
         let piece = " ".repeat(1 << 20);
         for _ in 0..40 {

@@ -92,7 +92,7 @@ fn no_error_reply_or_note_holds_a_key_that_the_server_gives_back() {
     let replies: Vec<Response> = replies.collect();
     for wire in Wire::ALL {
         let provider = Provider::playing(replies.clone());
-        let mut trial = Trial::of(&provider.url());
+        let mut trial = Trial::of(provider.base_url());
         trial.settings.wire = wire;
         trial.settings.retry.calls = 1;
         trial.shared.hidden = vec![Key::new("OTHER", OTHER).unwrap()];
@@ -111,7 +111,7 @@ fn no_error_reply_or_note_holds_a_key_that_the_server_gives_back() {
             check(&format!("{:?}", notes.told));
         }
         check(&format!("{model:?} {:?}", trial.shared.hidden));
-        assert_eq!(provider.received().len(), replies.len());
+        assert_eq!(provider.calls(), replies.len());
         let expected = match wire {
             Wire::OpenaiChat | Wire::Gemini => 9,
             // In one body more the end is an unknown word, and a text is read whatever its end is called.
@@ -162,7 +162,7 @@ fn a_key_that_the_server_splits_over_pieces_of_text_is_hidden_in_every_wire() {
                 let provider = Provider::playing(vec![reply]);
                 let folder = tempfile::tempdir().unwrap();
                 let cache = fab_base::cache::Cache::at(folder.path().to_owned());
-                let mut trial = Trial::of(&provider.url());
+                let mut trial = Trial::of(provider.base_url());
                 trial.settings.wire = wire;
                 trial.shared.answers = Arc::new(Answers::kept_in(cache));
                 let mut notes = Notes::new();
@@ -184,7 +184,7 @@ fn a_key_that_the_server_splits_over_pieces_of_text_is_hidden_in_every_wire() {
 fn no_kept_answer_holds_a_key() {
     let folder = tempfile::tempdir().unwrap();
     let provider = Provider::playing(vec![good(&format!("it is {CANARY}"))]);
-    let mut trial = Trial::of(&provider.url());
+    let mut trial = Trial::of(provider.base_url());
     let cache = fab_base::cache::Cache::at(folder.path().to_owned());
     trial.shared.answers = Arc::new(Answers::kept_in(cache));
     let reply: Reply = trial.model().ask(&request(), &mut Unrecorded).unwrap();
@@ -216,7 +216,7 @@ fn no_panic_message_holds_a_key() {
         }
     }
     let provider = Provider::playing(vec![good("there")]);
-    let trial = Trial::of(&provider.url());
+    let trial = Trial::of(provider.base_url());
     let model = trial.model();
     let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
         let _ = model.ask(&request(), &mut Panics);
