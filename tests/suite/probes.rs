@@ -151,11 +151,7 @@ fn what_a_probe_prints_is_used_when_it_is_pasted() {
     assert!(entry.contains(ignored), "{entry}");
     fs::write(folder.path().join("pasted.toml"), &entry).unwrap();
     let pasted = ["--models", "pasted.toml"];
-    let (code, text, told) = probe(
-        folder.path(),
-        address,
-        &[&pasted[..], &["--json"]].concat(),
-    );
+    let (code, text, told) = probe(folder.path(), address, &[&pasted[..], &["--json"]].concat());
     assert_eq!(code, 0, "{text}{told}");
     let found: Value = serde_json::from_str(&text).unwrap();
     assert_eq!(

@@ -244,8 +244,7 @@ fn no_artefact_holds_the_key() {
         }
     }
     let questions = provider.questions();
-    let holds_key =
-        |body: &[u8]| String::from_utf8_lossy(body).contains(CANARY);
+    let holds_key = |body: &[u8]| String::from_utf8_lossy(body).contains(CANARY);
     assert!(!questions.iter().any(|it| holds_key(&it.body)));
 }
 

@@ -19,8 +19,8 @@ fn formats(folder: &Path, arguments: &[&str]) -> (Vec<Value>, String) {
     assert_eq!(said.code, 0, "{}", said.stderr);
     let questions = provider.questions();
     let bodies = questions.iter().map(Question::json);
-    let formats = bodies
-        .map(|body| body["response_format"]["json_schema"]["schema"]["required"].clone());
+    let formats =
+        bodies.map(|body| body["response_format"]["json_schema"]["schema"]["required"].clone());
     (formats.collect(), said.stdout + &said.stderr)
 }
 
