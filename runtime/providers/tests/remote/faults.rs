@@ -180,16 +180,6 @@ fn a_truncated_answer_says_what_it_cost() {
 }
 
 #[test]
-fn the_gate_narrows_on_overload_and_not_on_other_failures() {
-    for (code, width) in [(429, 2), (503, 2), (404, 4)] {
-        let provider = Provider::playing(vec![status(code), good("there")]);
-        let trial = Trial::of(provider.base_url());
-        let _ = trial.model().ask(&request(), &mut Notes::new());
-        assert_eq!(trial.shared.gate.width(), width, "{code}");
-    }
-}
-
-#[test]
 fn each_provider_gets_its_key_in_its_own_header_at_its_own_address() {
     let cases = [
         (
