@@ -13,7 +13,6 @@ pub mod resume;
 pub mod robot;
 pub mod run;
 pub mod see;
-pub mod serve;
 pub mod sim;
 pub mod subgoals;
 pub mod world;
@@ -53,8 +52,6 @@ super::verbs! {
     Doctor(doctor::DoctorArguments),
     /// Finds out how a model states positions in a picture, and what its interface takes.
     Probe(probe::ProbeArguments),
-    /// Offers an embedded model or a recording as an OpenAI-compatible endpoint on this machine.
-    Serve(serve::ServeArguments),
     /// Works on the cloth simulator itself: replays, speed, starts, pictures, meshes.
     Sim(sim::SimArguments),
     /// Checks that your own world, a program in any language, meets the requirements of a world.
@@ -77,7 +74,6 @@ impl Verb {
             | Verb::Models(_)
             | Verb::Doctor(_)
             | Verb::Probe(_)
-            | Verb::Serve(_)
             | Verb::Sim(_)
             | Verb::World(_) => return None,
         };

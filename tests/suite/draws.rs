@@ -1,9 +1,10 @@
 //! Suites with a provider: which rollouts share an answer, and where a cap ends them.
 
-use super::provider::{Fate, Provider};
-use super::provider_commands::{FACTS, calls, command};
+use super::provider_commands::{FACTS, command};
 use super::support::{Captured, Fabc, bring_library, finish};
 use fab_model::calls::ledger;
+use fab_standins::Geometric;
+use fab_test_provider::Provider;
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
@@ -84,7 +85,7 @@ fn every_start_and_repeat_asks_anew_and_a_killed_suite_buys_nothing_twice() {
     for kill_after in [None, Some(1), Some(9), Some(30), Some(47)] {
         let folder = folder.path().join(format!("{kill_after:?}"));
         suite(&folder, 12, 2, &["asked"]);
-        let provider = Provider::reliable();
+        let provider = Provider::of(Geometric);
         if let Some(count) = kill_after {
             let mut child = bench(&folder, &provider, &[])
                 .process()
@@ -93,7 +94,7 @@ fn every_start_and_repeat_asks_anew_and_a_killed_suite_buys_nothing_twice() {
                 .spawn()
                 .unwrap();
             let begun = Instant::now();
-            while calls(&provider) < count {
+            while provider.calls() < count {
                 assert!(begun.elapsed() < Duration::from_secs(240));
                 thread::sleep(Duration::from_millis(1));
             }
@@ -109,12 +110,12 @@ fn every_start_and_repeat_asks_anew_and_a_killed_suite_buys_nothing_twice() {
         // A call is noted before it is sent, so the kill may have come between.
         let noted = spent["calls"].as_u64().unwrap() as usize;
         assert!(
-            calls(&provider) <= noted && noted <= 48 + cut,
+            provider.calls() <= noted && noted <= 48 + cut,
             "{kill_after:?}: {noted}"
         );
         assert!(cut <= 8, "{kill_after:?}: {cut}");
         // 24 rollouts put two questions each; only calls under way at the kill are sent again.
-        assert!(calls(&provider) <= 48 + cut, "{kill_after:?}");
+        assert!(provider.calls() <= 48 + cut, "{kill_after:?}");
         assert!(provider.counts().values().all(|count| *count >= 24));
         assert_eq!(provider.counts().len(), 2);
         if kill_after.is_none() {
@@ -148,7 +149,7 @@ fn methods_at_one_start_and_repeat_share_an_equal_question_and_estimates_count_i
             format!("{}{TERSE}", task.trim_end().trim_end_matches('}'))
         });
         change("tasks/suites/tiny.toml", &|suite| suite + another);
-        let provider = Provider::reliable();
+        let provider = Provider::of(Geometric);
         let at_least = |more: &[&str]| {
             let said = finish(&mut bench(
                 folder.path(),
@@ -161,7 +162,7 @@ fn methods_at_one_start_and_repeat_share_an_equal_question_and_estimates_count_i
         assert_eq!(at_least(&[]), once, "{another}");
         assert_eq!(at_least(&["--no-cache"]), 16);
         assert_eq!(at_least(&["--share-answers"]), once / 2, "{another}");
-        assert_eq!(calls(&provider), 0);
+        assert_eq!(provider.calls(), 0);
         let said = finish(&mut bench(folder.path(), &provider, &[]));
         assert_eq!(said.code, 0, "{}", said.stderr);
         assert_eq!(document(&said)["rollouts"]["finished"], 8);
@@ -176,7 +177,7 @@ fn shared_answers_are_stated_and_clustered_and_not_mixed_with_others() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     suite(folder, 3, 2, &["asked"]);
-    let provider = Provider::reliable();
+    let provider = Provider::of(Geometric);
     let said = finish(&mut bench(folder, &provider, &["--share-answers"]));
     assert_eq!(said.code, 0, "{}", said.stderr);
     assert_asked(&provider, 2);
@@ -259,6 +260,15 @@ fn ledger_lines(folder: &Path) -> Vec<(u64, Option<u64>)> {
     calls
 }
 
+/// Starts a provider whose answers report these tokens, in and out.
+fn reporting(input: u64, output: u64) -> Provider {
+    Provider::start(move |_, question| {
+        let usage = json!({ "prompt_tokens": input, "completion_tokens": output });
+        let answer = question.answer_of(&Geometric);
+        answer.edit(|body| body["usage"] = usage)
+    })
+}
+
 #[test]
 #[ignore = "long"]
 fn a_cap_ends_a_suite_only_when_it_is_reached_whatever_the_provider_reports() {
@@ -270,21 +280,21 @@ fn a_cap_ends_a_suite_only_when_it_is_reached_whatever_the_provider_reports() {
     };
     // What a call reserves here; eight at once need about eight times as much.
     let honest = prepared("honest");
-    let provider = Provider::start(|_| Fate::Reports(100, 10));
+    let provider = reporting(100, 10);
     let said = finish(&mut bench(&honest, &provider, &[]));
-    assert_eq!((said.code, calls(&provider)), (0, 24), "{}", said.stderr);
+    assert_eq!((said.code, provider.calls()), (0, 24), "{}", said.stderr);
     let all = ledger_lines(&honest);
     let most = all.iter().map(|(at_most, _)| *at_most).max().unwrap();
     let cap = |nano: u64| format!("{:.9}", nano as f64 / 1e9);
 
     let tight = prepared("tight");
-    let provider = Provider::start(|_| Fate::Reports(100, 10));
+    let provider = reporting(100, 10);
     let twice = cap(24 * 300_000 + 2 * most);
     let said = finish(&mut bench(&tight, &provider, &["--max-cost", &twice]));
-    assert_eq!((said.code, calls(&provider)), (0, 24), "{}", said.stderr);
+    assert_eq!((said.code, provider.calls()), (0, 24), "{}", said.stderr);
 
     let silent = prepared("silent");
-    let provider = Provider::start(|_| Fate::Reports(0, 0));
+    let provider = reporting(0, 0);
     let said = finish(&mut bench(
         &silent,
         &provider,
@@ -292,7 +302,7 @@ fn a_cap_ends_a_suite_only_when_it_is_reached_whatever_the_provider_reports() {
     ));
     assert_eq!(said.code, 3, "{}", said.stderr);
     let capped = document(&said);
-    let sent = calls(&provider) as u64;
+    let sent = provider.calls() as u64;
     assert!((6..24).contains(&sent), "{sent}");
     let spent = &capped["calls"];
     assert_eq!(
@@ -315,7 +325,7 @@ fn a_cap_ends_a_suite_only_when_it_is_reached_whatever_the_provider_reports() {
         &provider,
         &["--max-cost", &cap(25 * most)],
     ));
-    assert_eq!((said.code, calls(&provider)), (0, 24), "{}", said.stderr);
+    assert_eq!((said.code, provider.calls()), (0, 24), "{}", said.stderr);
     let row = &document(&said)["rows"][0];
     assert_eq!(row["cost"], Value::Null);
     assert!(row["cost_at_most"].as_f64().unwrap() > 0.0, "{row}");
@@ -325,7 +335,7 @@ fn a_cap_ends_a_suite_only_when_it_is_reached_whatever_the_provider_reports() {
     let dear = prepared("dear");
     // At 2 and 10 USD a million tokens: ten times of all that a call may cost.
     let tokens = 10 * most / 2000;
-    let provider = Provider::start(move |_| Fate::Reports(tokens, 1));
+    let provider = reporting(tokens, 1);
     let room = 12 * most;
     let said = finish(&mut bench(&dear, &provider, &["--max-cost", &cap(room)]));
     assert_eq!(said.code, 3, "{}", said.stderr);
@@ -341,11 +351,11 @@ fn a_cap_ends_a_suite_only_when_it_is_reached_whatever_the_provider_reports() {
         "{spent} of {room}"
     );
     // The ratio is known again when the suite goes on: with room for less than one such call, none is sent.
-    let before = calls(&provider);
+    let before = provider.calls();
     let more = cap(spent + 5 * most);
     let said = finish(&mut bench(&dear, &provider, &["--max-cost", &more]));
     assert_eq!(
-        (said.code, calls(&provider)),
+        (said.code, provider.calls()),
         (3, before),
         "{}",
         said.stderr

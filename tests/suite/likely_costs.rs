@@ -3,23 +3,15 @@
 
 use super::provider_commands::command;
 use super::support::{finish, project};
-use axum::body::{Body, Bytes, to_bytes};
-use axum::extract::{Request, State};
-use axum::middleware::{self, Next};
-use axum::response::Response;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use fab_providers::serve;
 use fab_standins::Geometric;
+use fab_test_provider::{Provider, Question, Response};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 use std::thread;
-use tokio::net::TcpListener;
-use tokio::runtime::Runtime;
-
-const MAX_BYTES: usize = 32 << 20;
 
 /// The price of the facts below, USD per token.
 const PRICE: [f64; 2] = [2e-6, 10e-6];
@@ -58,29 +50,16 @@ impl Bill {
 }
 
 struct Biller {
-    address: String,
+    provider: Provider,
     bill: Arc<Mutex<Bill>>,
-    _runtime: Runtime,
 }
 
 impl Biller {
     fn start(manner: Manner) -> Biller {
-        let runtime = tokio::runtime::Builder::new_multi_thread()
-            .worker_threads(2)
-            .enable_all()
-            .build()
-            .unwrap();
-        let listener = runtime.block_on(TcpListener::bind("127.0.0.1:0")).unwrap();
-        let address = format!("http://{}/v1", listener.local_addr().unwrap());
         let bill = Arc::new(Mutex::new(Bill::default()));
-        let layer = middleware::from_fn_with_state((manner, Arc::clone(&bill)), billed);
-        let router = serve::router(Arc::new(Geometric)).layer(layer);
-        runtime.spawn(async move { axum::serve(listener, router).await });
-        Biller {
-            address,
-            bill,
-            _runtime: runtime,
-        }
+        let shared = Arc::clone(&bill);
+        let provider = Provider::start(move |_, question| billed(question, manner, &shared));
+        Biller { provider, bill }
     }
 
     fn bill(&self) -> Bill {
@@ -139,40 +118,26 @@ const REASONS: &str = "The picture shows the cloth from above, and its corners c
     one of them over the middle. A short way keeps the rest of the cloth where it lies. With this in mind, and after a \
     look at every one of the offered choices, the answer is as follows.";
 
-async fn billed(
-    State((manner, bill)): State<(Manner, Arc<Mutex<Bill>>)>,
-    request: Request,
-    next: Next,
-) -> Response {
-    let (parts, body) = request.into_parts();
-    let bytes = to_bytes(body, MAX_BYTES).await.unwrap();
-    let asked: Value = serde_json::from_slice(&bytes).unwrap();
-    let response = next
-        .run(Request::from_parts(parts, Body::from(bytes)))
-        .await;
-    let (mut parts, body) = response.into_parts();
-    let bytes: Bytes = to_bytes(body, MAX_BYTES).await.unwrap();
-    let mut reply: Value = serde_json::from_slice(&bytes).unwrap();
-    let content = &mut reply["choices"][0]["message"]["content"];
-    if let Some(text) = content.as_str()
-        && manner == Manner::WithReasons
-    {
-        *content = json!(format!("{REASONS}\n\n{text}"));
-    }
-    let visible = tokens(content.as_str().unwrap_or_default());
-    let input = input_tokens(&asked) + 8;
-    let mut bill = bill.lock().unwrap();
-    bill.calls += 1;
-    // Thoughts differ from call to call: 300 to 900 tokens.
-    let hidden = match manner {
-        Manner::HiddenReasoning => 300 + bill.calls * 137 % 600,
-        Manner::Short | Manner::WithReasons => 0,
-    };
-    bill.input += input;
-    bill.output += visible + hidden;
-    reply["usage"] = json!({ "prompt_tokens": input, "completion_tokens": visible + hidden });
-    parts.headers.remove(axum::http::header::CONTENT_LENGTH);
-    Response::from_parts(parts, Body::from(reply.to_string()))
+fn billed(question: &Question, manner: Manner, bill: &Mutex<Bill>) -> Response {
+    let input = input_tokens(&question.json()) + 8;
+    question.answer_of(&Geometric).edit(|reply| {
+        let content = &mut reply["choices"][0]["message"]["content"];
+        if manner == Manner::WithReasons {
+            *content = json!(format!("{REASONS}\n\n{}", content.as_str().unwrap()));
+        }
+        let visible = tokens(content.as_str().unwrap());
+        let mut bill = bill.lock().unwrap();
+        bill.calls += 1;
+        // Thoughts differ from call to call: 300 to 900 tokens.
+        let hidden = match manner {
+            Manner::HiddenReasoning => 300 + bill.calls * 137 % 600,
+            Manner::Short | Manner::WithReasons => 0,
+        };
+        bill.input += input;
+        bill.output += visible + hidden;
+        let usage = json!({ "prompt_tokens": input, "completion_tokens": visible + hidden });
+        reply["usage"] = usage;
+    })
 }
 
 /// Plays or estimates a suite; returns what it prints.
@@ -185,7 +150,7 @@ fn bench(folder: &Path, suite: &str, biller: &Biller, more: &[&str]) -> String {
         "--models",
         "facts.toml",
         "--base-url",
-        &biller.address,
+        biller.provider.base_url(),
         "--no-cache",
         "--json",
     ];

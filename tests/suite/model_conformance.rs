@@ -8,8 +8,7 @@ use fab_program::ModelRole;
 use fab_providers::Remote;
 use fab_providers::remote::{Answers, BaseUrl, Gate, Settings, Shared, Wire};
 use fab_standins::{Geometric, Imperfect, Random};
-use std::io::{BufRead, BufReader, Read, Write};
-use std::net::{TcpListener, TcpStream};
+use fab_test_provider::{Provider, Response};
 use std::sync::Arc;
 
 /// Fails with the name of the promise that a model breaks.
@@ -113,9 +112,9 @@ fn the_scripted_double_conforms() {
 
 #[test]
 fn a_providers_model_conforms() {
-    let url = answering_server();
+    let provider = Provider::playing(vec![Response::answer("one answer", 9, 2)]);
     conforms(&|| {
-        let base = BaseUrl::parse(&url).unwrap();
+        let base = BaseUrl::parse(provider.base_url()).unwrap();
         let shared = Shared {
             tell: Arc::new(|_| {}),
             gate: Arc::new(Gate::new(1)),
@@ -126,42 +125,6 @@ fn a_providers_model_conforms() {
         let settings = Settings::new("compatible", "a-model", Wire::OpenaiChat, base);
         Box::new(Remote::new(settings, shared).unwrap())
     });
-}
-
-/// Starts a server that gives every question the same answer; returns its address.
-fn answering_server() -> String {
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let url = format!("http://{}", listener.local_addr().unwrap());
-    std::thread::spawn(move || {
-        for stream in listener.incoming().flatten() {
-            answer(stream);
-        }
-    });
-    url
-}
-
-fn answer(mut stream: TcpStream) {
-    let mut reader = BufReader::new(stream.try_clone().unwrap());
-    let mut length = 0;
-    loop {
-        let mut line = String::new();
-        reader.read_line(&mut line).unwrap();
-        if let Some(value) = line.to_lowercase().strip_prefix("content-length: ") {
-            length = value.trim().parse().unwrap();
-        }
-        if line.trim().is_empty() {
-            break;
-        }
-    }
-    reader.read_exact(&mut vec![0; length]).unwrap();
-    let body = r#"{"choices":[{"message":{"content":"one answer"}}]}"#;
-    let head = format!(
-        "HTTP/1.1 200 OK\r\nconnection: close\r\ncontent-length: {}\r\n\r\n",
-        body.len()
-    );
-    stream
-        .write_all(format!("{head}{body}").as_bytes())
-        .unwrap();
 }
 
 #[test]

@@ -1,8 +1,9 @@
 //! The command with a paid provider: cached answers, roles, interrupts, and suites with a cap.
 
-use super::provider::{Fate, Provider};
-use super::provider_commands::{calls, command, run};
+use super::provider_commands::{command, run};
 use super::support::{bring_library, finish, project};
+use fab_standins::Geometric;
+use fab_test_provider::{Provider, Response};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
@@ -16,17 +17,17 @@ const KEY: &str = "sk-nobodys-0123456789";
 #[ignore = "long"]
 fn answers_are_kept_for_the_next_run_and_bought_anew_on_demand() {
     let folder = tempfile::tempdir().unwrap();
-    let provider = Provider::reliable();
+    let provider = Provider::of(Geometric);
     let omit = ["--omit", "temperature"];
     let bought = |more: &[&str]| {
-        let before = calls(&provider);
+        let before = provider.calls();
         let (code, report, said) = run(folder.path(), &provider, &[&omit, more].concat());
         assert_eq!(code, 0, "{said}");
         assert_eq!(
             report["calls"].as_u64().unwrap() as usize,
-            calls(&provider) - before
+            provider.calls() - before
         );
-        calls(&provider) - before
+        provider.calls() - before
     };
     assert_eq!(bought(&[]), 4);
     assert_eq!(bought(&[]), 0);
@@ -37,7 +38,7 @@ fn answers_are_kept_for_the_next_run_and_bought_anew_on_demand() {
 #[ignore = "long"]
 fn roles_go_to_different_models() {
     let folder = tempfile::tempdir().unwrap();
-    let (vision, text) = (Provider::reliable(), Provider::reliable());
+    let (vision, text) = (Provider::of(Geometric), Provider::of(Geometric));
     let task = project("tasks/double_triangle.fab");
     let urls = [
         format!("vision={}", vision.base_url()),
@@ -53,7 +54,7 @@ fn roles_go_to_different_models() {
                 "--model",
                 "vision=openai-chat:geometric",
                 "--model",
-                "text=openai:geometric",
+                "text=compatible:geometric",
                 "--base-url",
                 &urls[0],
                 "--base-url",
@@ -63,15 +64,15 @@ fn roles_go_to_different_models() {
         .env("OPENAI_API_KEY", KEY),
     );
     assert_eq!(said.code, 0, "{}", said.stderr);
-    assert_eq!((calls(&vision), calls(&text)), (2, 2));
+    assert_eq!((vision.calls(), text.calls()), (2, 2));
     let holds = |provider: &Provider, what: &str| {
-        let got = provider.seen();
-        got.got
+        let questions = provider.questions();
+        questions
             .iter()
-            .all(|body| String::from_utf8_lossy(body).contains(what))
+            .all(|it| String::from_utf8_lossy(&it.body).contains(what))
     };
     assert!(holds(&vision, "data:image/png;base64,"));
-    assert!(holds(&text, "\"input\"") && !holds(&text, "data:image"));
+    assert!(holds(&text, "Method of folding") && !holds(&text, "data:image"));
 }
 
 #[cfg(unix)]
@@ -79,9 +80,9 @@ fn roles_go_to_different_models() {
 #[ignore = "long"]
 fn an_interrupt_ends_a_waiting_call_and_the_run_goes_on_later() {
     let folder = tempfile::tempdir().unwrap();
-    let provider = Provider::start(|number| match number {
-        2 => Fate::Silence,
-        _ => Fate::Answer,
+    let provider = Provider::start(|number, question| match number {
+        2 => Response::status(200).delay(Duration::from_secs(3600)),
+        _ => question.answer_of(&Geometric),
     });
     let task = project("tasks/double_triangle.fab");
     let mut child = command(
@@ -103,7 +104,7 @@ fn an_interrupt_ends_a_waiting_call_and_the_run_goes_on_later() {
     .stderr(Stdio::null())
     .spawn()
     .unwrap();
-    while calls(&provider) < 3 {
+    while provider.calls() < 3 {
         assert!(
             child.try_wait().unwrap().is_none(),
             "it ended before the third call"
@@ -132,16 +133,16 @@ fn an_interrupt_ends_a_waiting_call_and_the_run_goes_on_later() {
         (&report["calls"], &report["possibly_billed"]),
         (&json!(5), &json!(1))
     );
-    assert_eq!(calls(&provider), 5);
+    assert_eq!(provider.calls(), 5);
 }
 
 #[test]
 fn a_cap_that_could_not_be_held_lets_nothing_through() {
     let folder = tempfile::tempdir().unwrap();
-    let provider = Provider::reliable();
+    let provider = Provider::of(Geometric);
     let omit = ["--omit", "temperature,tokens", "--max-cost", "5"];
     let (code, report, said) = run(folder.path(), &provider, &omit);
-    assert_eq!((code, calls(&provider)), (3, 0), "{said}");
+    assert_eq!((code, provider.calls()), (3, 0), "{said}");
     assert_eq!(report["outcome"], "budget_exhausted");
     assert!(said.contains("cannot be enforced"), "{said}");
 }
@@ -149,7 +150,7 @@ fn a_cap_that_could_not_be_held_lets_nothing_through() {
 #[test]
 fn a_probe_keeps_to_its_caps() {
     let folder = tempfile::tempdir().unwrap();
-    let provider = Provider::reliable();
+    let provider = Provider::of(Geometric);
     let probe = |more: &[&str]| {
         let arguments = [
             "probe",
@@ -161,14 +162,14 @@ fn a_probe_keeps_to_its_caps() {
         finish(&mut command(folder.path(), &[&arguments, more].concat()))
     };
     let said = probe(&["--max-calls", "1"]);
-    assert_eq!((said.code, calls(&provider)), (3, 1), "{}", said.stderr);
+    assert_eq!((said.code, provider.calls()), (3, 1), "{}", said.stderr);
     assert!(
         said.stderr.contains("the cap of 1 call is reached"),
         "{}",
         said.stderr
     );
     let said = probe(&["--max-cost", "1"]);
-    assert_eq!((said.code, calls(&provider)), (3, 1), "{}", said.stderr);
+    assert_eq!((said.code, provider.calls()), (3, 1), "{}", said.stderr);
     assert!(
         said.stderr.contains("cannot be enforced"),
         "{}",
@@ -177,7 +178,7 @@ fn a_probe_keeps_to_its_caps() {
     // The stand-in cannot state a dot's position, which the probe must find out. Five questions are about the interface.
     let said = probe(&[]);
     assert_eq!(
-        (said.code, calls(&provider)),
+        (said.code, provider.calls()),
         (3, 1 + 5 + 2),
         "{}",
         said.stderr
@@ -189,7 +190,7 @@ fn a_probe_keeps_to_its_caps() {
 #[ignore = "long"]
 fn what_a_cut_call_cost_is_not_known_where_the_price_is_not() {
     let folder = tempfile::tempdir().unwrap();
-    let provider = Provider::start(|_| Fate::Cut);
+    let provider = Provider::start(|_, question| question.answer_of(&Geometric).cut());
     let task = project("tasks/double_triangle.fab");
     let said = finish(&mut command(
         folder.path(),
@@ -237,20 +238,20 @@ fn a_suite_ends_at_a_provider_that_refuses_and_goes_on_when_it_does_not() {
             ],
         ))
     };
-    let broke = Provider::start(|number| match number {
-        0..3 => Fate::Answer,
-        _ => Fate::Quota,
+    let broke = Provider::start(|number, question| match number {
+        0..3 => question.answer_of(&Geometric),
+        _ => Response::error(429, "insufficient_quota", "you have no credit left"),
     });
     let said = bench(&broke);
     assert_eq!(said.code, 2, "{}", said.stderr);
     assert!(said.stderr.contains("quota_exhausted"), "{}", said.stderr);
-    assert_eq!(calls(&broke), 4, "no further rollout is begun");
-    let paid = Provider::reliable();
+    assert_eq!(broke.calls(), 4, "no further rollout is begun");
+    let paid = Provider::of(Geometric);
     let said = bench(&paid);
     assert_eq!(said.code, 0, "{}", said.stderr);
     let document: Value = serde_json::from_str(&said.stdout).unwrap();
     assert_eq!(document["rollouts"]["finished"], 4);
-    assert_eq!(calls(&paid), 8 - 3, "what was answered is not bought again");
+    assert_eq!(paid.calls(), 8 - 3, "what was answered is not bought again");
 }
 
 /// A suite of one small task with two starts and two rollouts each.
@@ -269,7 +270,7 @@ pub fn suite(folder: &Path) {
 fn a_suite_stops_at_its_cap_and_goes_on_with_a_higher_one() {
     let folder = tempfile::tempdir().unwrap();
     suite(folder.path());
-    let provider = Provider::reliable();
+    let provider = Provider::of(Geometric);
     let bench = |more: &[&str]| {
         let mut arguments = vec![
             "bench",
@@ -294,18 +295,18 @@ fn a_suite_stops_at_its_cap_and_goes_on_with_a_higher_one() {
         )
     };
     let (code, estimate) = bench(&["--estimate"]);
-    assert_eq!((code, calls(&provider)), (0, 0));
+    assert_eq!((code, provider.calls()), (0, 0));
     assert_eq!(
         estimate["calls"]["at_least"], 8,
         "two stages, two starts, two rollouts each"
     );
 
     let (code, capped) = bench(&["--max-calls", "3"]);
-    assert_eq!((code, calls(&provider)), (3, 3));
+    assert_eq!((code, provider.calls()), (3, 3));
     assert_eq!(capped["capped"], true);
     let (code, still) = bench(&["--max-calls", "3"]);
     assert_eq!(
-        (code, calls(&provider)),
+        (code, provider.calls()),
         (3, 3),
         "the cap counts earlier parts: {still}"
     );
@@ -316,7 +317,7 @@ fn a_suite_stops_at_its_cap_and_goes_on_with_a_higher_one() {
     let mut counts: Vec<usize> = provider.counts().into_values().collect();
     counts.sort_unstable();
     assert_eq!(counts, [2, 2, 4]);
-    assert_eq!(whole["calls"]["calls"], json!(calls(&provider)));
+    assert_eq!(whole["calls"]["calls"], json!(provider.calls()));
 
     let replayed = finish(&mut command(
         folder.path(),

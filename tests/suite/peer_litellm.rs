@@ -1,11 +1,11 @@
-//! Whole rollouts with pictures through a LiteLLM proxy, in front of `fabc serve` or with scripted answers.
+//! Whole rollouts with pictures through a LiteLLM proxy, in front of the embedded model or with scripted answers.
 
-use super::serve::server;
 use super::support::{fabc, finish, project};
 use fab_providers::catalogue::Catalogue;
-use serde_json::{Value, json};
+use fab_standins::Geometric;
+use fab_test_provider::Provider;
+use serde_json::Value;
 use std::fs;
-use std::io::{BufRead, BufReader};
 use std::net::{TcpListener, TcpStream};
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
@@ -72,23 +72,6 @@ fn environment() -> PathBuf {
     place
 }
 
-/// Starts `fabc serve`, and returns the address that it prints.
-fn serve(folder: &Path) -> (Running, String) {
-    let mut command = fabc(folder);
-    command.args(["serve", "--port", "0"]);
-    let mut child = command
-        .process()
-        .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
-    let mut line = String::new();
-    BufReader::new(child.stdout.take().unwrap())
-        .read_line(&mut line)
-        .unwrap();
-    (Running(child), line.trim().to_owned())
-}
-
 /// Returns the line that `fabc doctor` prints for a proxy, with values in place of its capitals.
 fn start_line(port: u16) -> String {
     let catalogue = Catalogue::builtin();
@@ -113,7 +96,7 @@ fn proxy(folder: &Path, behind: &str) -> (Running, String) {
     let config = [
         "model_list:\n".to_owned(),
         format!(
-            "  - model_name: geometric\n    litellm_params: {{ model: openai/geometric, api_base: \"{behind}\", api_key: none }}\n"
+            "  - model_name: geometric\n    litellm_params: {{ model: hosted_vllm/geometric, api_base: \"{behind}\", api_key: none }}\n"
         ),
         scripted("limited", "litellm.RateLimitError"),
         scripted("broken", "litellm.InternalServerError"),
@@ -176,8 +159,8 @@ struct Case<'a> {
 fn peer_litellm_carries_whole_rollouts_with_pictures() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let (_serve, behind) = serve(folder);
-    let (_proxy, address) = proxy(folder, &behind);
+    let provider = Provider::of(Geometric);
+    let (_proxy, address) = proxy(folder, provider.base_url());
     let v1 = format!("{address}/v1");
     let run = |out: &str, key: Option<&str>, more: &[&str]| {
         let task = project("tasks/double_triangle.fab");
@@ -287,46 +270,4 @@ fn peer_litellm_carries_whole_rollouts_with_pictures() {
             });
         }
     });
-
-    let asked = |stream: bool| {
-        let question = json!([{ "role": "user", "content": "Where?" }]);
-        json!({ "model": "geometric", "messages": question, "stream": stream })
-    };
-    let place = |address: &str| {
-        address
-            .split("://")
-            .nth(1)
-            .unwrap()
-            .trim_end_matches("/v1")
-            .parse()
-    };
-    let (status, whole) = server::send(
-        place(&behind).unwrap(),
-        "POST",
-        "/v1/chat/completions",
-        &asked(false).to_string(),
-    );
-    assert_eq!(status, 200, "{whole}");
-    let (head, lines) = server::stream_with(
-        place(&address).unwrap(),
-        "/v1/chat/completions",
-        &format!("Authorization: Bearer {KEY}\r\n"),
-        &asked(true),
-    );
-    assert!(head.contains("text/event-stream"), "{head}");
-    let mut events: Vec<&str> = lines
-        .iter()
-        .filter_map(|line| line.trim().strip_prefix("data: "))
-        .collect();
-    assert_eq!(events.pop(), Some("[DONE]"), "{lines:?}");
-    let pieces = events.iter().map(|event| {
-        let event: Value = serde_json::from_str(event).unwrap();
-        event["choices"][0]["delta"]["content"]
-            .as_str()
-            .unwrap_or_default()
-            .to_owned()
-    });
-    let pieces: Vec<String> = pieces.filter(|piece| !piece.is_empty()).collect();
-    assert!(pieces.len() > 1, "{lines:?}");
-    assert_eq!(pieces.concat(), whole["choices"][0]["message"]["content"]);
 }

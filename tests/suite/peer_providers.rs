@@ -1,12 +1,14 @@
 //! The providers' own Python clients parse what fabc would send, and produce what it must parse; `make test-all` runs
 //! it.
 
-use super::support::project;
+use super::support::{fabc, finish, project};
 use fab_model::{Message, Part, Png, Request, Speaker};
 use fab_program::{ModelRole, Reasoning, ReasoningLevel};
 use fab_providers::catalogue::MaxTokensField;
 use fab_providers::remote::wire::Answer;
 use fab_providers::remote::{BaseUrl, Settings, Wire};
+use fab_standins::Geometric;
+use fab_test_provider::{Provider, Question};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -185,4 +187,73 @@ fn peer_replies_of_the_providers_own_classes_are_read() {
         }
     }
     assert_eq!((count, count > 20), (written, true));
+}
+
+/// Returns the messages of a question, with content of one text as a string, and without the default detail of pictures.
+fn plain_messages(question: &Question) -> Value {
+    let mut messages = question.json()["messages"].take();
+    for message in messages.as_array_mut().unwrap() {
+        let content = &mut message["content"];
+        for part in content.as_array_mut().into_iter().flatten() {
+            let picture = part["image_url"].as_object_mut();
+            assert!(picture.is_none_or(|picture| {
+                let detail = picture.remove("detail");
+                detail.is_none_or(|detail| detail == "auto")
+            }));
+            let fields = part.as_object_mut().unwrap();
+            fields.retain(|_, value| !value.is_null());
+        }
+        let only = content.as_array().filter(|parts| parts.len() == 1);
+        if let Some(text) = only.and_then(|parts| parts[0].get("text")).cloned() {
+            *content = text;
+        }
+    }
+    messages
+}
+
+#[test]
+#[ignore = "needs Python with the openai and inspect_ai packages"]
+fn peer_the_official_client_and_an_evaluator_send_the_messages_that_fabc_sends() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let task = project("tasks/double_triangle.fab");
+    let rendered = finish(fabc(folder).args(["render", &task, "--out", "rendered", "--json"]));
+    assert_eq!(rendered.code, 0, "{}", rendered.stderr);
+    fs::write(folder.join("rendered.json"), rendered.stdout).unwrap();
+    let provider = Provider::of(Geometric);
+    let said = finish(fabc(folder).args([
+        "run",
+        &task,
+        "--no-cache",
+        "--allow-unknown-price",
+        "--max-calls",
+        "1",
+        "--model",
+        "compatible:geometric",
+        "--base-url",
+        provider.base_url(),
+    ]));
+    assert_eq!(said.code, 3, "{}", said.stderr);
+    let python = std::env::var("FABC_PEER_PYTHON").expect("make test-all sets FABC_PEER_PYTHON");
+    let output = Command::new(python)
+        .current_dir(folder)
+        // Nothing but the provider can be reached.
+        .envs([
+            ("HTTP_PROXY", "http://127.0.0.1:9"),
+            ("HTTPS_PROXY", "http://127.0.0.1:9"),
+            ("NO_PROXY", "127.0.0.1"),
+        ])
+        .env("HOME", folder)
+        .arg(project("tests/peers/send_messages.py"))
+        .args([provider.base_url(), "rendered.json", "rendered"])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    let questions = provider.questions();
+    let [ours, client, evaluator] = &questions[..] else {
+        panic!("{} questions", questions.len());
+    };
+    assert_eq!(plain_messages(client), plain_messages(ours));
+    assert_eq!(plain_messages(evaluator), plain_messages(ours));
 }

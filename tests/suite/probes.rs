@@ -2,17 +2,13 @@
 
 use super::provider_commands::command;
 use super::support::{finish, project};
-use axum::Router;
-use axum::http::StatusCode;
-use axum::response::{IntoResponse, Response};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use fab_test_provider::{Provider, Question, Response};
 use image::RgbImage;
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
-use tokio::net::TcpListener;
-use tokio::runtime::Runtime;
 
 const DOTS: [(&str, [u8; 3]); 6] = [
     ("red", [220, 30, 30]),
@@ -23,33 +19,8 @@ const DOTS: [(&str, [u8; 3]); 6] = [
     ("magenta", [215, 40, 200]),
 ];
 
-/// Starts a server that answers each request by a function; it ends with the runtime.
-fn serve(answer: fn(&Value) -> Response) -> (String, Runtime) {
-    let runtime = tokio::runtime::Builder::new_multi_thread()
-        .worker_threads(1)
-        .enable_all()
-        .build()
-        .unwrap();
-    let listener = runtime.block_on(TcpListener::bind("127.0.0.1:0")).unwrap();
-    let address = format!("http://{}/v1", listener.local_addr().unwrap());
-    let handler = move |body: String| async move { answer(&serde_json::from_str(&body).unwrap()) };
-    let router = Router::new().fallback(axum::routing::post(handler));
-    runtime.spawn(async move { axum::serve(listener, router).await });
-    (address, runtime)
-}
-
 fn refusal(message: &str) -> Response {
-    let body = json!({ "error": { "type": "invalid_request_error", "message": message } });
-    (StatusCode::BAD_REQUEST, body.to_string()).into_response()
-}
-
-fn said(text: &str, output_tokens: usize) -> Response {
-    json!({
-        "choices": [{ "message": { "role": "assistant", "content": text }, "finish_reason": "stop" }],
-        "usage": { "prompt_tokens": 50, "completion_tokens": output_tokens },
-    })
-    .to_string()
-    .into_response()
+    Response::error(400, "invalid_request_error", message)
 }
 
 /// Returns the words and the pictures of the question.
@@ -93,7 +64,8 @@ fn middles(picture: &RgbImage) -> impl Iterator<Item = (&'static str, [f64; 2])>
 
 /// Thinks in its answer, points as `[y, x]` in thousandths, fixes its temperature, knows the newer limit, no schema, and
 /// one picture in a message.
-fn peculiar(request: &Value) -> Response {
+fn peculiar(_: usize, question: &Question) -> Response {
+    let request = question.json();
     if !request["max_tokens"].is_null() {
         return refusal("'max_tokens' is not supported; use 'max_completion_tokens'");
     }
@@ -106,7 +78,7 @@ fn peculiar(request: &Value) -> Response {
     if !request["top_p"].is_null() {
         return refusal("'top_p' is not supported");
     }
-    let (words, pictures) = asked(request);
+    let (words, pictures) = asked(&request);
     if pictures.len() > 1 {
         return refusal("at most 1 image may be provided in one message");
     }
@@ -124,14 +96,15 @@ fn peculiar(request: &Value) -> Response {
         None if words.contains("tree") => "Oak".to_owned(),
         None => "yes".to_owned(),
     };
-    said(&text, 40)
+    Response::answer(&text, 50, 40)
 }
 
 /// Answers in words only, and refuses pictures.
-fn blind(request: &Value) -> Response {
-    match asked(request).1.is_empty() {
-        true => said("yes", 2),
-        false => refusal("this model does not take images"),
+fn blind(_: usize, question: &Question) -> Response {
+    if asked(&question.json()).1.is_empty() {
+        Response::answer("yes", 50, 2)
+    } else {
+        refusal("this model does not take images")
     }
 }
 
@@ -150,8 +123,9 @@ fn probe(folder: &Path, address: &str, more: &[&str]) -> (i32, String, String) {
 #[test]
 fn what_a_probe_prints_is_used_when_it_is_pasted() {
     let folder = tempfile::tempdir().unwrap();
-    let (address, _runtime) = serve(peculiar);
-    let (code, text, told) = probe(folder.path(), &address, &[]);
+    let provider = Provider::start(peculiar);
+    let address = provider.base_url();
+    let (code, text, told) = probe(folder.path(), address, &[]);
     assert_eq!(
         code, 3,
         "pixels were asked for, and thousandths came: {text}{told}"
@@ -177,11 +151,7 @@ fn what_a_probe_prints_is_used_when_it_is_pasted() {
     assert!(entry.contains(ignored), "{entry}");
     fs::write(folder.path().join("pasted.toml"), &entry).unwrap();
     let pasted = ["--models", "pasted.toml"];
-    let (code, text, told) = probe(
-        folder.path(),
-        &address,
-        &[&pasted[..], &["--json"]].concat(),
-    );
+    let (code, text, told) = probe(folder.path(), address, &[&pasted[..], &["--json"]].concat());
     assert_eq!(code, 0, "{text}{told}");
     let found: Value = serde_json::from_str(&text).unwrap();
     assert_eq!(
@@ -201,7 +171,7 @@ fn what_a_probe_prints_is_used_when_it_is_pasted() {
         "--model",
         "compatible:peculiar",
         "--base-url",
-        &address,
+        address,
         "--estimate",
     ];
     let refused = finish(&mut command(folder.path(), &[&run[..], &pasted].concat()));
@@ -218,8 +188,9 @@ fn what_a_probe_prints_is_used_when_it_is_pasted() {
 #[test]
 fn a_model_without_sight_is_told_so_and_asked_no_further() {
     let folder = tempfile::tempdir().unwrap();
-    let (address, _runtime) = serve(blind);
-    let (code, text, told) = probe(folder.path(), &address, &["--json"]);
+    let provider = Provider::start(blind);
+    let address = provider.base_url();
+    let (code, text, told) = probe(folder.path(), address, &["--json"]);
     assert_eq!(code, 3, "{text}{told}");
     let found: Value = serde_json::from_str(&text).unwrap();
     assert_eq!(found["facts"]["vision"], json!(false));
@@ -229,8 +200,9 @@ fn a_model_without_sight_is_told_so_and_asked_no_further() {
 #[test]
 fn a_probe_stops_at_its_cap_and_at_a_server_that_takes_nothing() {
     let folder = tempfile::tempdir().unwrap();
-    let (address, _runtime) = serve(peculiar);
-    let (code, _, told) = probe(folder.path(), &address, &["--max-calls", "4"]);
+    let provider = Provider::start(peculiar);
+    let address = provider.base_url();
+    let (code, _, told) = probe(folder.path(), address, &["--max-calls", "4"]);
     assert_eq!(code, 3, "{told}");
     assert!(
         told.contains(
@@ -239,8 +211,9 @@ fn a_probe_stops_at_its_cap_and_at_a_server_that_takes_nothing() {
         "{told}"
     );
     assert!(!told.contains("continues from here"), "{told}");
-    let (address, _runtime) = serve(|_| refusal("no"));
-    let (code, text, told) = probe(folder.path(), &address, &[]);
+    let provider = Provider::playing(vec![refusal("no")]);
+    let address = provider.base_url();
+    let (code, text, told) = probe(folder.path(), address, &[]);
     assert_eq!(code, 2, "{text}{told}");
     assert!(told.contains("HTTP 400 Bad Request: no"), "{told}");
 }
@@ -248,8 +221,10 @@ fn a_probe_stops_at_its_cap_and_at_a_server_that_takes_nothing() {
 #[test]
 fn a_probe_that_its_cap_ends_says_why_the_last_call_gave_no_answer() {
     let folder = tempfile::tempdir().unwrap();
-    let (address, _runtime) = serve(|_| json!({ "choices": 7 }).to_string().into_response());
-    let (code, _, told) = probe(folder.path(), &address, &["--max-calls", "1"]);
+    let odd = Response::status(200).json(json!({ "choices": 7 }));
+    let provider = Provider::playing(vec![odd]);
+    let address = provider.base_url();
+    let (code, _, told) = probe(folder.path(), address, &["--max-calls", "1"]);
     assert_eq!(code, 3, "{told}");
     assert!(told.contains("with retries at most 1 call\n"), "{told}");
     assert!(

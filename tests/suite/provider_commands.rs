@@ -1,8 +1,9 @@
 //! The command with a provider, before anything is sent: estimates, settings, rejections, and prompts as they would be
 //! sent.
 
-use super::provider::Provider;
 use super::support::{Fabc, fabc, finish, project};
+use fab_standins::Geometric;
+use fab_test_provider::Provider;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -52,23 +53,18 @@ pub fn run(folder: &Path, provider: &Provider, more: &[&str]) -> (i32, Value, St
     (said.code, report, said.stderr)
 }
 
-/// Returns how many calls a provider received.
-pub fn calls(provider: &Provider) -> usize {
-    provider.seen().got.len()
-}
-
 #[test]
 #[ignore = "long"]
 fn an_estimate_sends_nothing_and_holds_what_the_run_then_costs() {
     let folder = tempfile::tempdir().unwrap();
-    let provider = Provider::reliable();
+    let provider = Provider::of(Geometric);
     let (code, estimate, _) = run(
         folder.path(),
         &provider,
         &["--estimate", "--omit", "temperature"],
     );
     assert_eq!(code, 0);
-    assert_eq!(calls(&provider), 0);
+    assert_eq!(provider.calls(), 0);
     assert!(
         !folder.path().join("runs").exists(),
         "an estimate makes no run folder"
@@ -101,9 +97,9 @@ fn an_estimate_sends_nothing_and_holds_what_the_run_then_costs() {
 #[test]
 fn a_setting_that_the_model_does_not_take_is_named_before_anything_is_sent() {
     let folder = tempfile::tempdir().unwrap();
-    let provider = Provider::reliable();
+    let provider = Provider::of(Geometric);
     let (code, report, said) = run(folder.path(), &provider, &[]);
-    assert_eq!((code, calls(&provider)), (2, 0));
+    assert_eq!((code, provider.calls()), (2, 0));
     assert_eq!(report["outcome"], Value::Null);
     assert!(!folder.path().join("runs").exists(), "nothing was begun");
     assert!(

@@ -1,7 +1,6 @@
 //! Rollouts with a provider of whose calls one in ten fails, in every way: each ends in a named outcome, every call is
 //! accounted for, and failed rollouts are resumed.
 
-use super::provider::{Fate, Provider};
 use super::support::{self, Trial};
 use fab_agent::outcome::Outcome;
 use fab_base::interrupt::Interrupt;
@@ -9,7 +8,10 @@ use fab_model::Models;
 use fab_model::calls::{Fault, ledger};
 use fab_providers::Remote;
 use fab_providers::remote::{Answers, BaseUrl, Gate, Retry, Settings, Shared, Wire};
+use fab_standins::Geometric;
+use fab_test_provider::{Provider, Question, Response};
 use fab_world::Look;
+use serde_json::json;
 use std::collections::BTreeSet;
 use std::fs;
 use std::sync::Arc;
@@ -25,11 +27,30 @@ fn drawn(number: usize) -> u64 {
     bits ^ (bits >> 31)
 }
 
-fn one_in_ten(number: usize) -> Fate {
+fn one_in_ten(number: usize, question: &Question) -> Response {
     let drawn = drawn(number);
-    match drawn % 10 {
-        0 => Fate::FAILURES[(drawn / 10 % 10) as usize],
-        _ => Fate::Answer,
+    let answer = question.answer_of(&Geometric);
+    if drawn % 10 != 0 {
+        return answer;
+    }
+    let ended = |reason: &str| {
+        let answer = answer.clone();
+        answer.edit(|body| body["choices"][0]["finish_reason"] = json!(reason))
+    };
+    match drawn / 10 % 10 {
+        0 => Response::error(429, "rate_limit_exceeded", "slow down").header("retry-after", "0"),
+        1 => Response::error(429, "insufficient_quota", "you have no credit left"),
+        2 => Response::error(503, "server_error", "overloaded"),
+        3 => answer.delay(Duration::from_secs(3600)),
+        4 => answer.cut(),
+        5 => Response::status(200).json("<html>bad gateway</html>"),
+        6 => answer.edit(|body| {
+            let refusal = json!({ "role": "assistant", "content": null, "refusal": "no" });
+            body["choices"][0]["message"] = refusal;
+        }),
+        7 => ended("content_filter"),
+        8 => ended("length"),
+        _ => Response::error(401, "invalid_api_key", "wrong key"),
     }
 }
 
@@ -88,7 +109,7 @@ fn every_rollout_ends_in_a_named_outcome_and_every_call_is_accounted_for() {
         calls += report.took.calls;
         faults.extend(report.took.faults.keys().cloned());
     }
-    assert_eq!(calls, provider.seen().got.len() as u64);
+    assert_eq!(calls, provider.calls() as u64);
     assert!(faults.len() >= 5, "only {faults:?} came up");
     assert!(
         !failed.is_empty() && failed.len() < ROLLOUTS as usize / 2,

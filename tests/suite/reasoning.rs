@@ -1,20 +1,16 @@
 //! How much a model thinks, stated on the command line, in a suite's method, and in a stage.
 
 use super::paid_answers::suite;
-use super::provider::{Fate, Provider};
-use super::provider_commands::{calls, command};
+use super::provider_commands::command;
 use super::support::finish;
-use serde_json::Value;
+use fab_standins::Geometric;
+use fab_test_provider::{Provider, Question};
+use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
 
 fn asked(provider: &Provider) -> Vec<Value> {
-    let seen = provider.seen();
-    let bodies = seen
-        .got
-        .iter()
-        .map(|body| serde_json::from_slice(body).unwrap());
-    bodies.collect()
+    provider.questions().iter().map(Question::json).collect()
 }
 
 /// Runs a verb with the provider; returns the exit code, the report, and what was said.
@@ -38,7 +34,7 @@ fn reasoning_on_the_command_line_is_sent_with_room_beside_the_answer() {
     let folder = tempfile::tempdir().unwrap();
     suite(folder.path());
     let run = |more: &[&str]| {
-        let provider = Provider::reliable();
+        let provider = Provider::of(Geometric);
         let mut arguments = vec!["run", "tasks/tiny.fab"];
         arguments.extend(more);
         let (code, report, said) = with(folder.path(), &provider, &arguments);
@@ -69,7 +65,7 @@ fn the_command_line_overrides_a_method_and_a_method_overrides_a_stage() {
     let library = folder.path().join("tasks/lib/folding.fab");
     let bare_library = fs::read_to_string(&library).unwrap();
     assert!(bare_library.contains(PLAN));
-    let provider = Provider::reliable();
+    let provider = Provider::of(Geometric);
     // Returns the hidden tokens that each call of the two stages may take.
     let hidden = |stage: &str, method: &str, more: &[&str]| {
         let staged = bare_library.replace(PLAN, &format!("{PLAN}{stage}"));
@@ -98,13 +94,13 @@ fn the_command_line_overrides_a_method_and_a_method_overrides_a_stage() {
     assert_eq!(hidden("", high, &none), [0, 0]);
     assert_eq!(hidden(low, high, &none), [0, 0]);
     assert_eq!(hidden(low, "", &["--reasoning", "medium"]), [4096, 4096]);
-    assert_eq!(calls(&provider), 0);
+    assert_eq!(provider.calls(), 0);
 
     // What a stage states is sent with its own questions alone.
     let staged = bare_library.replace(PLAN, &format!("{PLAN}{low}"));
     fs::write(&library, staged).unwrap();
     for (more, efforts) in [(&[][..], [None, Some("low")]), (&none, [Some("none"); 2])] {
-        let provider = Provider::reliable();
+        let provider = Provider::of(Geometric);
         let arguments = [&["run", "tasks/tiny.fab"], more].concat();
         let (code, _, said) = with(folder.path(), &provider, &arguments);
         assert_eq!(code, 0, "{said}");
@@ -122,11 +118,17 @@ fn the_command_line_overrides_a_method_and_a_method_overrides_a_stage() {
 fn tables_show_visible_and_hidden_tokens_apart() {
     let folder = tempfile::tempdir().unwrap();
     suite(folder.path());
-    for (out, fate, expected) in [
-        ("thinks", Fate::Thinks(9, 40), (18.0, Some(80.0))),
-        ("reports_none", Fate::Reports(100, 9), (18.0, None)),
+    let thoughts = json!({ "reasoning_tokens": 40 });
+    let thinks = json!({ "prompt_tokens": 100, "completion_tokens": 49, "completion_tokens_details": thoughts });
+    let reports_none = json!({ "prompt_tokens": 100, "completion_tokens": 9 });
+    for (out, usage, expected) in [
+        ("thinks", thinks, (18.0, Some(80.0))),
+        ("reports_none", reports_none, (18.0, None)),
     ] {
-        let provider = Provider::start(move |_| fate);
+        let provider = Provider::start(move |_, question| {
+            let answer = question.answer_of(&Geometric);
+            answer.edit(|body| body["usage"] = usage.clone())
+        });
         let arguments = ["bench", "tiny", "--repeats", "1", "--out", out];
         let (code, document, said) = with(folder.path(), &provider, &arguments);
         assert_eq!(code, 0, "{said}");
@@ -156,7 +158,7 @@ fn tables_show_visible_and_hidden_tokens_apart() {
 fn reasoning_that_cannot_be_stated_is_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
     suite(folder.path());
-    let provider = Provider::reliable();
+    let provider = Provider::of(Geometric);
     for (arguments, code, named) in [
         (
             &["--reasoning", "2048"][..],
@@ -202,5 +204,5 @@ fn reasoning_that_cannot_be_stated_is_refused_by_name() {
         let (code, _, said) = with(folder.path(), &provider, &["bench", "tiny", "--out", "out"]);
         assert!(code != 0 && said.contains(named), "{code}: {said}");
     }
-    assert_eq!(calls(&provider), 0);
+    assert_eq!(provider.calls(), 0);
 }

@@ -1,6 +1,6 @@
 //! Resuming rollouts that were cut off, stopped by a cap, or changed in the meantime.
 
-use super::provider::Provider;
+use fab_test_provider::Provider;
 use super::support::{self, Captured, Trial, bring_library, fabc, finish, project};
 use fab_agent::journal::{JournalError, RunFolder};
 use fab_agent::outcome::Outcome;
@@ -307,7 +307,7 @@ fn paid(folder: &Path, provider: &Provider, more: &[&str]) -> Captured {
 #[ignore = "long"]
 fn two_replays_of_one_run_write_its_journal() {
     let folder = tempfile::tempdir().unwrap();
-    let provider = Provider::reliable();
+    let provider = Provider::of(Geometric);
     let task = project("tasks/double_triangle.fab");
     let bought = paid(folder.path(), &provider, &[&task, "--out", "first"]);
     assert_eq!(bought.code, 0, "{}", bought.stderr);
@@ -334,7 +334,7 @@ fn two_replays_of_one_run_write_its_journal() {
 fn a_replay_of_another_prompt_says_which_part_changed() {
     let folder = tempfile::tempdir().unwrap();
     bring_library(folder.path());
-    let provider = Provider::reliable();
+    let provider = Provider::of(Geometric);
     let task = fs::read_to_string(project("tasks/double_triangle.fab")).unwrap();
     fs::write(folder.path().join("mine.fab"), &task).unwrap();
     let bought = paid(folder.path(), &provider, &["mine.fab", "--out", "first"]);

@@ -1,8 +1,9 @@
 //! `fabc run` with a provider, killed at many points and resumed: nothing is bought twice and nothing is lost.
 
-use super::provider::Provider;
 use super::support::{Fabc, bring_library, fabc, finish, project};
 use fab_model::calls::ledger;
+use fab_standins::Geometric;
+use fab_test_provider::{Provider, Response};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -102,7 +103,7 @@ fn a_run_killed_at_any_point_loses_nothing_and_buys_nothing_twice() {
 fn kill_at(moments: Vec<(usize, u64)>) {
     let whole = tempfile::tempdir().unwrap();
     prepare(whole.path());
-    let provider = Provider::reliable();
+    let provider = Provider::of(Geometric);
     let arguments = run_arguments(&provider);
     let said = finish(&mut command(
         whole.path(),
@@ -117,14 +118,14 @@ fn kill_at(moments: Vec<(usize, u64)>) {
     for (number, (calls, after_ms)) in moments.into_iter().enumerate() {
         let folder = tempfile::tempdir().unwrap();
         prepare(folder.path());
-        let provider = Provider::reliable();
+        let provider = Provider::of(Geometric);
         let arguments = run_arguments(&provider);
         let arguments = arguments.each_ref().map(String::as_str);
         let mut child = start(folder.path(), &arguments);
         let by_calls = number % 2 == 0;
         let reached = || match by_calls {
-            true => provider.seen().got.len() >= calls,
-            false => provider.seen().answered >= calls,
+            true => provider.calls() >= calls,
+            false => provider.answered() >= calls,
         };
         if !ended_before(&mut child, reached) {
             thread::sleep(Duration::from_millis(after_ms));
@@ -138,7 +139,7 @@ fn kill_at(moments: Vec<(usize, u64)>) {
             true => finish(&mut command(folder.path(), &["resume", "run"])),
             // It was killed before it recorded how it was started, and thus before anything was sent.
             false => {
-                assert_eq!(provider.seen().got.len(), 0, "{what}");
+                assert_eq!(provider.calls(), 0, "{what}");
                 let _ = fs::remove_dir_all(&run);
                 finish(&mut command(folder.path(), &arguments))
             }
@@ -179,17 +180,19 @@ fn no_artefact_holds_the_key() {
     const CANARY: &str = "sk-canary-7f3A9+q/Zz01==";
     let folder = tempfile::tempdir().unwrap();
     prepare(folder.path());
-    let provider = Provider::start(|number| match number {
-        0 => super::provider::Fate::Garbage,
-        4 => super::provider::Fate::Unauthorised,
-        _ => super::provider::Fate::Answer,
+    // The provider echoes the key in its answers.
+    let echo = format!("your key is {CANARY}\n");
+    let provider = Provider::start(move |number, question| match number {
+        0 => Response::status(200).json("<html>bad gateway</html>"),
+        4 => {
+            let message = format!("wrong key: {CANARY}");
+            Response::error(401, "invalid_api_key", &message).header("x-your-key", CANARY)
+        }
+        _ => question.answer_of(&Geometric).edit(|body| {
+            let text = &mut body["choices"][0]["message"]["content"];
+            *text = (echo.clone() + text.as_str().unwrap()).into();
+        }),
     });
-    // The provider echoes the key in its answers, plain and escaped.
-    let escaped: String = CANARY
-        .chars()
-        .map(|it| format!("\\u{:04x}", u32::from(it)))
-        .collect();
-    provider.seen().said_before = format!("your key is {CANARY}, or {escaped}");
     let arguments = run_arguments(&provider);
     let mut command = command(folder.path(), &arguments.each_ref().map(String::as_str));
     let said = finish(
@@ -199,7 +202,7 @@ fn no_artefact_holds_the_key() {
     );
     assert_eq!(said.code, 2, "the fifth call is refused: {}", said.stderr);
     assert!(said.stderr.contains("not_authorised"), "{}", said.stderr);
-    let keys: Vec<String> = [CANARY, &CANARY[3..], &escaped].map(str::to_owned).to_vec();
+    let keys = [CANARY, &CANARY[3..]];
     let mut files = vec![
         ("stdout".to_owned(), said.stdout),
         ("stderr".to_owned(), said.stderr),
@@ -215,16 +218,13 @@ fn no_artefact_holds_the_key() {
         "answers, ledger and messages show that something was hidden"
     );
     for (name, text) in files {
-        for key in &keys {
+        for key in keys {
             assert!(!text.contains(key), "{name} holds the key");
         }
     }
-    let got = provider.seen();
-    assert!(
-        got.got
-            .iter()
-            .all(|body| !String::from_utf8_lossy(body).contains(CANARY))
-    );
+    let questions = provider.questions();
+    let holds_key = |body: &[u8]| String::from_utf8_lossy(body).contains(CANARY);
+    assert!(!questions.iter().any(|it| holds_key(&it.body)));
 }
 
 fn collect(folder: &Path, files: &mut Vec<(String, String)>) {
@@ -243,7 +243,7 @@ fn collect(folder: &Path, files: &mut Vec<(String, String)>) {
 #[ignore = "long"]
 fn shipped_tasks_run_with_a_provider_as_with_the_stand_in() {
     let folder = tempfile::tempdir().unwrap();
-    let provider = Provider::reliable();
+    let provider = Provider::of(Geometric);
     let report = |arguments: &[&str]| {
         let mut command = fabc(folder.path());
         let said = finish(

@@ -1,27 +1,26 @@
 //! Which questions go out with a schema of their answer, and what a suite's table says about it.
 
 use super::paid_answers::suite;
-use super::provider::Provider;
 use super::provider_commands::command;
 use super::support::{finish, root};
 use fab_bench::suite::Suite;
+use fab_standins::Geometric;
+use fab_test_provider::{Provider, Question};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
 
 /// Runs a verb with a server whose support for schemas is unknown; returns each question's format, and what was said.
 fn formats(folder: &Path, arguments: &[&str]) -> (Vec<Value>, String) {
-    let provider = Provider::reliable();
+    let provider = Provider::of(Geometric);
     let model = ["--model", "compatible:geometric", "--allow-unknown-price"];
     let rest = ["--no-cache", "--base-url", provider.base_url()];
     let said = finish(&mut command(folder, &[arguments, &model, &rest].concat()));
     assert_eq!(said.code, 0, "{}", said.stderr);
-    let seen = provider.seen();
-    let bodies = seen.got.iter();
-    let formats = bodies.map(|body| {
-        let body: Value = serde_json::from_slice(body).unwrap();
-        body["response_format"]["json_schema"]["schema"]["required"].clone()
-    });
+    let questions = provider.questions();
+    let bodies = questions.iter().map(Question::json);
+    let formats =
+        bodies.map(|body| body["response_format"]["json_schema"]["schema"]["required"].clone());
     (formats.collect(), said.stdout + &said.stderr)
 }
 

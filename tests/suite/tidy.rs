@@ -22,7 +22,7 @@ struct Member {
 }
 
 /// Every member; `fabc` at the root may use all.
-const MEMBERS: [Member; 17] = [
+const MEMBERS: [Member; 19] = [
     member("grammar", "fab-grammar", &[], &[]),
     member("compiler/program", "fab-program", &[], &[]),
     member(
@@ -61,6 +61,13 @@ const MEMBERS: [Member; 17] = [
         "runtime/providers",
         "fab-providers",
         &["fab-base", "fab-model", "fab-picture", "fab-program"],
+        &["fab-test-provider"],
+    ),
+    member("tests/provider", "fab-test-provider", &["fab-model"], &[]),
+    member(
+        "runtime/local-server",
+        "fab-local-server",
+        &["fab-base"],
         &[],
     ),
     member(
@@ -156,11 +163,7 @@ const RESERVED: [(Name, &str, &str); 10] = [
         "runtime/",
         "runtime/providers/src/remote",
     ),
-    (
-        Name::Word("axum"),
-        "runtime/providers/src/",
-        "runtime/providers/src/serve",
-    ),
+    (Name::Word("axum"), "", "runtime/local-server/"),
     (Name::Word("roslibrust"), "", "runtime/arm-ros/"),
     (Name::Word("rustdds"), "", "runtime/arm-ros2/"),
 ];

@@ -7,7 +7,7 @@
 use super::exchange::Exchange;
 use super::transport::Obstacle;
 use crate::catalogue::Wire;
-use fab_base::wording::shown;
+use fab_base::wording::{quoted, shown};
 use fab_model::calls::Fault;
 use reqwest::Url;
 
@@ -17,269 +17,69 @@ const MAX_LISTED: usize = 12;
 /// The longest address of a redirect that is shown, characters.
 const MAX_LOCATION: usize = 200;
 
-/// A cause that a failed call may have.
+/// A cause that a failed call may have. Texts name values as `{address}`; [`filled`] lists them.
 struct Cause {
     /// Whether it is likely.
     applies: fn(&Exchange<'_>) -> bool,
-    /// What is wrong, and what to do.
-    words: fn(&Exchange<'_>) -> (String, String),
-}
-
-/// Returns the likely cause and its remedy, or nothing where the headline says it all.
-pub(super) fn likely(exchange: &Exchange<'_>) -> Option<(String, String)> {
-    let row = CAUSES.iter().find(|row| (row.applies)(exchange))?;
-    Some((row.words)(exchange))
-}
-
-/// Returns whether a list of the served models would tell what is wrong.
-pub(super) fn asks_for_list(exchange: &Exchange<'_>) -> bool {
-    exchange.status() == Some(404)
-        || (exchange.fault == Fault::BadRequest && names_no_model(exchange))
+    /// What is wrong.
+    cause: &'static str,
+    /// What to do.
+    help: &'static str,
 }
 
 /// Every cause, the specific ones first.
 const CAUSES: &[Cause] = &[
     // No connection, or no reply.
     Cause {
-        applies: |e| {
-            let is_remote = !e.sent.settings.base_url.is_loopback();
-            e.sent.proxy.is_some() && is_remote && (cannot_connect(e) || e.status() == Some(407))
-        },
-        words: |e| {
-            let proxy = e.sent.proxy.as_deref().unwrap_or_default();
-            (
-                format!(
-                    "`{proxy}` is set, so the call goes through that proxy, which does not pass it on"
-                ),
-                format!(
-                    "check the value of `{proxy}`, `http://USER:PASSWORD@HOST:PORT` if it wants a login, or add `{}` to the variable `NO_PROXY`",
-                    e.sent.url.host_str().unwrap_or_default()
-                ),
-            )
-        },
+        applies: |e| is(e, Obstacle::Refused) && e.settings.base_url.is_loopback(),
+        cause: "no server listens at `{address}`",
+        help: "{start}, or give the address of a running one with `--base-url URL`",
     },
     Cause {
-        applies: |e| {
-            e.obstacle() == Some(Obstacle::Refused) && e.sent.settings.base_url.is_loopback()
-        },
-        words: |e| {
-            let start = match &e.sent.settings.start {
-                Some(start) => format!("start it with `{start}`"),
-                None => "start the server".to_owned(),
-            };
-            (
-                format!("no server listens at `{}`", authority(e)),
-                format!("{start}, or give the address of a running one with `--base-url URL`"),
-            )
-        },
+        applies: |e| is(e, Obstacle::Refused) || is(e, Obstacle::Unconnected),
+        cause: "no server can be reached at `{address}` from this machine",
+        help: "check host and port in the base URL {base}, the connection, the proxy if `HTTPS_PROXY` or `HTTP_PROXY` names one, and that the server listens on more than its own 127.0.0.1 (often `--host 0.0.0.0`)",
     },
     Cause {
-        applies: cannot_connect,
-        words: |e| {
-            (
-                format!(
-                    "no server can be reached at `{}` from this machine",
-                    authority(e)
-                ),
-                format!(
-                    "check host and port in the base URL `{}`, the connection, and that the server listens on more than its own 127.0.0.1 (often `--host 0.0.0.0`)",
-                    e.sent.settings.base_url
-                ),
-            )
-        },
+        applies: |e| is(e, Obstacle::Certificate),
+        cause: "the certificate is self-signed, of an authority that this machine does not know, for another name, or not valid today",
+        help: "name a PEM file with the authority's certificate in the variable `SSL_CERT_FILE`; check the clock with `date`",
     },
     Cause {
-        applies: |e| {
-            let obstacle = e.obstacle();
-            obstacle.is_some_and(|it| {
-                matches!(
-                    it,
-                    Obstacle::UntrustedCertificate | Obstacle::ExpiredCertificate
-                )
-            })
-        },
-        words: |_| {
-            (
-                "the certificate is self-signed, of an authority that this machine does not know, or not valid today".to_owned(),
-                "name a PEM file with the authority's certificate in the variable `SSL_CERT_FILE`; check the clock with `date`".to_owned(),
-            )
-        },
+        applies: |e| is(e, Obstacle::Tls) || is(e, Obstacle::NoHttp),
+        cause: "the server at `{address}` speaks plain http where https was meant, or the other way round, or is another service",
+        help: "check the port in the base URL {base}, and whether it has to begin with `http://` or `https://`; a key is sent over plain http only to this machine",
     },
     Cause {
-        applies: |e| {
-            let obstacle = e.obstacle();
-            obstacle.is_some_and(|it| matches!(it, Obstacle::NoTls | Obstacle::NoHttp))
-                || e.says(&["plain http request was sent to https port"])
-        },
-        words: |e| {
-            (
-                format!(
-                    "the server at `{}` speaks plain http where https was meant, or the other way round, or is another service",
-                    authority(e)
-                ),
-                format!(
-                    "check the port in the base URL `{}`, and whether it has to begin with `http://` or `https://`; a key is sent over plain http only to this machine",
-                    e.sent.settings.base_url
-                ),
-            )
-        },
+        applies: |e| is(e, Obstacle::Timeout),
+        cause: "the model is slow, its queue is long, or the server is stuck: {limit} s is the limit of one call",
+        help: "allow more with `--timeout SECONDS`, and look into the server's log",
     },
-    Cause {
-        applies: |e| e.obstacle() == Some(Obstacle::Timeout),
-        words: |e| {
-            (
-                format!(
-                    "the model is slow, its queue is long, or the server is stuck: {:.1} s is the limit of one call",
-                    e.sent.settings.timeout.as_secs_f64()
-                ),
-                "allow more with `--timeout SECONDS`, and look into the server's log".to_owned(),
-            )
-        },
-    },
-    // What a proxy, a gateway or another port answers.
+    // The address, the key and the model.
     Cause {
         applies: |e| location(e).is_some(),
-        words: |e| {
-            let to = location(e).map_or(String::new(), |url| shown(url.as_str(), MAX_LOCATION));
-            (
-                format!("the server redirects to `{to}`, and a key is not sent after a redirect"),
-                format!(
-                    "give the final address, if you trust it: `--base-url {}`",
-                    location_base(e).unwrap_or("URL".to_owned())
-                ),
-            )
-        },
+        cause: "the server redirects to `{location}`, and a key is not sent after a redirect",
+        help: "give the base of that address with `--base-url URL`, if you trust it",
     },
     Cause {
-        applies: |e| matches!(e.status(), Some(200 | 403)) && is_html(e),
-        words: |e| {
-            (
-                "a web page came in place of an answer: of a login, a firewall, or a base URL that is not the interface's".to_owned(),
-                format!("check the base URL {}, and open it in a browser from here", base_url(e)),
-            )
-        },
-    },
-    // Keys, credit and limits.
-    Cause {
-        applies: |e| e.fault == Fault::NotAuthorised && e.sent.settings.key.is_none(),
-        words: |e| {
-            let names = &e.sent.settings.key_names;
-            let cause = match &names[..] {
-                [] => "no key was sent, since this provider has no name for one".to_owned(),
-                [one] => format!("no key was sent, since `{one}` is not set"),
-                _ => format!("no key was sent, since none of {} is set", quoted(names)),
-            };
-            let help = match names.first() {
-                Some(name) => {
-                    format!("set it in the environment or the file of keys: `export {name}=…`")
-                }
-                None => {
-                    "give the provider `key_env = [\"NAME\"]` in a file of facts (`--models FILE`)"
-                        .to_owned()
-                }
-            };
-            (cause, help)
-        },
+        applies: |e| e.fault == Fault::NotAuthorised && e.settings.key.is_none(),
+        cause: "no key was sent, since {no_key}",
+        help: "set a key in the environment or the file of keys: `export NAME=…`; a file of facts (`--models FILE`) may give the provider another name, `key_env = [\"NAME\"]`",
     },
     Cause {
         applies: |e| e.fault == Fault::NotAuthorised,
-        words: |e| {
-            let key = e.sent.settings.key.as_ref();
-            let master = if e.says(&["no_db_connection"]) {
-                "; a LiteLLM proxy without a database takes its master key alone"
-            } else {
-                ""
-            };
-            (
-                format!(
-                    "the server at `{}` does not accept the key from `{}`{master}",
-                    authority(e),
-                    key.map_or("", |key| key.name())
-                ),
-                format!(
-                    "check that its value is whole, still valid, made for this server, and allowed for this model; looked for: {}",
-                    quoted(&e.sent.settings.key_names)
-                ),
-            )
-        },
+        cause: "the server at `{address}` does not accept the key from `{key}`",
+        help: "check that its value is whole, still valid, made for this server (a LiteLLM proxy without a database takes its master key alone), and allowed for this model; looked for: {keys}",
     },
     Cause {
-        applies: |e| e.fault == Fault::QuotaExhausted,
-        words: |_| {
-            (
-                "the credit or the quota of the account is used up; waiting does not help"
-                    .to_owned(),
-                "add credit or raise the limit at the provider, or use the key of another account"
-                    .to_owned(),
-            )
-        },
-    },
-    Cause {
-        applies: |e| e.fault == Fault::RateLimited,
-        words: |_| {
-            (
-                "too many calls or tokens in a short time; the account itself is in order".to_owned(),
-                "fabc waits and asks again; if that does not suffice, run fewer rollouts at once (`bench --jobs 1`) or ask later".to_owned(),
-            )
-        },
-    },
-    // The model and the address.
-    Cause {
-        applies: |e| serves(e).is_some_and(|ids| !ids.contains(&e.sent.settings.model)),
-        words: |e| match serves(e).unwrap_or_default() {
-            [] => (
-                "the server runs and serves no model yet".to_owned(),
-                "load a model in the server, then ask again; `fabc doctor` lists what it serves"
-                    .to_owned(),
-            ),
-            ids => (
-                format!(
-                    "the server does not serve `{}`; it serves {}",
-                    e.sent.settings.model,
-                    listed(ids)
-                ),
-                format!(
-                    "write one of these: `--model {}:NAME`",
-                    e.sent.settings.provider
-                ),
-            ),
-        },
-    },
-    Cause {
-        applies: |e| names_no_model(e) && serves(e).is_none() && !is_html(e),
-        words: |e| {
-            (
-                format!("the server has no model `{}`", e.sent.settings.model),
-                format!(
-                    "`fabc doctor` lists what the servers on this machine serve; `fabc models {}` lists what is known of others",
-                    e.sent.settings.provider
-                ),
-            )
-        },
+        applies: lacks_model,
+        cause: "the server does not serve `{model}`{served}",
+        help: "ask one that it serves, `--model {provider}:NAME`, or load the model in it; `fabc doctor` lists what servers on this machine serve, `fabc models {provider}` what is known of others",
     },
     Cause {
         applies: |e| matches!(e.status(), Some(404 | 405)),
-        words: |e| {
-            let chat = if e.sent.settings.wire == Wire::OpenaiResponses {
-                format!(
-                    "; ask through Chat Completions: `--model openai-chat:{}`",
-                    e.sent.settings.model
-                )
-            } else {
-                String::new()
-            };
-            (
-                format!(
-                    "the server has no `{}`: its interface lies elsewhere, or is not {}",
-                    e.sent.url.path(),
-                    interface(e.sent.settings.wire)
-                ),
-                format!(
-                    "check the base URL {}, or choose the provider whose interface the server speaks (`fabc models --help`){chat}",
-                    base_url(e)
-                ),
-            )
-        },
+        cause: "the server has no `{path}`: its interface lies elsewhere, or is not {interface}",
+        help: "check the base URL {base}, or choose the provider whose interface the server speaks (`fabc models --help`; `openai-chat` for Chat Completions)",
     },
     // The question.
     Cause {
@@ -290,156 +90,108 @@ const CAUSES: &[Cause] = &[
                 "image input is not supported",
                 "not a multimodal model",
                 "does not support image",
-                "missing data required for image input",
             ])
         },
-        words: |e| {
-            (
-                format!("the model `{}` takes no pictures as it is served, or not so many", e.sent.settings.model),
-                "serve a vision model (llama.cpp needs its projector too, `--mmproj FILE`), raise the limit (vLLM: `--limit-mm-per-prompt`), or ask another one: `--model vision=MODEL`".to_owned(),
-            )
-        },
+        cause: "the model `{model}` takes no pictures as it is served, or not so many",
+        help: "serve a vision model (llama.cpp needs its projector too, `--mmproj FILE`), raise the limit (vLLM: `--limit-mm-per-prompt`), or ask another one: `--model vision=MODEL`",
     },
     Cause {
-        applies: |e| {
-            e.status() == Some(413)
-                || e.says(&[
-                    "context length",
-                    "context size",
-                    "context window",
-                    "context_length",
-                ])
-        },
-        words: |_| {
-            (
-                "question and answer are longer than the model's context, or than a gateway lets through".to_owned(),
-                "raise the context of the server (llama.cpp `--ctx-size`, vLLM `--max-model-len`, Ollama `OLLAMA_CONTEXT_LENGTH`), or state fewer `tokens`; of a gateway, the size of a body (nginx: `client_max_body_size`)".to_owned(),
-            )
-        },
+        applies: |e| e.status() == Some(413) || e.says(&["context length", "context size"]),
+        cause: "question and answer are longer than the model's context, or than a gateway lets through",
+        help: "raise the context of the server (llama.cpp `--ctx-size`, vLLM `--max-model-len`, Ollama `OLLAMA_CONTEXT_LENGTH`), or state fewer `tokens`; of a gateway, the size of a body (nginx: `client_max_body_size`)",
     },
     Cause {
         applies: |e| e.omit.is_some(),
-        words: |e| {
-            let omit = e.omit.map_or("", |omit| omit.name());
-            (
-                format!("the server does not accept `{omit}` as it was sent"),
-                format!(
-                    "`--omit {omit}` leaves it out; `fabc models {}` shows what is known of the model",
-                    e.sent.settings.provider
-                ),
-            )
-        },
+        cause: "the server does not accept `{omit}` as it was sent",
+        help: "`--omit {omit}` leaves it out; `fabc models {provider}` shows what is known of the model",
     },
-    Cause {
-        applies: |e| matches!(e.fault, Fault::ContentFiltered | Fault::Refused),
-        words: |e| {
-            (
-                "the model declined, or a filter judged the question or the answer".to_owned(),
-                format!(
-                    "{}, change its words or its pictures, or ask another model",
-                    look(e)
-                ),
-            )
-        },
-    },
-    // The server.
+    // The server, and replies of status 200 that are no answers.
     Cause {
         applies: |e| {
-            matches!(e.status(), Some(408 | 502 | 503 | 504 | 524 | 529)) || e.says(&["overloaded"])
-        },
-        words: |e| {
-            (
-                "the server is overloaded, still loading its model, or down behind a gateway"
-                    .to_owned(),
-                format!(
-                    "fabc asks again by itself; if that does not suffice, look whether the server behind `{}` runs, or ask later with `bench --jobs 1`",
-                    authority(e)
-                ),
+            matches!(
+                e.fault,
+                Fault::ServerFailed | Fault::ConnectionCut | Fault::TimedOut
             )
         },
+        cause: "the server is overloaded, still loading its model, out of memory, or down behind a gateway",
+        help: "fabc asks again by itself; if that does not suffice, the log of the server at `{address}` says why",
     },
     Cause {
-        applies: |e| matches!(e.fault, Fault::ServerFailed | Fault::ConnectionCut),
-        words: |e| {
-            let key = match (&e.sent.settings.key, e.sent.settings.key_names.first()) {
-                (None, Some(name)) => format!("; no key was sent, so set `{name}` if it wants one"),
-                _ => String::new(),
-            };
-            (
-                "the server itself failed, or ran out of memory".to_owned(),
-                format!("the log of the server at `{}` says why{key}", authority(e)),
-            )
-        },
-    },
-    // A reply of status 200 that is not an answer.
-    Cause {
-        applies: |e| {
-            let problem = e.problem().unwrap_or_default();
-            let is_empty =
-                problem.contains("` holds: `") || problem.starts_with("the answer is empty");
-            is_empty && other_interface(e).is_none()
-        },
-        words: |_| {
-            (
-                "all of the model's text went into its reasoning, or it ended at once".to_owned(),
-                "let the server leave it in the answer (llama.cpp: `--reasoning-format none`, or `--reasoning-budget 0` for no thoughts; vLLM: another `--reasoning-parser`, or none), ask with `--reasoning none`, or allow more `tokens`".to_owned(),
-            )
-        },
+        applies: |e| e.fault == Fault::InvalidReply && is_empty(e),
+        cause: "all of the model's text went into its reasoning, or it ended at once",
+        help: "let the server leave it in the answer (llama.cpp: `--reasoning-format none`, or `--reasoning-budget 0` for no thoughts; vLLM: another `--reasoning-parser`, or none), ask with `--reasoning none`, or allow more `tokens`",
     },
     Cause {
         applies: |e| e.fault == Fault::InvalidReply,
-        words: |e| {
-            let expected = interface(e.sent.settings.wire);
-            let kind = e
-                .received()
-                .and_then(|it| it.incoming.content_type.as_deref());
-            if kind.is_some_and(|kind| kind.contains("event-stream")) {
-                return (
-                    "the server streams its answer, though no stream was asked for".to_owned(),
-                    "turn forced streaming off in the server or the gateway".to_owned(),
-                );
-            }
-            let cause = match other_interface(e) {
-                Some(other) => {
-                    format!("the reply has the form of {other}, and {expected} was expected")
-                }
-                None => format!(
-                    "the server does not quite speak {expected}, or a proxy answers in its place"
-                ),
-            };
-            (
-                cause,
-                format!(
-                    "choose the provider whose interface the server speaks (`fabc models --help`), check the base URL {}, or look into the log of the server",
-                    base_url(e)
-                ),
-            )
-        },
-    },
-    Cause {
-        applies: |e| e.fault == Fault::BadRequest,
-        words: |e| {
-            (
-                "the server understood the call and refuses it; the reply may say what it objects to".to_owned(),
-                look(e),
-            )
-        },
+        cause: "the server does not speak {interface}, streams its answer, or a login, a firewall or a proxy answers in its place",
+        help: "check the base URL {base}, choose the provider whose interface the server speaks (`fabc models --help`), or look into the log of the server",
     },
 ];
 
-/// Returns how to see what was asked.
-fn look(e: &Exchange<'_>) -> String {
-    let settings = &e.sent.settings;
-    format!(
-        "look at the question with `fabc render FILE --model {}:{}`",
-        settings.provider, settings.model
-    )
+/// Returns the likely cause and its remedy, or nothing where the headline says it all.
+pub(super) fn likely(exchange: &Exchange<'_>) -> Option<(String, String)> {
+    let row = CAUSES.iter().find(|row| (row.applies)(exchange))?;
+    let filled = |text| filled(text, exchange);
+    Some((filled(row.cause), filled(row.help)))
+}
+
+/// Returns whether a list of the served models would tell what is wrong.
+pub(super) fn asks_for_list(exchange: &Exchange<'_>) -> bool {
+    exchange.status() == Some(404)
+        || (exchange.fault == Fault::BadRequest && names_no_model(exchange))
+}
+
+/// Puts the values of a call into a text.
+fn filled(text: &str, e: &Exchange<'_>) -> String {
+    let settings = e.settings;
+    let names = &settings.key_names;
+    let values = [
+        ("{address}", authority(e)),
+        ("{base}", base_url(e)),
+        ("{interface}", interface(settings.wire).to_owned()),
+        (
+            "{key}",
+            settings
+                .key
+                .as_ref()
+                .map_or("", |key| key.name())
+                .to_owned(),
+        ),
+        ("{keys}", quoted(names)),
+        ("{limit}", format!("{:.1}", settings.timeout.as_secs_f64())),
+        ("{location}", location(e).unwrap_or_default()),
+        ("{model}", settings.model.clone()),
+        (
+            "{no_key}",
+            match &names[..] {
+                [] => "this provider has no name for one".to_owned(),
+                [one] => format!("`{one}` is not set"),
+                _ => format!("none of {} is set", quoted(names)),
+            },
+        ),
+        ("{omit}", e.omit.map_or("", |omit| omit.name()).to_owned()),
+        ("{path}", e.url.path().to_owned()),
+        ("{provider}", settings.provider.clone()),
+        ("{served}", served(e)),
+        (
+            "{start}",
+            match &settings.start {
+                Some(start) => format!("start it with `{start}`"),
+                None => "start the server".to_owned(),
+            },
+        ),
+    ];
+    let fill = |text: String, (name, value): &(&str, String)| text.replace(name, value);
+    values.iter().fold(text.to_owned(), fill)
+}
+
+fn is(exchange: &Exchange<'_>, obstacle: Obstacle) -> bool {
+    exchange.obstacle() == Some(obstacle)
 }
 
 fn authority(e: &Exchange<'_>) -> String {
-    let url = &e.sent.url;
-    let host = url.host_str().unwrap_or_default();
-    match url.port_or_known_default() {
+    let host = e.url.host_str().unwrap_or_default();
+    match e.url.port_or_known_default() {
         Some(port) => format!("{host}:{port}"),
         None => host.to_owned(),
     }
@@ -447,11 +199,8 @@ fn authority(e: &Exchange<'_>) -> String {
 
 /// Returns the base URL, with the usual one beside it if that is another.
 fn base_url(e: &Exchange<'_>) -> String {
-    let settings = &e.sent.settings;
-    let (base, usual) = (
-        settings.base_url.to_string(),
-        settings.base_url.usual(settings.wire),
-    );
+    let base = e.settings.base_url.to_string();
+    let usual = e.settings.base_url.usual(e.settings.wire);
     if base.trim_end_matches('/') == usual {
         format!("`{base}`")
     } else {
@@ -459,46 +208,12 @@ fn base_url(e: &Exchange<'_>) -> String {
     }
 }
 
-fn quoted(names: &[String]) -> String {
-    let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
-    names.join(", ")
-}
-
-fn listed(ids: &[String]) -> String {
-    let first = quoted(&ids[..ids.len().min(MAX_LISTED)]);
-    match ids.len().saturating_sub(MAX_LISTED) {
-        0 => first,
-        more => format!("{first} and {more} more"),
+/// Returns whether the server's list lacks the model, or the server says so.
+fn lacks_model(e: &Exchange<'_>) -> bool {
+    match e.served {
+        Some(Ok(ids)) => !ids.contains(&e.settings.model),
+        Some(Err(_)) | None => names_no_model(e),
     }
-}
-
-fn cannot_connect(exchange: &Exchange<'_>) -> bool {
-    use Obstacle::{ConnectTimeout, Refused, Unconnected, UnknownHost, Unrouted};
-    let obstacle = exchange.obstacle();
-    obstacle.is_some_and(|obstacle| {
-        matches!(
-            obstacle,
-            ConnectTimeout | Refused | Unconnected | UnknownHost | Unrouted
-        )
-    })
-}
-
-fn is_html(exchange: &Exchange<'_>) -> bool {
-    let Some(received) = exchange.received() else {
-        return false;
-    };
-    let begins = |beginning: &[u8]| {
-        let body = received.incoming.body.trim_ascii_start();
-        let start = body.get(..beginning.len());
-        start.is_some_and(|start| start.eq_ignore_ascii_case(beginning))
-    };
-    let kind = received
-        .incoming
-        .content_type
-        .as_deref()
-        .unwrap_or_default();
-    let is_said = kind.to_lowercase().contains("text/html");
-    begins(b"<!doctype html") || begins(b"<html") || (is_said && received.json.is_none())
 }
 
 /// Returns whether the server says that it has no such model.
@@ -506,38 +221,38 @@ fn names_no_model(exchange: &Exchange<'_>) -> bool {
     let is_missing = [
         "not found",
         "not_found",
-        "does not exist",
         "not exist",
-        "unknown",
         "invalid model",
-        "no such",
-        "no model",
         "not loaded",
     ];
-    exchange.says(&["model"]) && exchange.says(&is_missing) || exchange.parameter() == Some("model")
+    exchange.says(&["model"]) && exchange.says(&is_missing)
 }
 
-/// Returns the models that the server listed.
-fn serves<'e>(exchange: &'e Exchange<'_>) -> Option<&'e [String]> {
-    exchange.served?.as_deref().ok()
+/// Says which models the server lists.
+fn served(e: &Exchange<'_>) -> String {
+    match e.served {
+        Some(Ok(ids)) if ids.is_empty() => "; it serves no model yet".to_owned(),
+        Some(Ok(ids)) => {
+            let more = ids.len().saturating_sub(MAX_LISTED);
+            let listed = quoted(ids.iter().take(MAX_LISTED));
+            let more = if more > 0 {
+                format!(" and {more} more")
+            } else {
+                String::new()
+            };
+            format!("; it serves {listed}{more}")
+        }
+        Some(Err(_)) | None => String::new(),
+    }
 }
 
-/// Returns the interface whose answer a reply resembles, if it is another one than was asked.
-fn other_interface(exchange: &Exchange<'_>) -> Option<&'static str> {
-    let value = exchange.received()?.json.as_ref()?;
-    let forms = [
-        ("choices", interface(Wire::OpenaiChat)),
-        ("output", interface(Wire::OpenaiResponses)),
-        ("candidates", interface(Wire::Gemini)),
-        ("stop_reason", interface(Wire::Anthropic)),
-        ("data", "a list of models"),
-        ("models", "a list of models"),
-        ("message", "Ollama's own interface"),
-        ("response", "Ollama's own interface"),
-    ];
-    let form = forms.iter().find(|(field, _)| value.get(field).is_some());
-    let (_, form) = form?;
-    (*form != interface(exchange.sent.settings.wire)).then_some(*form)
+/// Returns whether a reply of the right form has no text.
+fn is_empty(exchange: &Exchange<'_>) -> bool {
+    let received = exchange.received();
+    let problem = received.and_then(|received| received.problem.as_deref());
+    let is_chat = exchange.settings.wire == Wire::OpenaiChat;
+    let has_form = is_chat || !exchange.says(&["chat.completion"]);
+    has_form && problem.is_some_and(|problem| problem.starts_with("the answer is empty"))
 }
 
 fn interface(wire: Wire) -> &'static str {
@@ -550,29 +265,15 @@ fn interface(wire: Wire) -> &'static str {
 }
 
 /// Returns where a redirect leads, without anything that may be secret.
-fn location(exchange: &Exchange<'_>) -> Option<Url> {
+fn location(exchange: &Exchange<'_>) -> Option<String> {
     let incoming = &exchange.received()?.incoming;
-    let location = incoming.location.as_ref()?;
+    let mut url: Url = exchange.url.join(incoming.location.as_ref()?).ok()?;
     if !(300..=399).contains(&incoming.status) {
         return None;
     }
-    let mut url = exchange.sent.url.join(location).ok()?;
     url.set_username("").ok()?;
     url.set_password(None).ok()?;
     url.set_query(None);
     url.set_fragment(None);
-    Some(url)
+    Some(shown(url.as_str(), MAX_LOCATION))
 }
-
-/// Returns the base URL that would lead where a redirect leads.
-fn location_base(exchange: &Exchange<'_>) -> Option<String> {
-    let settings = &exchange.sent.settings;
-    let whole = location(exchange)?.to_string();
-    let end = format!("/{}", settings.wire.path(&settings.model).join("/"));
-    let base = whole.trim_end_matches('/').strip_suffix(&end)?;
-    Some(shown(base, MAX_LOCATION))
-}
-
-#[cfg(test)]
-#[path = "tests/causes.rs"]
-mod tests;

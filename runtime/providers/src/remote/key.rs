@@ -10,13 +10,10 @@ use secrecy::{ExposeSecret, SecretString};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
-use toml::{Spanned, Value};
+use toml::Spanned;
 
 /// The longest key file accepted, bytes.
 const MAX_FILE_BYTES: u64 = 64 * 1024;
-
-/// The longest key, bytes; those of current providers have fewer than 300.
-const MAX_KEY_BYTES: usize = 8 * 1024;
 
 /// A provider's key; its `Debug` form is its name.
 #[derive(Clone)]
@@ -29,12 +26,12 @@ pub struct Key {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum KeyError {
     /// It cannot be sent in a request.
-    #[error("the value of `{name}` is not a valid key: {why}")]
+    #[error(
+        "the value of `{name}` is not a valid key: it is empty, or has blanks, control characters or letters outside of ASCII in it"
+    )]
     Malformed {
         /// Name of the variable or the entry.
         name: String,
-        /// What is wrong with it.
-        why: &'static str,
     },
     /// The file cannot be read.
     #[error("cannot read the keys in `{path}`: {why}")]
@@ -67,33 +64,20 @@ pub enum KeyError {
 impl Key {
     /// Makes a key from the value of a variable or entry, without surrounding white space.
     ///
-    /// Fails if it is empty, too long, or has characters that a header cannot carry.
+    /// Fails if it is empty, or has characters that a header cannot carry.
     pub fn new(name: &str, value: &str) -> Result<Key, KeyError> {
-        let value = value.trim();
-        let why = if value.is_empty() {
-            Some("it is empty")
-        } else if value.len() > MAX_KEY_BYTES {
-            Some("it is longer than 8192 bytes")
-        } else if !value.bytes().all(|byte| byte.is_ascii_graphic()) {
-            Some("it has blanks, control characters or letters outside of ASCII in it")
-        } else {
-            None
-        };
-        match why {
-            Some(why) => Err(KeyError::Malformed {
-                name: name.to_owned(),
-                why,
-            }),
-            None => Ok(Key {
-                name: name.to_owned(),
-                secret: SecretString::from(value),
-            }),
+        let (name, value) = (name.to_owned(), value.trim());
+        if value.is_empty() || !value.bytes().all(|byte| byte.is_ascii_graphic()) {
+            return Err(KeyError::Malformed { name });
         }
+        let secret = SecretString::from(value);
+        Ok(Key { name, secret })
     }
 
     /// Finds the first of `names` that is set: each by `lookup`, then each in the file; `None` if there is none.
     ///
-    /// An empty variable counts as not set. Fails if the value found cannot be used.
+    /// An empty variable counts as not set. Fails if the value found cannot be used, or the file cannot be read, is not a list
+    /// of lines `NAME = "KEY"`, or, on Unix, can be read by others than its owner.
     pub fn find(
         names: &[&str],
         lookup: &dyn Fn(&str) -> Option<String>,
@@ -105,26 +89,16 @@ impl Key {
             }
         }
         let Some(path) = file else { return Ok(None) };
-        for name in names {
-            if let Some(key) = Key::from_file(path, name)? {
-                return Ok(Some(key));
-            }
-        }
-        Ok(None)
-    }
-
-    /// Reads the key `name` from a TOML file of lines `NAME = "KEY"`; `None` if it is not there.
-    ///
-    /// Fails if the file cannot be read, is not such a list, or, on Unix, can be read by others than its owner.
-    pub fn from_file(path: &Path, name: &str) -> Result<Option<Key>, KeyError> {
         let entries = entries(path)?;
-        let found = entries.get(name).map(|value| Key::new(name, value));
-        found.transpose()
+        let found = names
+            .iter()
+            .find_map(|name| Some((name, entries.get(*name)?)));
+        found.map(|(name, value)| Key::new(name, value)).transpose()
     }
 
     /// Returns the names in such a file, in alphabetical order, without checking their keys.
     ///
-    /// Fails as [`Key::from_file`] does.
+    /// Fails as [`Key::find`] does.
     pub fn names_in(path: &Path) -> Result<Vec<String>, KeyError> {
         Ok(entries(path)?.into_keys().collect())
     }
@@ -158,21 +132,17 @@ fn entries(path: &Path) -> Result<BTreeMap<String, String>, KeyError> {
         line: line_of(&text, start),
     };
     // The parser's own message quotes the line, and with it the key.
-    let table: BTreeMap<Spanned<String>, Value> = toml::from_str(&text)
+    let table: BTreeMap<Spanned<String>, String> = toml::from_str(&text)
         .map_err(|error| wrong_at(error.span().map_or(0, |span| span.start)))?;
-    let mut entries = BTreeMap::new();
-    let mut wrong: Option<usize> = None;
-    for (name, value) in table {
-        let start = name.span().start;
-        match value {
-            // In a reversed line the key is in the place of its name.
-            Value::String(value) if is_key_name(name.get_ref()) => {
-                entries.insert(name.into_inner(), value);
-            }
-            _ => wrong = Some(wrong.map_or(start, |other| other.min(start))),
-        }
+    // In a reversed line the key is in the place of its name.
+    let wrong = table.keys().find(|name| !is_key_name(name.get_ref()));
+    if let Some(name) = wrong {
+        return Err(wrong_at(name.span().start));
     }
-    wrong.map_or(Ok(entries), |start| Err(wrong_at(start)))
+    let entries = table.into_iter();
+    Ok(entries
+        .map(|(name, value)| (name.into_inner(), value))
+        .collect())
 }
 
 #[cfg(unix)]

@@ -2,8 +2,8 @@
 //!
 //! In: a [`Request`]. Out: a [`Reply`], bought once and cached, or a named fault. [`wire`] knows the providers' message
 //! formats, `transport` sends one message, `exchange` and `causes` say why a call failed, `retry` decides what is tried
-//! again, `gate` limits concurrency, `answers` caches paid answers. Every message is reported to [`Calls`] before it is sent, and again when it ends. The maker of
-//! the [`Settings`] decides about facts and prices.
+//! again, a [`Gate`] limits concurrency, `answers` caches paid answers. Every message is reported to [`Calls`] before it is
+//! sent, and again when it ends. The maker of the [`Settings`] decides about facts and prices.
 
 pub mod settings;
 pub mod wire;
@@ -12,11 +12,9 @@ mod answers;
 mod base_url;
 mod causes;
 mod exchange;
-mod gate;
 mod hidden;
 mod hints;
 mod key;
-mod message;
 mod omit;
 mod redact;
 mod retry;
@@ -27,21 +25,21 @@ mod transport;
 pub use super::catalogue::Wire;
 pub use answers::Answers;
 pub use base_url::{BaseUrl, BaseUrlError};
-pub use gate::Gate;
 pub use key::{Key, KeyError};
 pub use redact::Redactor;
 pub use retry::{Pause, RealTime, Retry, most_calls};
 pub use served::{NotListed, served_models};
 pub use settings::{Lengths, Pricing, Settings};
+/// Limits concurrent calls to one provider, over all rollouts.
+pub use tokio::sync::Semaphore as Gate;
 
 use answers::{Claim, Lookup};
-use exchange::{Came, Exchange, Sent};
+use exchange::{Came, Exchange, Message};
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{Billing, Call, CallEnd, Calls, FailedCall, Fault, Usage, Usd};
 use fab_model::{Lowering, Model, ModelError, ModelKind, Reply, Request};
-use gate::Load;
-use message::Message;
+use reqwest::Url;
 use reqwest::header::{CONTENT_TYPE, HeaderMap, HeaderName, HeaderValue};
 use retry::{Next, QuestionCalls};
 use served::Served;
@@ -51,7 +49,7 @@ use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
-use transport::{Incoming, Proxy, Transport, TransportError};
+use transport::{Incoming, Transport, TransportError};
 use wire::error::ErrorBody;
 use wire::{Answer, Encoded};
 
@@ -61,7 +59,8 @@ const INTERRUPT_POLL: Duration = Duration::from_millis(50);
 /// A provider's model.
 pub struct Remote {
     name: String,
-    sent: Sent,
+    settings: Settings,
+    url: Url,
     transport: Transport,
     shared: Shared,
     /// The models that the server lists, asked once, after the first failure that the list may explain.
@@ -130,33 +129,28 @@ impl FailedAttempt {
 impl Remote {
     /// Makes the model; its name is `PROVIDER:NAME`. Nothing is sent.
     ///
-    /// This computer is contacted without a proxy. Fails if the system's certificates or sockets are unavailable, or if
+    /// Fails if the system's certificates or sockets are unavailable, or if
     /// the name or the base URL contains a key, because both are shown.
     pub fn new(settings: Settings, shared: Shared) -> Result<Remote, SetupError> {
         let redactor = Redactor::of(settings.key.iter().chain(&shared.hidden));
-        let endpoint = settings.base_url.endpoint(settings.wire, &settings.model);
+        let url = settings.base_url.endpoint(settings.wire, &settings.model);
         let named = format!("{}:{}", settings.provider, settings.model);
         let name = redactor.text(&named);
-        if name != named || redactor.text(endpoint.as_str()) != endpoint.as_str() {
+        if name != named || redactor.text(url.as_str()) != url.as_str() {
             return Err(SetupError {
                 model: name,
                 why: "its name or its base URL contains a key; leave it out".to_owned(),
             });
         }
-        let proxy = Proxy::to(&settings.base_url);
-        let transport = Transport::new(redactor, settings.timeout, proxy);
+        let transport = Transport::new(redactor, &settings);
         let transport = transport.map_err(|why| SetupError {
             model: name.clone(),
             why,
         })?;
-        let sent = Sent {
-            settings,
-            proxy: proxy.variable(&endpoint),
-            url: endpoint,
-        };
         Ok(Remote {
             name,
-            sent,
+            settings,
+            url,
             transport,
             shared,
             served: OnceLock::new(),
@@ -172,8 +166,8 @@ impl Remote {
     }
 
     fn encoded_within(&self, request: &Request, lengths: Lengths) -> Result<Encoded, ModelError> {
-        let wire = self.sent.settings.wire;
-        let encoded = wire.encode_within(request, &self.sent.settings, lengths);
+        let wire = self.settings.wire;
+        let encoded = wire.encode_within(request, &self.settings, lengths);
         encoded.map_err(|unfit| ModelError::Unsupported {
             model: self.name.clone(),
             why: unfit.0,
@@ -182,11 +176,11 @@ impl Remote {
 
     /// Returns the longest answer that is asked for, visible and hidden.
     pub fn lengths(&self, request: &Request) -> Lengths {
-        Lengths::of(request, &self.sent.settings)
+        Lengths::of(request, &self.settings)
     }
 
     fn at_most(&self, request: &Request, lengths: Lengths) -> Option<Usd> {
-        self.sent.settings.pricing.at_most(&Request {
+        self.settings.pricing.at_most(&Request {
             max_tokens: lengths.sent(),
             ..request.clone()
         })
@@ -200,7 +194,7 @@ impl Remote {
         claim: &Claim<'_>,
         calls: &mut dyn Calls,
     ) -> Result<Reply, ModelError> {
-        let headers = headers(&self.sent.settings, &encoded.headers);
+        let headers = headers(&self.settings, &encoded.headers);
         let key = request.key();
         let mut lengths = self.lengths(request);
         let mut at_most = self.at_most(request, lengths);
@@ -209,11 +203,11 @@ impl Remote {
             request.to_mut().schema = None;
             encoded = self.encoded_within(&request, lengths)?;
         }
-        let retry = &self.sent.settings.retry;
+        let retry = &self.settings.retry;
         let interrupt = &self.shared.interrupt;
         let mut tries = QuestionCalls::new(retry);
         loop {
-            let pass = self.shared.gate.enter(interrupt);
+            let pass = self.transport.wait(self.shared.gate.acquire(), interrupt);
             let pass = pass.ok_or(ModelError::Interrupted)?;
             calls.begin(&Call {
                 model: &self.name,
@@ -222,13 +216,10 @@ impl Remote {
                 at_most,
             })?;
             let body = &encoded.body;
-            let came = self
-                .transport
-                .post(&self.sent.url, &headers, body, interrupt);
+            let came = self.transport.post(&self.url, &headers, body, interrupt);
             let ended = match came {
                 Ok(incoming) => match self.read(incoming, &encoded, lengths) {
                     Ok(answer) => {
-                        pass.tell(Load::Answered);
                         claim.keep(&answer.text, answer.usage);
                         let reply = Reply {
                             cost: self.cost(answer.usage),
@@ -255,9 +246,6 @@ impl Remote {
                     return Err(ModelError::Interrupted);
                 }
             };
-            if matches!(ended.fault, Fault::RateLimited | Fault::ServerFailed) {
-                pass.tell(Load::TooMuch);
-            }
             drop(pass);
             let Message { headline, details } = self.message(&ended);
             calls.end(&CallEnd::Failed(&FailedCall {
@@ -269,7 +257,7 @@ impl Remote {
             }))?;
             if ended.omit == Some(Parameter::Schema)
                 && request.schema.is_some()
-                && self.sent.settings.structured_output.is_none()
+                && self.settings.structured_output.is_none()
             {
                 if !self.refuses_schema.swap(true, Ordering::Relaxed) {
                     (self.shared.tell)(&format!(
@@ -314,14 +302,15 @@ impl Remote {
     /// Describes a failed call; the result holds no key.
     fn message(&self, ended: &FailedAttempt) -> Message {
         let mut exchange = Exchange {
-            sent: &self.sent,
+            settings: &self.settings,
+            url: &self.url,
             came: &ended.came,
             fault: ended.fault,
             served: None,
             omit: ended.omit,
         };
         if causes::asks_for_list(&exchange) {
-            let ask = || served::ask(&self.sent.settings, &self.transport, &self.shared.interrupt);
+            let ask = || served::ask(&self.settings, &self.transport, &self.shared.interrupt);
             exchange.served = Some(self.served.get_or_init(ask));
         }
         let message = exchange.message();
@@ -354,7 +343,7 @@ impl Remote {
                 ..FailedAttempt::of(refusal.fault, refusal.billing, came)
             });
         }
-        match self.sent.settings.wire.decode(&incoming.body) {
+        match self.settings.wire.decode(&incoming.body) {
             Ok(answer) => Ok(Answer {
                 text: self.transport.redactor().text(&answer.text),
                 // A text has tokens: a count of zero is no report.
@@ -384,7 +373,7 @@ impl Remote {
     }
 
     fn cost(&self, usage: Option<Usage>) -> Option<Usd> {
-        self.sent.settings.pricing.cost(usage?)
+        self.settings.pricing.cost(usage?)
     }
 
     /// Hashes everything that an answer depends on. The request has what is not sent: its start, repetition, step and
@@ -392,9 +381,9 @@ impl Remote {
     fn cache_key(&self, request: &Request, encoded: &Encoded) -> String {
         let mut parts = vec![
             "answer of a provider".to_owned(),
-            self.sent.settings.provider.clone(),
-            self.sent.url.to_string(),
-            self.sent.settings.model.clone(),
+            self.settings.provider.clone(),
+            self.url.to_string(),
+            self.settings.model.clone(),
             request.key(),
         ];
         parts.extend(
@@ -442,11 +431,11 @@ impl Model for Remote {
     }
 
     fn lowering(&self) -> Lowering {
-        self.sent.settings.lowering
+        self.settings.lowering
     }
 
     fn omits(&self) -> Vec<&'static str> {
-        let omitted = self.sent.settings.omit.iter();
+        let omitted = self.settings.omit.iter();
         omitted.map(|parameter| parameter.name()).collect()
     }
 
@@ -469,7 +458,7 @@ impl fmt::Debug for Remote {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Remote")
             .field("name", &self.name)
-            .field("settings", &self.sent.settings)
+            .field("settings", &self.settings)
             .finish_non_exhaustive()
     }
 }

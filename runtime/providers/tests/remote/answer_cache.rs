@@ -21,21 +21,21 @@ fn keeping(url: &str) -> (Trial, TempDir) {
 #[test]
 fn a_kept_answer_is_the_same_costs_nothing_and_tells_nothing() {
     let provider = Provider::playing(vec![good("first"), good("second")]);
-    let (trial, _folder) = keeping(&provider.url());
+    let (trial, _folder) = keeping(provider.base_url());
     let bought = trial.model().ask(&request(), &mut Unrecorded).unwrap();
     let mut notes = Notes::new();
     let kept = trial.model().ask(&request(), &mut notes).unwrap();
     assert_eq!((kept.text.as_str(), kept.usage), ("first", bought.usage));
     assert_eq!(kept.cost, Some(Usd::ZERO));
     assert!(notes.told.is_empty());
-    assert_eq!(provider.received().len(), 1);
+    assert_eq!(provider.calls(), 1);
 }
 
 #[test]
 fn whatever_an_answer_depends_on_makes_another_question_of_it() {
     let replies = (0..20).map(|at| good(&at.to_string())).collect();
     let provider = Provider::playing(replies);
-    let (trial, _folder) = keeping(&provider.url());
+    let (trial, _folder) = keeping(provider.base_url());
     let mut texts = Vec::new();
     let mut ask = |trial: &Trial, change: &dyn Fn(&mut Request)| {
         let mut changed = request();
@@ -50,7 +50,7 @@ fn whatever_an_answer_depends_on_makes_another_question_of_it() {
     ask(&trial, &|request| request.candidate = 1);
     ask(&trial, &|request| request.temperature = Some(0.5));
     let other = |change: &dyn Fn(&mut Trial)| {
-        let mut other = Trial::of(&provider.url());
+        let mut other = Trial::of(provider.base_url());
         other.shared = trial.shared.clone();
         change(&mut other);
         other
@@ -63,7 +63,8 @@ fn whatever_an_answer_depends_on_makes_another_question_of_it() {
         &other(&|trial| trial.settings.model = "another".to_owned()),
         &|_| {},
     );
-    let base = fab_providers::remote::BaseUrl::parse(&format!("{}/v2", provider.url())).unwrap();
+    let base = provider.base_url().replace("/v1", "/v2");
+    let base = fab_providers::remote::BaseUrl::parse(&base).unwrap();
     ask(
         &other(&|trial| trial.settings.base_url = base.clone()),
         &|_| {},
@@ -81,7 +82,7 @@ fn a_schema_that_is_refused_is_left_out_from_then_on_and_nothing_is_paid_for_twi
     ] {
         let refusal = status(422).json(body);
         let provider = Provider::playing(vec![refusal, good("first"), good("second")]);
-        let (mut trial, _folder) = keeping(&provider.url());
+        let (mut trial, _folder) = keeping(provider.base_url());
         let told = Arc::new(Mutex::new(Vec::new()));
         let heard = told.clone();
         trial.shared.tell = Arc::new(move |words| heard.lock().unwrap().push(words.to_owned()));
@@ -97,7 +98,7 @@ fn a_schema_that_is_refused_is_left_out_from_then_on_and_nothing_is_paid_for_twi
         assert_eq!(replies, ["first", "second"]);
         assert_eq!(first.faults(), [(Fault::BadRequest, Billing::No)]);
         assert_eq!(second.faults(), []);
-        let sent = provider.received().into_iter();
+        let sent = provider.questions().into_iter();
         let sent: Vec<bool> = sent
             .map(|it| String::from_utf8_lossy(&it.body).contains("response_format"))
             .collect();
@@ -112,11 +113,12 @@ fn a_schema_that_is_refused_is_left_out_from_then_on_and_nothing_is_paid_for_twi
         let later = trial.model();
         let kept = [1, 2].map(|step| later.ask(&asked(step), &mut Unrecorded).unwrap().text);
         assert_eq!(kept, replies);
-        assert_eq!(provider.received().len(), 3);
+        assert_eq!(provider.calls(), 3);
         // What is known to take a schema is not asked without one: the refusal names the option.
         trial.settings.structured_output = Some(true);
         let provider = Provider::playing(vec![status(400).json(body)]);
-        trial.settings.base_url = fab_providers::remote::BaseUrl::parse(&provider.url()).unwrap();
+        trial.settings.base_url =
+            fab_providers::remote::BaseUrl::parse(provider.base_url()).unwrap();
         let error = trial.model().ask(&asked(1), &mut Unrecorded).unwrap_err();
         assert!(error.to_string().contains("--omit schema"), "{error}");
     }
@@ -125,7 +127,7 @@ fn a_schema_that_is_refused_is_left_out_from_then_on_and_nothing_is_paid_for_twi
 #[test]
 fn failures_are_not_kept() {
     let provider = Provider::playing(vec![status(400), good("there")]);
-    let (trial, _folder) = keeping(&provider.url());
+    let (trial, _folder) = keeping(provider.base_url());
     trial.model().ask(&request(), &mut Unrecorded).unwrap_err();
     let reply = trial.model().ask(&request(), &mut Unrecorded).unwrap();
     assert_eq!(reply.text, "there");
@@ -134,7 +136,7 @@ fn failures_are_not_kept() {
 #[test]
 fn a_broken_file_costs_a_call_and_no_error() {
     let provider = Provider::playing(vec![good("first"), good("second")]);
-    let (trial, folder) = keeping(&provider.url());
+    let (trial, folder) = keeping(provider.base_url());
     trial.model().ask(&request(), &mut Unrecorded).unwrap();
     for entry in fs::read_dir(folder.path().join("answers")).unwrap() {
         fs::write(entry.unwrap().path(), "{\"format\":1,\"text\":").unwrap();
@@ -147,7 +149,7 @@ fn a_broken_file_costs_a_call_and_no_error() {
 fn threads_with_one_question_make_one_call() {
     let slow = good("one").delay(Duration::from_millis(200));
     let provider = Provider::playing(vec![slow, good("another")]);
-    let (trial, _folder) = keeping(&provider.url());
+    let (trial, _folder) = keeping(provider.base_url());
     let texts: Vec<String> = std::thread::scope(|scope| {
         let asking = (0..4)
             .map(|_| scope.spawn(|| trial.model().ask(&request(), &mut Unrecorded).unwrap().text));
@@ -158,5 +160,5 @@ fn threads_with_one_question_make_one_call() {
             .collect()
     });
     assert_eq!(texts, ["one"; 4]);
-    assert_eq!(provider.received().len(), 1);
+    assert_eq!(provider.calls(), 1);
 }

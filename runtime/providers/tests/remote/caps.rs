@@ -27,7 +27,7 @@ fn reporting(usage: Option<Value>) -> Response {
 /// Lets eight threads ask until no call is permitted; returns what was spent and the number of requests.
 fn until_capped(response: Response) -> (Spent, usize) {
     let provider = Provider::playing(vec![response]);
-    let mut trial = Trial::of(&provider.url());
+    let mut trial = Trial::of(provider.base_url());
     trial.shared.gate = Arc::new(Gate::new(8));
     let model = trial.model();
     let caps = Caps {
@@ -48,7 +48,7 @@ fn until_capped(response: Response) -> (Spent, usize) {
             });
         }
     });
-    (budget.spent(), provider.received().len())
+    (budget.spent(), provider.calls())
 }
 
 #[test]

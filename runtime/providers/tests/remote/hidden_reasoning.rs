@@ -40,13 +40,13 @@ fn asked(reasoning: Option<Reasoning>) -> Request {
 }
 
 fn trial(provider: &Provider) -> Trial {
-    let mut trial = Trial::of(&provider.url());
+    let mut trial = Trial::of(provider.base_url());
     trial.settings.pricing = Arc::new(ByLength);
     trial
 }
 
 fn bodies(provider: &Provider) -> Vec<Value> {
-    let received = provider.received();
+    let received = provider.questions();
     let bodies = received
         .iter()
         .map(|it| serde_json::from_slice(&it.body).unwrap());
@@ -87,7 +87,7 @@ fn an_answer_cut_off_by_hidden_reasoning_is_asked_for_once_more_with_twice_the_r
             .unwrap();
         assert_eq!(reply.text, "there");
         let [one, two] = &bodies(&provider)[..] else {
-            panic!("{:?}", provider.received().len());
+            panic!("{:?}", provider.calls());
         };
         assert_eq!(
             (&one["max_tokens"], &two["max_tokens"]),
@@ -154,7 +154,7 @@ fn an_answer_that_is_too_long_itself_is_not_asked_for_again() {
             why.contains("raise the stage's `tokens`") && why.contains("after 1 call"),
             "{why}"
         );
-        assert_eq!(provider.received().len(), 1);
+        assert_eq!(provider.calls(), 1);
     }
 }
 
@@ -165,11 +165,11 @@ fn without_a_limit_that_could_be_raised_nothing_is_asked_again() {
         max_tokens: None,
         ..asked(None)
     };
-    let trial = Trial::of(&provider.url());
+    let trial = Trial::of(provider.base_url());
     let error = trial.model().ask(&unlimited, &mut Notes::new());
     let why = error.unwrap_err().to_string();
     assert!(why.contains("hidden reasoning took 9000 tokens"), "{why}");
-    assert_eq!(provider.received().len(), 1);
+    assert_eq!(provider.calls(), 1);
 }
 
 #[test]
@@ -181,7 +181,7 @@ fn the_larger_call_needs_room_under_the_cap_too() {
     };
     let error = trial(&provider).model().ask(&asked(None), &mut notes);
     assert!(matches!(error, Err(ModelError::NotSent(_))), "{error:?}");
-    assert_eq!(provider.received().len(), 1);
+    assert_eq!(provider.calls(), 1);
 }
 
 #[test]
@@ -226,7 +226,7 @@ fn a_refused_parameter_is_named_with_the_option_that_leaves_it_out() {
     ] {
         let refusal = json!({ "error": { "type": "invalid_request_error", "param": parameter, "message": "no" } });
         let provider = Provider::playing(vec![status(400).json(refusal)]);
-        let mut trial = Trial::of(&provider.url());
+        let mut trial = Trial::of(provider.base_url());
         trial.settings.wire = wire;
         let request = Request {
             temperature: Some(0.5),

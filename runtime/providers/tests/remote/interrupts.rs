@@ -45,21 +45,21 @@ impl Pause for Raising {
 #[test]
 fn nothing_is_sent_after_an_interrupt_between_two_tries() {
     let provider = Provider::playing(vec![status(429)]);
-    let mut trial = Trial::of(&provider.url());
+    let mut trial = Trial::of(provider.base_url());
     trial.settings.retry.pause = Arc::new(Raising);
     let mut notes = Notes::new();
     let error = trial.model().ask(&request(), &mut notes).unwrap_err();
     assert!(matches!(error, ModelError::Interrupted), "{error}");
-    assert_eq!((provider.received().len(), notes.ends().len()), (1, 1));
+    assert_eq!((provider.calls(), notes.ends().len()), (1, 1));
 }
 
 #[test]
 fn nothing_is_sent_or_told_where_the_interrupt_came_before() {
     let provider = Provider::playing(vec![good("there")]);
-    let trial = Trial::of(&provider.url());
+    let trial = Trial::of(provider.base_url());
     trial.shared.interrupt.raise();
     let mut notes = Notes::new();
     let error = trial.model().ask(&request(), &mut notes).unwrap_err();
     assert!(matches!(error, ModelError::Interrupted), "{error}");
-    assert!(provider.received().is_empty() && notes.told.is_empty());
+    assert!(provider.calls() == 0 && notes.told.is_empty());
 }

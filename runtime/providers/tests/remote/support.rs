@@ -1,7 +1,5 @@
-//! A scripted provider, and test doubles that record reports and waits.
+//! A listener that breaks rules, and test doubles that record reports and waits.
 
-use axum::body::{Body, Bytes};
-use axum::http::{self, HeaderMap, Method, Uri};
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{
     Billing, Call, CallEnd, CallRefused, Calls, CapReached, FailedCall, Fault, Usage, Usd,
@@ -10,7 +8,8 @@ use fab_model::{Message, ModelRole, Request, Speaker};
 use fab_providers::remote::{
     Answers, BaseUrl, Gate, Key, Pause, Pricing, Remote, Retry, Settings, Shared, Wire,
 };
-use std::io::{Read, Write};
+pub use fab_test_provider::{Provider, Question, Response};
+use std::io::Write;
 use std::net::{TcpListener, TcpStream};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
@@ -19,100 +18,6 @@ use std::time::Duration;
 
 /// The key that must never appear again.
 pub const CANARY: &str = "sk-canary/0123456789+abc";
-
-/// A provider that plays replies in order, repeating the last one. It ends when it is dropped.
-pub struct Provider {
-    url: String,
-    received: Arc<Mutex<Vec<Received>>>,
-    _runtime: tokio::runtime::Runtime,
-}
-
-/// A request as it arrived.
-#[derive(Clone)]
-pub struct Received {
-    pub path: String,
-    pub headers: HeaderMap,
-    pub body: Bytes,
-}
-
-/// A response to play.
-#[derive(Clone, Debug)]
-pub struct Response {
-    status: u16,
-    headers: Vec<(&'static str, String)>,
-    body: String,
-    delay: Duration,
-}
-
-impl Response {
-    pub fn json(mut self, body: impl ToString) -> Response {
-        self.body = body.to_string();
-        self.header("content-type", "application/json")
-    }
-
-    pub fn header(mut self, name: &'static str, value: impl Into<String>) -> Response {
-        self.headers.push((name, value.into()));
-        self
-    }
-
-    pub fn delay(self, delay: Duration) -> Response {
-        Response { delay, ..self }
-    }
-}
-
-impl Provider {
-    pub fn playing(responses: Vec<Response>) -> Provider {
-        let runtime = tokio::runtime::Builder::new_multi_thread()
-            .worker_threads(1)
-            .enable_all()
-            .build()
-            .unwrap();
-        let received: Arc<Mutex<Vec<Received>>> = Arc::default();
-        let record = received.clone();
-        let answer = move |method: Method, uri: Uri, headers: HeaderMap, body: Bytes| async move {
-            // Failures are explained with the list of models, which no answer depends on.
-            if method == Method::GET {
-                return http::Response::new(Body::from(r#"{"data":[{"id":"a-model"}]}"#));
-            }
-            let number = {
-                let mut record = record.lock().unwrap();
-                record.push(Received {
-                    path: uri.path().to_owned(),
-                    headers,
-                    body,
-                });
-                record.len() - 1
-            };
-            let response = responses[number.min(responses.len() - 1)].clone();
-            tokio::time::sleep(response.delay).await;
-            let mut built = http::Response::builder().status(response.status);
-            for (name, value) in response.headers {
-                built = built.header(name, value);
-            }
-            built.body(Body::from(response.body)).unwrap()
-        };
-        let listener = runtime
-            .block_on(tokio::net::TcpListener::bind("127.0.0.1:0"))
-            .unwrap();
-        let url = format!("http://{}", listener.local_addr().unwrap());
-        let app = axum::Router::new().fallback(answer);
-        runtime.spawn(async { axum::serve(listener, app).await });
-        Provider {
-            url,
-            received,
-            _runtime: runtime,
-        }
-    }
-
-    pub fn url(&self) -> String {
-        self.url.clone()
-    }
-
-    /// Returns every question received, oldest first.
-    pub fn received(&self) -> Vec<Received> {
-        self.received.lock().unwrap().clone()
-    }
-}
 
 /// A listener that runs `act` on each connection after reading its request.
 pub struct Rude {
@@ -129,7 +34,7 @@ impl Rude {
         thread::spawn(move || {
             for stream in listener.incoming() {
                 let Ok(mut stream) = stream else { return };
-                if read_request(&mut stream) {
+                if Question::read(&mut stream).is_some() {
                     counted.fetch_add(1, Ordering::SeqCst);
                     act(&mut stream);
                 }
@@ -144,26 +49,6 @@ impl Rude {
 
     pub fn count(&self) -> usize {
         self.count.load(Ordering::SeqCst)
-    }
-}
-
-/// Reads head and body; false if the connection ends earlier.
-fn read_request(stream: &mut TcpStream) -> bool {
-    let mut bytes = Vec::new();
-    let mut chunk = [0; 4096];
-    loop {
-        let text = String::from_utf8_lossy(&bytes).to_lowercase();
-        if let Some(head) = text.find("\r\n\r\n") {
-            let length = text[..head].split("content-length: ").nth(1);
-            let length = length.and_then(|rest| rest.lines().next()?.trim().parse().ok());
-            if bytes.len() >= head + 4 + length.unwrap_or(0) {
-                return true;
-            }
-        }
-        match stream.read(&mut chunk) {
-            Ok(0) | Err(_) => return false,
-            Ok(count) => bytes.extend_from_slice(&chunk[..count]),
-        }
     }
 }
 
@@ -186,12 +71,7 @@ pub fn good_body(text: &str) -> serde_json::Value {
 }
 
 pub fn status(status: u16) -> Response {
-    Response {
-        status,
-        headers: Vec::new(),
-        body: String::new(),
-        delay: Duration::ZERO,
-    }
+    Response::status(status)
 }
 
 /// Skips waits and records them.
@@ -318,7 +198,7 @@ pub struct Trial {
 impl Trial {
     pub fn of(url: &str) -> Trial {
         let waits = Arc::new(Noted::default());
-        let base = BaseUrl::parse(url).unwrap();
+        let base = BaseUrl::parse(url.trim_end_matches("/v1")).unwrap();
         let settings = Settings {
             key: Some(Key::new("A_KEY", CANARY).unwrap()),
             timeout: Duration::from_secs(20),

@@ -218,22 +218,6 @@ impl Subject for Varied {
     }
 }
 
-/// Finds an embedded model or a recording; a provider's model is rejected before its key is looked up.
-///
-/// The recording matches requests by words and pictures, since requests over the network do not include a step number.
-pub fn without_provider(name: &str) -> Result<Arc<dyn Model>, Failure> {
-    if let Some(file) = name.strip_prefix(REPLAY) {
-        let replay = Replay::load(Path::new(file), ModelRole::Vision);
-        return Ok(Arc::new(replay?));
-    }
-    let model = embedded(name, ModelRole::Vision)?;
-    model.map(Arc::from).ok_or_else(|| {
-        Failure::usage(format!(
-            "`{name}` is neither an embedded model nor a recording, and a provider's model is not served: any program here could spend your key; there is `geometric`, `random[:SEED]`, `imperfect:RATE[:SEED[:ERRORS]]` and `replay:FILE`"
-        ))
-    })
-}
-
 /// The model for which messages are shown.
 pub struct TargetModel {
     /// The form in which it gets points and pictures.

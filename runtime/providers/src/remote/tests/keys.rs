@@ -23,6 +23,10 @@ fn restrict(path: &Path, mode: u32) {
 #[cfg(not(unix))]
 fn restrict(_: &Path, _: u32) {}
 
+fn in_file(path: &Path, name: &str) -> Result<Option<Key>, KeyError> {
+    Key::find(&[name], &|_| None, Some(path))
+}
+
 #[test]
 fn the_environment_comes_before_the_file_and_the_first_name_before_the_second() {
     let (_folder, path) = file("FIRST = \"first-of-file\"\nSECOND = \"second-of-file\"\n");
@@ -51,14 +55,12 @@ fn the_environment_comes_before_the_file_and_the_first_name_before_the_second() 
 
 #[test]
 fn values_that_no_header_can_carry_are_refused_and_not_repeated() {
-    let long = format!("{CANARY}{}", "x".repeat(MAX_KEY_BYTES));
     for value in [
         "",
         "  \n",
         "sk-canary-0123456789 and more",
         "sk-canary-0123456789\nHost: elsewhere",
         "sk-canary-ü0123456789",
-        &long,
     ] {
         let error = Key::new("OPENAI_API_KEY", value).expect_err("refused");
         let said = format!("{error} {error:?}");
@@ -81,7 +83,7 @@ fn a_file_that_others_can_read_is_refused_with_the_command_that_mends_it() {
     ] {
         restrict(&path, mode);
         assert_eq!(Key::names_in(&path).is_err(), is_refused, "mode {mode:o}");
-        let found = Key::from_file(&path, "OPENAI_API_KEY");
+        let found = in_file(&path, "OPENAI_API_KEY");
         match found {
             Ok(key) => {
                 assert!(!is_refused, "mode {mode:o}");
@@ -118,27 +120,27 @@ fn broken_files_are_refused_without_quoting_them() {
         ("Z = \"a\"\n[sk-canary-0123456789]\nB = 1\n[A]\n", "line 2"),
     ] {
         let (_folder, path) = file(content);
-        let error = Key::from_file(&path, "OPENAI_API_KEY").expect_err("refused");
+        let error = in_file(&path, "OPENAI_API_KEY").expect_err("refused");
         let said = format!("{error} {error:?}");
         assert!(error.to_string().contains(expected), "{said}");
         assert!(!said.contains("canary"), "{said}");
         assert_eq!(Key::names_in(&path), Err(error), "one message per fault");
     }
     let (_folder, path) = file("OPENAI_API_KEY = \"\"\n");
-    let error = Key::from_file(&path, "OPENAI_API_KEY").expect_err("refused");
+    let error = in_file(&path, "OPENAI_API_KEY").expect_err("refused");
     assert!(error.to_string().contains("empty"), "{error}");
     let (folder, path) = file(&"# no key\n".repeat(10_000));
     assert!(matches!(
-        Key::from_file(&path, "A"),
+        in_file(&path, "A"),
         Err(KeyError::Unreadable { .. })
     ));
     let absent = folder.path().join("absent.toml");
     assert!(matches!(
-        Key::from_file(&absent, "A"),
+        in_file(&absent, "A"),
         Err(KeyError::Unreadable { .. })
     ));
     assert!(matches!(
-        Key::from_file(folder.path(), "A"),
+        in_file(folder.path(), "A"),
         Err(KeyError::Unreadable { .. })
     ));
 }

@@ -23,16 +23,12 @@ const MAX_SEARCHED: usize = 16 * 1024;
 pub(in crate::remote) struct ErrorBody {
     /// Its message on one line; empty if it has none, or is not JSON.
     pub(in crate::remote) message: String,
-    /// Its whole message, or a body that is not JSON; lower case.
-    said: String,
     /// The beginning of the body, lower case.
     text: String,
     /// All its identifiers: types, codes, reasons, quotas; lower case.
     names: Vec<String>,
     /// A numeric code, meant as an HTTP status.
     code: Option<u16>,
-    /// The parameter that it objects to.
-    pub(in crate::remote) parameter: Option<String>,
     /// The longest wait that it asks for.
     pub(in crate::remote) wait: Option<Duration>,
 }
@@ -42,38 +38,25 @@ impl ErrorBody {
     pub(in crate::remote) fn of_bytes(bytes: &[u8]) -> ErrorBody {
         let searched = &bytes[..bytes.len().min(MAX_SEARCHED)];
         let text = String::from_utf8_lossy(searched).to_lowercase();
-        let Ok(value) = serde_json::from_slice::<Value>(bytes) else {
-            return ErrorBody {
-                said: text.clone(),
-                text,
-                ..ErrorBody::default()
-            };
-        };
+        let value: Value = serde_json::from_slice(bytes).unwrap_or_default();
         let first = value.get(0).unwrap_or(&value);
-        let of_a_choice = || first["choices"].get(0)?.get("error");
-        let error = ["error", "detail"].iter().find_map(|name| first.get(name));
-        let error = error.or_else(of_a_choice);
+        // FastAPI calls it `detail`, and lists what it finds wrong with a request.
+        let error = first.get("error").or(first.get("detail"));
+        let error = error.unwrap_or(first);
         ErrorBody {
             text,
-            ..ErrorBody::of(error.unwrap_or(first))
+            ..ErrorBody::of(error.get(0).unwrap_or(error))
         }
     }
 
     /// Reads the value of `error`.
-    pub(in crate::remote) fn of(error: &Value) -> ErrorBody {
-        // FastAPI lists what it finds wrong with a request.
-        let message = |value: &Value| {
-            let text = value["message"].as_str().or(value["msg"].as_str());
-            text.or(value.as_str()).map(str::to_owned)
-        };
-        let message = message(error)
-            .or_else(|| message(error.get(0)?))
-            .unwrap_or_default();
+    fn of(error: &Value) -> ErrorBody {
+        let message = error["message"].as_str().or(error["msg"].as_str());
+        let message = message.or(error.as_str()).unwrap_or_default();
         let mut body = ErrorBody {
-            said: joined(&message).to_lowercase(),
-            message: repeated(&message),
+            message: repeated(message),
+            text: message.to_lowercase(),
             code: code(&error["code"]),
-            parameter: error["param"].as_str().map(|name| shown(name, MAX_NAME)),
             ..ErrorBody::default()
         };
         body.take_names(error);
@@ -93,9 +76,8 @@ impl ErrorBody {
 
     fn take_names(&mut self, value: &Value) {
         for field in ["type", "code", "status", "reason", "quotaId"] {
-            if let Some(name) = value[field].as_str() {
-                self.names.push(name.to_lowercase());
-            }
+            let name = value[field].as_str();
+            self.names.extend(name.map(str::to_lowercase));
         }
     }
 
@@ -115,36 +97,36 @@ impl ErrorBody {
 
     /// Returns the fault, if it is more specific than the HTTP status.
     pub(in crate::remote) fn fault(&self) -> Option<Fault> {
-        let named = |part: &str| self.names.iter().any(|name| name.contains(part));
-        let says = |part: &str| self.said.contains(part);
-        let is_limit = named("rate_limit") || named("resource_exhausted");
-        let is_spent = named("insufficient_quota")
-            || named("billing")
-            || named("perday")
-            || says("credit balance")
-            || says("insufficient credit");
-        if is_spent {
-            Some(Fault::QuotaExhausted)
-        } else if named("perminute") || (is_limit && self.wait.is_some()) {
-            Some(Fault::RateLimited)
-        } else if named("resource_exhausted") && (says("quota") || says("billing")) {
-            Some(Fault::QuotaExhausted)
-        } else if is_limit {
-            Some(Fault::RateLimited)
-        } else if named("content_filter") || named("policy") || named("moderation") {
-            Some(Fault::ContentFiltered)
-        } else if named("api_key_invalid")
-            || named("invalid_api_key")
-            || named("authentication_error")
-            // LiteLLM's proxy looks a key that is not its master key up in its database.
-            || named("no_db_connection")
+        let named = |parts: &[&str]| {
+            let mut names = self.names.iter();
+            names.any(|name| parts.iter().any(|part| name.contains(part)))
+        };
+        let message = self.message.to_lowercase();
+        let is_limit = named(&["rate_limit", "resource_exhausted"]);
+        let is_short = named(&["perminute"]) || self.wait.is_some();
+        if named(&["insufficient_quota", "billing", "perday"])
+            || self.says(&["credit balance", "insufficient credit"])
+            // Gemini has one name for both; what lasts has no time after which to ask again.
+            || named(&["resource_exhausted"]) && !is_short && message.contains("quota")
         {
+            Some(Fault::QuotaExhausted)
+        } else if is_limit || named(&["perminute"]) {
+            Some(Fault::RateLimited)
+        } else if named(&["content_filter", "policy", "moderation"]) {
+            Some(Fault::ContentFiltered)
+        } else if named(&[
+            "api_key_invalid",
+            "invalid_api_key",
+            "authentication_error",
+            // LiteLLM's proxy looks a key that is not its master key up in its database.
+            "no_db_connection",
+        ]) {
             Some(Fault::NotAuthorised)
-        } else if named("overloaded") || named("server_error") || named("api_error") {
+        } else if named(&["overloaded", "server_error", "api_error"]) {
             Some(Fault::ServerFailed)
-        } else if named("timeout_error") || named("deadline_exceeded") {
+        } else if named(&["timeout_error", "deadline_exceeded"]) {
             Some(Fault::TimedOut)
-        } else if named("invalid_") || named("not_found") {
+        } else if named(&["invalid_", "not_found"]) {
             Some(Fault::BadRequest)
         } else {
             None
@@ -152,11 +134,10 @@ impl ErrorBody {
     }
 
     /// Makes the failure of a reply with status 200 that contains an error.
-    pub(super) fn failure(&self, usage: Option<Usage>) -> Failure {
+    fn failure(&self, usage: Option<Usage>) -> Failure {
         let by_code = || match self.code? {
             401 | 403 => Some(Fault::NotAuthorised),
             402 => Some(Fault::QuotaExhausted),
-            408 | 504 => Some(Fault::TimedOut),
             429 => Some(Fault::RateLimited),
             400..=499 => Some(Fault::BadRequest),
             _ => None,
@@ -170,14 +151,9 @@ impl ErrorBody {
 ///
 /// Some servers send an empty one beside an answer.
 pub(super) fn refuse_error(error: Option<&Value>, usage: Option<Usage>) -> Result<(), Failure> {
-    let is_stated = |error: &&Value| match error {
-        Value::Null | Value::Bool(false) => false,
-        Value::String(text) => !text.is_empty(),
-        Value::Array(items) => !items.is_empty(),
-        Value::Object(fields) => !fields.is_empty(),
-        Value::Bool(true) | Value::Number(_) => true,
-    };
-    match error.filter(is_stated) {
+    let is_empty =
+        |error: &Value| ["null", "false", "\"\"", "[]", "{}"].contains(&error.to_string().as_str());
+    match error.filter(|error| !is_empty(error)) {
         Some(error) => Err(ErrorBody::of(error).failure(usage)),
         None => Ok(()),
     }
@@ -185,11 +161,8 @@ pub(super) fn refuse_error(error: Option<&Value>, usage: Option<Usage>) -> Resul
 
 /// Returns a provider's words as they are repeated: on one line, and not at any length.
 pub(super) fn repeated(words: &str) -> String {
-    shown(&joined(words), MAX_MESSAGE)
-}
-
-fn joined(words: &str) -> String {
-    words.split_whitespace().collect::<Vec<_>>().join(" ")
+    let joined = words.split_whitespace().collect::<Vec<_>>().join(" ");
+    shown(&joined, MAX_MESSAGE)
 }
 
 fn code(value: &Value) -> Option<u16> {
