@@ -7,9 +7,8 @@ use crate::start::{Grid, RESTING_HEIGHT_M, Start};
 use crate::{Grip, World, WorldError, WorldPoint};
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
+use fab_base::parallel::in_parallel;
 use fab_program::{ClothPoint, Fold, Manner, Sequence};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 /// Makes a fresh world, equal to every other one that it makes.
@@ -73,10 +72,21 @@ pub fn ends(
     let mut not_kept = None;
     if !missing.is_empty() {
         announce(missing.len());
-        for (index, result) in simulate(
-            sequences, &keys, &missing, start, make_world, cache, interrupt,
-        ) {
-            let (positions, lost) = result?;
+        let threads = thread::available_parallelism().map_or(1, usize::from);
+        let simulated = in_parallel::<_, WorldError>(
+            missing.len(),
+            threads,
+            |index| {
+                let number = missing[index];
+                let (folds, manner) = (&sequences.folds[number], sequences.manner);
+                let positions = end_of(folds, manner, start, make_world, interrupt)?;
+                // Kept at once, so that a stop loses at most what is under way.
+                let lost = cache.put_positions(&keys[number], &positions).err();
+                Ok(Some((positions, lost)))
+            },
+            |_| {},
+        )?;
+        for (&index, (positions, lost)) in missing.iter().zip(simulated.into_iter().flatten()) {
             not_kept = lost.or(not_kept);
             known[index] = Some(positions);
         }
@@ -96,57 +106,6 @@ pub fn ends(
         simulated: missing.len(),
         not_kept,
     })
-}
-
-/// Positions, and why they could not be kept where that is so.
-type Simulated = Result<(Vec<[f32; 3]>, Option<String>), WorldError>;
-
-/// Runs and keeps the missing sequences, one world per thread; results in the order of `missing`.
-fn simulate(
-    sequences: Sequences<'_>,
-    keys: &[String],
-    missing: &[usize],
-    start: &Start,
-    make_world: &MakeWorld<'_>,
-    cache: &Cache,
-    interrupt: &Interrupt,
-) -> Vec<(usize, Simulated)> {
-    let next = AtomicUsize::new(0);
-    let results = Mutex::new(Vec::with_capacity(missing.len()));
-    let threads = thread::available_parallelism()
-        .map_or(1, usize::from)
-        .min(missing.len());
-    thread::scope(|scope| {
-        for _ in 0..threads {
-            scope.spawn(|| {
-                while let Some(&index) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let result = end_of(
-                        &sequences.folds[index],
-                        sequences.manner,
-                        start,
-                        make_world,
-                        interrupt,
-                    );
-                    // Kept at once, so that a stop loses at most what is under way.
-                    let kept = result.as_ref().map_or(Ok(()), |positions| {
-                        cache.put_positions(&keys[index], positions)
-                    });
-                    let result = result.map(|positions| (positions, kept.err()));
-                    let stop = result.is_err();
-                    results
-                        .lock()
-                        .expect("no thread panics while it holds the results")
-                        .push((index, result));
-                    if stop {
-                        break;
-                    }
-                }
-            });
-        }
-    });
-    let mut results = results.into_inner().expect("every thread has ended");
-    results.sort_by_key(|(index, _)| *index);
-    results
 }
 
 fn end_of(

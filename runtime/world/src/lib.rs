@@ -40,6 +40,9 @@ pub use wrapper::Wrapper;
 /// A point in the world frame: right-handed, z up, origin at the table's centre, metres.
 pub type WorldPoint = Point3<f64>;
 
+/// A copy of a world, which any thread may use.
+pub type Fork = Box<dyn World + Send + Sync>;
+
 /// A cloth on a table under a camera, and something that picks and places.
 ///
 /// Every implementation keeps the promises of [`conformance`].
@@ -81,6 +84,13 @@ pub trait World {
 
     /// Lays the cloth as `start` says and sets the clock to zero.
     fn reset(&mut self, start: &Start) -> Result<(), WorldError>;
+
+    /// Returns a copy that goes on by itself from the present state, or `None` if the world cannot be copied.
+    ///
+    /// Equal actions give equal results in both. Without copies, a search repeats the actions from the start.
+    fn fork(&self) -> Option<Fork> {
+        None
+    }
 
     /// Takes a picture. Two pictures without an action between them are equal.
     fn observe(&mut self) -> Result<Observation, WorldError>;
@@ -350,6 +360,9 @@ pub enum WorldError {
         /// What went wrong, with the program's name or command line.
         why: String,
     },
+    /// A thread cannot be started.
+    #[error(transparent)]
+    Threads(#[from] std::io::Error),
     /// A stop was requested.
     #[error("interrupted")]
     Interrupted,

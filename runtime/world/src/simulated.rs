@@ -1,10 +1,9 @@
 //! The bundled cloth simulator as a [`World`]; in this package, this module alone names the simulator's crate.
 
 pub mod film;
-pub mod trials;
 
 use self::film::Recorder;
-use super::{Executed, ExecutedGrip, Grasp, Grip, Motion, World, WorldError};
+use super::{Executed, ExecutedGrip, Fork, Grasp, Grip, Motion, World, WorldError};
 use crate::crumple;
 use crate::start::Start;
 use crate::vary::{AxisValues, Setup};
@@ -155,6 +154,10 @@ impl World for SimulatedWorld {
         }
         self.cloth = Some(cloth);
         Ok(())
+    }
+
+    fn fork(&self) -> Option<Fork> {
+        Some(Box::new(self.clone()))
     }
 
     fn observe(&mut self) -> Result<Observation, WorldError> {
@@ -380,6 +383,30 @@ pub(crate) mod tests {
         let seen = made.observe().unwrap();
         let middle = seen.rgb.width() / 2;
         assert_eq!(seen.rgb.get_pixel(middle, middle).0, [20, 40, 200]);
+    }
+
+    #[test]
+    fn a_copy_goes_on_by_itself_and_ends_as_the_world_does() {
+        let start = Start::flat(&Cloth {
+            dimx: 10,
+            dimy: 10,
+            spacing_m: 0.00625,
+            start: ClothStart::Flat,
+            material: None,
+        });
+        let mut world = SimulatedWorld::new(&conformance::camera(), Picker::Drop).unwrap();
+        world.reset(&start).unwrap();
+        let [from, middle, to] =
+            [[-0.028, -0.028], [0.0, 0.01], [0.03, 0.03]].map(|[x, y]| [x, y, 0.005].into());
+        let stop = Interrupt::default();
+        world.act(&Motion::new(from, middle), &stop).unwrap();
+        let before = world.particles();
+        let mut copy = world.fork().unwrap();
+        let tried = copy.act(&Motion::new(middle, to), &stop).unwrap();
+        assert_eq!(world.particles(), before);
+        let done = world.act(&Motion::new(middle, to), &stop).unwrap();
+        assert_eq!((tried, copy.particles()), (done, world.particles()));
+        assert_ne!(world.particles(), before);
     }
 
     #[test]

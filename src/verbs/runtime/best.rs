@@ -1,4 +1,4 @@
-//! `fabc best`: the best that any answers to a task could do in the simulator, beside what policies do.
+//! `fabc best`: the best that any answers to a task could do, beside what policies do.
 //!
 //! `fab_agent::best` searches. This module lays starts, runs the policies of the other rows, and reports.
 
@@ -9,17 +9,18 @@ use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::sources::{self, TaskArguments};
 use crate::verbs::runtime::run::say_pictures;
+use crate::verbs::runtime::setting::worlds::{self, WorldChoice};
 use crate::verbs::runtime::setting::{self, StartArguments};
 use crate::verbs::runtime::sim::parallel::{ThreadArguments, threads};
 use clap::{Args, ValueHint};
-use fab_agent::best::journal::{Identity, TrialJournal};
-use fab_agent::best::{self, BestError, Limits, Measure, Search, unless_stopped};
+use fab_agent::best::{self, Aim, BestError, Limits, Measure, Search, unless_stopped};
 use fab_agent::examples::Examples;
-use fab_world::{SimulatedWorld, World};
 use report::BestReport;
+use rows::{End, Playing, Row};
 use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
-/// The most trials of a start. The states of a search of that size fit in memory.
+/// The most trials. The states of a search of that size fit in memory.
 const MOST_TRIALS: i64 = 1_000_000;
 
 /// Arguments of `best`.
@@ -29,22 +30,24 @@ pub struct BestArguments {
     pub task: TaskArguments,
     #[command(flatten)]
     pub start: StartArguments,
+    /// Where actions are tried: `sim`, or `exec:"CMD ARG..."`, a program of yours that repeats and knows its particles.
+    #[arg(long, value_name = "WORLD", default_value = "sim")]
+    pub world: WorldChoice,
     /// The most steps; default: as many as the task allows.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100))]
     pub horizon: Option<u32>,
-    /// The most actions that are tried for a start.
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=MOST_TRIALS))]
+    /// The most actions that are tried.
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=MOST_TRIALS))]
     pub trials: u32,
-    /// The most states that are kept after each action.
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=4096))]
-    pub beam: u32,
+    /// The longest time of the search, which begins after the rollouts beside it.
+    #[arg(long, value_name = "N", default_value_t = 90)]
+    pub seconds: u32,
     /// Draws the order of actions that no expert ranks, pixels of masks, and the actions of the random policy.
     #[arg(long, value_name = "SEED", default_value_t = 0)]
     pub seed: u64,
     #[command(flatten)]
     pub threads: ThreadArguments,
-    /// Where trials and rollouts are kept; what is finished there is not done again. Default: the next free
-    /// runs/best-TASK-NNNN.
+    /// Where the rollouts beside the best are written; default: the next free runs/best-TASK-NNNN.
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: Option<PathBuf>,
     /// Print one JSON document.
@@ -59,62 +62,82 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
     let beside = sources::folder_of(&arguments.task.file);
     let examples = Examples::load(&declared, &beside)?;
     let interrupt = io.interrupt()?;
-    let world = setting::world(&declared)?;
+    let world_of = |program: &_| match &arguments.world {
+        WorldChoice::Program(command) => worlds::external(command, program, None, &interrupt),
+        _ => setting::world(program),
+    };
+    if arguments.world == WorldChoice::Arm {
+        return Err(Failure::usage(
+            "an arm cannot take an action back: search in `--world sim`, or in a program that repeats",
+        ));
+    }
+    let first = world_of(&declared)?;
     let start = &arguments.start;
-    let start = setting::start(&declared, &beside, start, world.as_ref(), &interrupt, io)?;
+    let start = setting::start(&declared, &beside, start, first.as_ref(), &interrupt, io)?;
+    drop(first);
     let program = setting::fitted(&arguments.task, &declared, &start, io)?;
+    let make_world = || world_of(&program);
+    let make_expert_world = || setting::world(&program);
+    let mut world = make_world()?;
+    world.reset(&start)?;
+    best::check_world(world.as_ref()).map_err(failure)?;
+    drop(world);
+    let mut shown = make_expert_world()?;
+    shown.reset(&start)?;
+    let subgoals = setting::subgoals(&declared, &beside, shown.as_mut(), &interrupt)?;
+    say_pictures(&subgoals, &examples, &arguments.task.file, io);
     let out = setting::out_folder(
         arguments.out.as_deref(),
         &format!("best-{}", declared.title().replace('/', "-")),
     )?;
-    let make_world = || SimulatedWorld::of(&program);
-    let mut world = make_world()?;
-    world.reset(&start)?;
-    let subgoals = setting::subgoals(&declared, &beside, &mut world, &interrupt)?;
-    say_pictures(&subgoals, &examples, &arguments.task.file, io);
-    let identity = Identity {
-        program: program.hash(),
-        start: start.digest(),
-        params: world.parameters(),
-        code: world.code(),
-        subgoals: subgoals.digest(),
-    };
-    let journal = TrialJournal::open(&out, &identity)?;
     let search = Search {
         program: &program,
         start: &start,
         subgoals: &subgoals,
         make_world: &make_world,
+        make_expert_world: &make_expert_world,
         cache: &setting::cache_or_beside(&out, io),
-        horizon: arguments.horizon,
+        horizon: arguments.horizon.unwrap_or(program.horizon),
         limits: Limits {
             trials: arguments.trials,
-            beam: arguments.beam,
+            until: None,
             seed: arguments.seed,
             threads: threads(&arguments.threads),
         },
-        hints: &[],
-        journal: Some(&journal),
+        hint: &[],
         interrupt: &interrupt,
         progress: &|trials| io.progress(&format!("{trials} of {} trials", arguments.trials)),
     };
-    let playing = rows::Playing {
+    let stopped = || Failure::interrupted();
+    let aim = unless_stopped(Aim::of(&search)).map_err(failure)?;
+    let playing = Playing {
         search: &search,
         examples: &examples,
         folder: &out,
         io,
     };
-    let (policies, hints) = playing.policies()?;
+    let (policies, hint) = playing.policies(&aim.ok_or_else(stopped)?)?;
+    let limits = Limits {
+        until: Instant::now().checked_add(Duration::from_secs(arguments.seconds.into())),
+        ..search.limits
+    };
     let hinted = Search {
-        hints: &hints,
+        limits,
+        hint: &hint,
         ..search
     };
     let found = unless_stopped(best::search(&hinted));
     io.progress("");
-    let found = found?.ok_or_else(Failure::interrupted)?;
-    let mut rows = vec![rows::Row::best(&found, program.goal.as_ref())];
+    let found = found.map_err(failure)?.ok_or_else(stopped)?;
+    let end = found.value().map(|value| End {
+        value,
+        unscored: None,
+        actions: Vec::new(),
+    });
+    let goal = program.goal.as_ref();
+    let mut rows = vec![Row::of("best", true, end.as_slice(), goal)];
     rows.extend(policies);
-    let report = BestReport::new(&program, &start, found, rows, &out);
+    let report = BestReport::new(&program, &start, &found, &rows, &out);
     io.result(arguments.json, &report);
     Ok(if interrupt.is_raised() {
         Exit::Interrupted

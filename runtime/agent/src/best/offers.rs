@@ -1,40 +1,39 @@
 //! The actions that a state offers and the task's checks accept, the most promising first.
 //!
-//! In: the scene of a state. Out: [`Offers`]. Each action is written as an answer in the asked format and read again, and
-//! judged as a rollout judges it. Actions that move the cloth alike are offered once.
+//! In: the scene of a state. Out: [`Offers`]. Each action is judged as a rollout judges it. Actions that move the cloth
+//! alike are offered once.
 
-use super::aim::Aim;
-use super::{BestError, Choice, key_of};
+use super::aim::{ExpertGrip, off_m};
+use super::{BestError, Choice};
 use crate::action::Action;
 use crate::scene::Scene;
 use fab_base::chance::Chance;
 use fab_base::interrupt::Interrupt;
 use fab_picture::observation::Observation;
 use fab_program::facts::{ExecutedAction, Facts};
-use fab_program::pointing::{Notation, Pointing};
+use fab_program::pointing::Pointing;
 use fab_program::scene::SceneView;
 use fab_program::verify::{self, Strictness, Verdict};
-use fab_program::{ActionField, Choices, Exhausted, Program, Proposal, Value, reply, space};
-use fab_world::{WorldError, WorldPoint};
+use fab_program::{ActionField, Choices, Program, Proposal, Value, space};
+use fab_world::{World, WorldError};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The most combinations of a step's choices that are listed; of more, as many are drawn.
-const MOST: u64 = 20_000;
+const MOST_COMBINATIONS: u64 = 20_000;
 
 /// How many pixels of a mask are drawn.
-const PIXELS: usize = 64;
+const MOST_PIXELS: usize = 64;
 
 /// A state before an action.
 pub(super) struct Situation<'a> {
     pub program: &'a Program,
+    pub world: &'a dyn World,
     pub scene: &'a Scene,
     pub observation: &'a Observation,
     pub step: u32,
     pub last: Option<&'a ExecutedAction>,
-    /// Where the experts would pick and place, each with how far the state is from theirs, metres.
-    pub wanted: Vec<(f64, [WorldPoint; 2])>,
-    /// Makes what is drawn in this state independent of other states.
-    pub draw: String,
+    /// What the experts would do; they rank the actions.
+    pub experts: Vec<ExpertGrip>,
     /// A request to stop early.
     pub interrupt: &'a Interrupt,
 }
@@ -46,149 +45,105 @@ pub(super) struct Offers {
     pub choices: Vec<Choice>,
     /// What was only drawn from.
     pub sampled: Vec<String>,
-    pub refused: u64,
-    pub unreadable: u64,
 }
 
-/// Lists what can be done in a state. An interrupt is a failure.
-pub(super) fn offers(at: &Situation<'_>) -> Result<Offers, BestError> {
-    let mut chance = Chance::of(&at.draw);
-    let mut offers = Offers::default();
-    let proposals = proposals(at, &mut chance, &mut offers);
-    let mut seen = BTreeSet::new();
-    let mut ranked = Vec::new();
-    for proposal in proposals {
-        if at.interrupt.is_raised() {
-            return Err(WorldError::Interrupted.into());
+impl Offers {
+    /// Lists what can be done in a state.
+    ///
+    /// Fails if a check cannot be evaluated, and on an interrupt.
+    pub fn of(at: &Situation<'_>, mut chance: Chance) -> Result<Offers, BestError> {
+        let mut sampled = Vec::new();
+        let mut seen = BTreeSet::new();
+        let mut ranked = Vec::new();
+        for proposal in proposals(at, &mut chance, &mut sampled) {
+            if at.interrupt.is_raised() {
+                return Err(WorldError::Interrupted.into());
+            }
+            let Some(without) = at.accepts(&proposal)? else {
+                continue;
+            };
+            let Some(action) = at.executable(&proposal) else {
+                continue;
+            };
+            if seen.insert(format!("{:?}", action.grip)) {
+                let choice = Choice {
+                    proposal,
+                    without,
+                    action,
+                };
+                ranked.push((off_m(&at.experts, &choice.action.grip), choice));
+            }
         }
-        let Some(without) = accepted(at, &proposal, &mut offers)? else {
-            continue;
-        };
-        let Some(action) = Action::lower(at.program, &proposal, at.scene, at.observation) else {
-            offers.refused += 1;
-            continue;
-        };
-        if !seen.insert(key_of(&action.grip)) {
-            continue;
+        if at.experts.is_empty() {
+            // Nothing ranks them: any order, but a seeded one, so that the first few are a fair sample.
+            for index in (1..ranked.len()).rev() {
+                ranked.swap(index, chance.below(index + 1));
+            }
+        } else {
+            ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
         }
-        let off = Aim::off(&at.wanted, &action.grip);
-        ranked.push((
-            off,
-            Choice::Act {
-                proposal,
-                action,
-                without,
-            },
-        ));
-    }
-    if at.wanted.is_empty() {
-        // Nothing ranks them: any order, but a seeded one, so that the first few are a fair sample.
-        for index in (1..ranked.len()).rev() {
-            ranked.swap(index, chance.below(index + 1));
-        }
-    } else {
-        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-    }
-    offers.choices = ranked.into_iter().map(|(_, choice)| choice).collect();
-    if at.program.verify.exhausted == Exhausted::Skips {
-        offers.choices.push(Choice::Skip);
-    }
-    Ok(offers)
-}
-
-/// Returns the checks that must be dropped to accept an action; `None` if it cannot be stated or is refused for good.
-pub(super) fn accepted(
-    at: &Situation<'_>,
-    proposal: &Proposal,
-    offers: &mut Offers,
-) -> Result<Option<Vec<String>>, BestError> {
-    let Some(refusing) = refusing(at, proposal, verify::verdict)? else {
-        offers.refused += 1;
-        return Ok(None);
-    };
-    let texts = BTreeMap::new();
-    if !is_readable(at.program, &at.facts(&texts).notation(at.program), proposal) {
-        offers.unreadable += 1;
-        return Ok(None);
-    }
-    Ok(Some(refusing))
-}
-
-/// Judges an action at some strictness.
-type Judge = fn(
-    &Program,
-    Facts<'_>,
-    &Proposal,
-    Strictness,
-) -> Result<Verdict, fab_program::render::RenderError>;
-
-/// Returns the checks that must be dropped to accept an action; `None` if it is refused for good.
-pub(super) fn refusing(
-    at: &Situation<'_>,
-    proposal: &Proposal,
-    judge: Judge,
-) -> Result<Option<Vec<String>>, BestError> {
-    let (program, texts) = (at.program, BTreeMap::new());
-    let relaxed = &program.verify.relaxed;
-    for (strictness, without) in [
-        (Strictness::Full, Vec::new()),
-        (Strictness::Relaxed, relaxed.clone()),
-    ] {
-        let verdict = judge(program, at.facts(&texts), proposal, strictness)?;
-        if verdict == Verdict::Accept {
-            return Ok(Some(without));
-        }
-        if relaxed.is_empty() {
-            break;
-        }
-    }
-    Ok(None)
-}
-
-impl<'a> Situation<'a> {
-    fn facts(&self, texts: &'a BTreeMap<String, String>) -> Facts<'a> {
-        Facts {
-            scene: self.scene,
-            texts,
-            step: self.step,
-            last: self.last,
-            proposal: None,
-            pointing: Pointing::of_camera(&self.program.camera),
-        }
+        Ok(Offers {
+            choices: ranked.into_iter().map(|(_, choice)| choice).collect(),
+            sampled,
+        })
     }
 }
 
-/// Returns whether an answer that states an action in the asked format is read as that action.
-fn is_readable(program: &Program, notation: &Notation, proposal: &Proposal) -> bool {
-    let lines = proposal.fields.iter().filter_map(|(name, value)| {
-        let field = program.field(name)?;
-        Some(space::statement(
-            field,
-            &notation.stated_value(field, value),
-        ))
-    });
-    let answer = lines.collect::<Vec<_>>().join("\n");
-    reply::read_action_in(program, notation, &answer).is_ok_and(|read| read.value == *proposal)
+impl Situation<'_> {
+    /// Returns the checks that must be dropped to accept an action; `None` if it is refused for good.
+    fn accepts(&self, proposal: &Proposal) -> Result<Option<Vec<String>>, BestError> {
+        let relaxed = &self.program.verify.relaxed;
+        let texts = BTreeMap::new();
+        for (strictness, without) in [
+            (Strictness::Full, &Vec::new()),
+            (Strictness::Relaxed, relaxed),
+        ] {
+            let facts = Facts {
+                scene: self.scene,
+                texts: &texts,
+                step: self.step,
+                last: self.last,
+                proposal: None,
+                pointing: Pointing::of_camera(&self.program.camera),
+            };
+            let verdict = verify::verdict(self.program, facts, proposal, strictness)?;
+            if verdict == Verdict::Accept {
+                return Ok(Some(without.clone()));
+            }
+            if relaxed.is_empty() {
+                break;
+            }
+        }
+        Ok(None)
+    }
+
+    /// Returns what an action means on the table; `None` if the world cannot execute it.
+    fn executable(&self, proposal: &Proposal) -> Option<Action> {
+        let action = Action::lower(self.program, proposal, self.scene, self.observation)?;
+        let grip = action.grip;
+        let ends = [&grip.pick, &grip.place];
+        let is_beyond = |point| self.world.out_of_reach(point).is_some();
+        let is_refused = ends.into_iter().any(is_beyond) || self.world.refuses(&grip.into()).is_some();
+        (!is_refused).then_some(action)
+    }
 }
 
 /// Combines the choices of all fields.
-fn proposals(at: &Situation<'_>, chance: &mut Chance, offers: &mut Offers) -> Vec<Proposal> {
+fn proposals(at: &Situation<'_>, chance: &mut Chance, sampled: &mut Vec<String>) -> Vec<Proposal> {
     let fields = &at.program.actions;
-    let values: Vec<Vec<Value>> = fields
-        .iter()
-        .map(|field| values(field, at.scene, chance, offers))
-        .collect();
+    let values = fields.iter();
+    let values = values.map(|field| values_of(field, at.scene, chance, sampled));
+    let values: Vec<Vec<Value>> = values.collect();
     let counts = values.iter().map(|values| values.len() as u64);
     let all = counts.fold(1u64, u64::saturating_mul);
-    let numbers: Vec<u64> = match all > MOST {
-        false => (0..all).collect(),
-        true => {
-            let names: Vec<&str> = fields.iter().map(|field| field.name.as_str()).collect();
-            offers.sampled.push(names.join(" x "));
-            // Twice the same is no loss: equal motions are offered once.
-            let draw = |_| (chance.fraction() * all as f64) as u64;
-            (0..MOST).map(draw).collect()
-        }
+    let numbers: Vec<u64> = if all > MOST_COMBINATIONS {
+        let names: Vec<&str> = fields.iter().map(|field| field.name.as_str()).collect();
+        sampled.push(names.join(" x "));
+        // Twice the same is no loss: equal grips are offered once.
+        let draw = |_| (chance.fraction() * all as f64) as u64;
+        (0..MOST_COMBINATIONS).map(draw).collect()
+    } else {
+        (0..all).collect()
     };
     let proposal = |mut number: u64| {
         let chosen = fields.iter().zip(&values).map(|(field, values)| {
@@ -205,28 +160,24 @@ fn proposals(at: &Situation<'_>, chance: &mut Chance, offers: &mut Offers) -> Ve
 }
 
 /// Returns the choices of a field; of a mask, some pixels.
-fn values(
+fn values_of(
     field: &ActionField,
     scene: &Scene,
     chance: &mut Chance,
-    offers: &mut Offers,
+    sampled: &mut Vec<String>,
 ) -> Vec<Value> {
     let Choices::Region { mask } = &field.choices else {
         return space::choices(field, scene);
     };
     // An area is a whole number far below 2^53.
     let n_pixels = scene.area_px(mask).unwrap_or_default() as usize;
-    if n_pixels > PIXELS {
-        offers.sampled.push(space::any_of(mask));
-    }
-    let mut pixels: Vec<Value> = Vec::new();
-    for number in 0..n_pixels.min(PIXELS) {
-        let number = match n_pixels > PIXELS {
-            true => chance.below(n_pixels),
-            false => number,
-        };
-        let pixel = scene.region_pixel(mask, number as u64).map(Value::Point);
-        pixels.extend(pixel.filter(|pixel| !pixels.contains(pixel)));
-    }
-    pixels
+    let numbers: BTreeSet<usize> = if n_pixels > MOST_PIXELS {
+        sampled.push(space::any_of(mask));
+        (0..MOST_PIXELS).map(|_| chance.below(n_pixels)).collect()
+    } else {
+        (0..n_pixels).collect()
+    };
+    let pixels = numbers.into_iter();
+    let pixels = pixels.filter_map(|number| scene.region_pixel(mask, number as u64));
+    pixels.map(Value::Point).collect()
 }
