@@ -2,7 +2,7 @@
 
 use super::pty::Session;
 use super::seen_coverage::Blind;
-use super::support::{FABC, Fabc, ProjectFiles, bring_library, fabc, finish};
+use super::support::{Fabc, ProjectFiles, bring_library, fabc, finish};
 use fab_agent::action::Action;
 use fab_agent::best::{self, Choice, Found, Limits, Search, Stop};
 use fab_agent::scene::Scene;
@@ -19,6 +19,8 @@ use serde_json::Value;
 use std::fs;
 use std::path::Path;
 use std::time::Instant;
+
+const FABC: &str = env!("CARGO_BIN_EXE_fabc");
 
 /// One fold whose best action is known: the demonstrated one is offered. No step is retried, so that all can be tried.
 const KNOWN: &str = r#"

@@ -1,6 +1,5 @@
 //! Resuming rollouts that were cut off, stopped by a cap, or changed in the meantime.
 
-use fab_test_provider::Provider;
 use super::support::{self, Captured, Trial, bring_library, fabc, finish, project};
 use fab_agent::journal::{JournalError, RunFolder};
 use fab_agent::outcome::Outcome;
@@ -10,6 +9,7 @@ use fab_model::Models;
 use fab_model::calls::{Budget, Call, CallEnd, Calls, Caps, Spent, Usage, Usd, ledger};
 use fab_model::{Model, ModelError, ModelKind, Reply, Request};
 use fab_standins::Geometric;
+use fab_test_provider::Provider;
 use fab_world::Look;
 use std::collections::BTreeSet;
 use std::fs;

@@ -399,12 +399,12 @@ pub(crate) mod tests {
         let [from, middle, to] =
             [[-0.028, -0.028], [0.0, 0.01], [0.03, 0.03]].map(|[x, y]| [x, y, 0.005].into());
         let stop = Interrupt::default();
-        world.act(&Motion::new(from, middle), &stop).unwrap();
+        world.act(&Grip::new(from, middle).into(), &stop).unwrap();
         let before = world.particles();
         let mut copy = world.fork().unwrap();
-        let tried = copy.act(&Motion::new(middle, to), &stop).unwrap();
+        let tried = copy.act(&Grip::new(middle, to).into(), &stop).unwrap();
         assert_eq!(world.particles(), before);
-        let done = world.act(&Motion::new(middle, to), &stop).unwrap();
+        let done = world.act(&Grip::new(middle, to).into(), &stop).unwrap();
         assert_eq!((tried, copy.particles()), (done, world.particles()));
         assert_ne!(world.particles(), before);
     }

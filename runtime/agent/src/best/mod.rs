@@ -91,7 +91,9 @@ impl Choice {
     /// Returns the action of a step of a record; `None` if it executed none.
     pub fn of(step: &record::Step) -> Option<Choice> {
         step.executed.as_ref()?;
-        let (accepted, action) = (step.accepted.as_ref()?, step.action.clone()?);
+        let (accepted, [action]) = (step.accepted.as_ref()?, step.action.as_deref()?) else {
+            return None;
+        };
         let mut asked = step.attempts.iter();
         let taken = asked
             .find(|asked| asked.stage == accepted.stage && asked.attempt == accepted.attempt)?;
@@ -102,7 +104,7 @@ impl Choice {
             proposal: Proposal {
                 fields: fields.clone(),
             },
-            action,
+            action: action.clone(),
             without: accepted.without.clone(),
         })
     }
