@@ -289,6 +289,22 @@ fn a_world_that_does_not_repeat_is_not_gone_on_with() {
 
 #[test]
 #[ignore = "long"]
+fn a_world_with_two_grippers_is_refused_before_anything_moves() {
+    let folder = tempfile::tempdir().unwrap();
+    let script = folder.path().join("two.sh");
+    let text = format!("'{FABC}' world serve | sed -u 's/\"grippers\":1/\"grippers\":2/'");
+    std::fs::write(&script, text).unwrap();
+    let world = format!("exec:sh '{}'", script.display());
+    let refused = run(folder.path(), &world, "two");
+    assert_eq!(refused.code, 2, "{}", refused.stderr);
+    let why = "`double_triangle` cannot be executed in the world `sim`: the task's actions are for 1 gripper, and the world has \
+               2 grippers";
+    assert!(refused.stderr.contains(why), "{}", refused.stderr);
+    assert!(!folder.path().join("two/rollout.jsonl").exists());
+}
+
+#[test]
+#[ignore = "long"]
 fn world_check_says_each_promise_and_exits_by_them() {
     let folder = tempfile::tempdir().unwrap();
     let good = format!("exec:'{FABC}' world serve");
