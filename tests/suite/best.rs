@@ -368,30 +368,6 @@ fn pulls_anywhere_are_sampled_and_say_so() {
 }
 
 #[test]
-#[ignore = "long"]
-fn the_best_actions_skip_steps_that_would_spoil_the_cloth_however_few_the_trials() {
-    let folder = tempfile::tempdir().unwrap();
-    let longer = ANYWHERE
-        .replace("improvement > 0.3", "improvement > 1")
-        .replace("horizon 2", "horizon 3");
-    let (code, found) = run(folder.path(), &longer, "--start 1 --trials 18");
-    assert_eq!(code, 3, "{found:#}");
-    let start = &found;
-    assert_eq!(
-        (&start["trials"], &start["stop"]),
-        (&18.into(), &"trials".into())
-    );
-    // A skipped step is not the one that gains least.
-    let best = start["best"].as_array().unwrap();
-    let limiting = start["limiting"].as_u64().unwrap() as usize;
-    assert!(
-        best.iter().any(|step| step["answer"].is_null()),
-        "{start:#}"
-    );
-    assert!(!best[limiting]["answer"].is_null(), "{start:#}");
-}
-
-#[test]
 fn a_search_that_was_stopped_skips_what_is_left_after_the_best_state() {
     let home = tempfile::tempdir().unwrap();
     let program = compiled(home.path(), TWICE);
@@ -406,7 +382,10 @@ fn a_search_that_was_stopped_skips_what_is_left_after_the_best_state() {
     };
     assert!(acted.choice.is_some() && skipped.choice.is_none());
     assert!(acted.value < found.untouched, "{found:?}");
-    assert_eq!(found.value(), Some(acted.value));
+    assert_eq!(
+        (found.value(), found.limiting()),
+        (Some(acted.value), Some(0))
+    );
 }
 
 #[test]
@@ -579,8 +558,21 @@ fn a_program_that_repeats_is_searched_as_the_simulator_is() {
     let arguments = "--trials 6 --threads 1";
     let bundled = run(folder.path(), TWICE, arguments);
     let served = format!("exec:'{FABC}' world serve");
-    let mut command = command(folder.path(), TWICE, arguments);
+    let mut command = self::command(folder.path(), TWICE, arguments);
     assert_eq!(document(command.args(["--world", &served])), bundled);
+
+    let once = folder.path().join("once.sh");
+    let text = format!("{served} | sed -u 's/\"repeats\":true/\"repeats\":false/'");
+    fs::write(&once, text.replace("exec:", "")).unwrap();
+    let world = format!("exec:sh '{}'", once.display());
+    let mut command = self::command(folder.path(), TWICE, arguments);
+    let refused = finish(command.args(["--world", &world]));
+    let why = "cannot lay a start again exactly, so actions cannot be tried in it";
+    assert!(
+        refused.code == 2 && refused.stdout.contains(why),
+        "{}",
+        refused.stdout
+    );
 }
 
 #[test]

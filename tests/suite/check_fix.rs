@@ -140,26 +140,10 @@ fn a_read_only_file_is_not_changed() {
 
 #[cfg(unix)]
 #[test]
-fn a_file_with_two_names_may_be_named_by_both() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    with_slip(folder, "task.fab");
-    fs::hard_link(folder.join("task.fab"), folder.join("same.fab")).unwrap();
-    let said = finish(fabc(folder).args(["check", "--fix", "task.fab", "same.fab"]));
-    assert_eq!(
-        (said.code, said.stderr.as_str()),
-        (0, "task.fab: 1 change\n")
-    );
-    assert!(read(folder, "same.fab").contains("more = centroid"));
-}
-
-#[cfg(unix)]
-#[test]
 fn links_and_permissions_stay() {
     use std::os::unix::fs::{MetadataExt, PermissionsExt, symlink};
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    with_slip(folder, "task.fab");
     let number = |name: &str| fs::metadata(folder.join(name)).unwrap().ino();
     let mode = |name: &str| {
         fs::metadata(folder.join(name))
@@ -168,14 +152,7 @@ fn links_and_permissions_stay() {
             .mode()
     };
 
-    // A file with two names is rewritten in place: both names show the new text.
-    fs::hard_link(folder.join("task.fab"), folder.join("same.fab")).unwrap();
-    let before = number("task.fab");
-    finish(fabc(folder).args(["check", "--fix", "task.fab"]));
-    assert!(read(folder, "same.fab").contains("more = centroid"));
-    assert_eq!([number("task.fab"), number("same.fab")], [before, before]);
-
-    // A file with one name is replaced, and a symbolic link still leads to it.
+    // The file is replaced, and a symbolic link still leads to it.
     with_slip(folder, "other.fab");
     let permissions = PermissionsExt::from_mode(0o640);
     fs::set_permissions(folder.join("other.fab"), permissions).unwrap();

@@ -107,7 +107,7 @@ pub use data::keypoints::{
     Channel, EXTRACTORS, Extractor, ExtractorRow, Inside, Keypoint, Moment, Response, Side, Sight,
 };
 pub use data::manner::{MANNERS, Manner, manner_field};
-pub use data::material::{Colour, Directions, Face, Material};
+pub use data::material::{Colour, Directions, Face, Material, hsv};
 pub use data::picker::Picker;
 pub use data::placeholders::{NumberFormat, Placeholder};
 pub use data::points::{End, Heading, Point};

@@ -4,7 +4,7 @@
 
 use crate::kinds::{Kind, without_mark};
 use serde::de::DeserializeOwned;
-use std::fs::{self, File, Metadata, OpenOptions};
+use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -13,8 +13,9 @@ use std::sync::atomic::{AtomicU32, Ordering};
 ///
 /// The bytes go to a temporary file beside it, which is synced and then renamed.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let neighbour = neighbour(path, "part");
-    replace(path, bytes, &neighbour, || File::create(&neighbour))
+    let mut file = NewFile::create(path)?;
+    file.write_all(bytes)?;
+    file.finish()
 }
 
 /// A file under construction that appears under its name only once it is whole.
@@ -30,7 +31,7 @@ pub struct NewFile {
 impl NewFile {
     /// Begins a file that will be at `path`, in place of any that is there.
     pub fn create(path: &Path) -> io::Result<NewFile> {
-        let neighbour = neighbour(path, "part");
+        let neighbour = neighbour(path);
         Ok(NewFile {
             file: File::create(&neighbour)?,
             neighbour,
@@ -64,63 +65,24 @@ impl Drop for NewFile {
     }
 }
 
-/// Gives an existing file new content, and keeps its owner, its mode and its links, symbolic and hard.
-///
-/// It is replaced by renaming, so a crash leaves either the old content or the new. Two kinds of files are rewritten in
-/// place instead: one with several hard links, which renaming would separate, and one whose owner only another user
-/// could restore. Until the new content is synced, the old one is in a file `NAME.*.saved` beside it; it stays there
-/// if writing fails.
+/// Gives an existing file new content as [`write_whole`] does, and keeps its permissions; symbolic links are followed.
 pub fn rewrite(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let path = fs::canonicalize(path)?;
-    let information = fs::metadata(&path)?;
-    if !has_other_names(&information) {
-        let neighbour = neighbour(&path, "part");
-        match create_like(&neighbour, &information) {
-            Ok(file) => return replace(&path, bytes, &neighbour, || Ok(file)),
-            Err(error) => {
-                // It is not there if it could not be created.
-                let _ = fs::remove_file(&neighbour);
-                if error.kind() != io::ErrorKind::PermissionDenied {
-                    return Err(error);
-                }
-            }
-        }
-    }
-    while_saved(&path, || {
-        let mut file = OpenOptions::new().write(true).open(&path)?;
-        file.write_all(bytes)?;
-        file.set_len(bytes.len() as u64)?;
-        file.sync_all()
-    })
+    let mut new = NewFile::create(&path)?;
+    // Before the content, which others may not be allowed to read.
+    new.file
+        .set_permissions(fs::metadata(&path)?.permissions())?;
+    new.write_all(bytes)?;
+    new.finish()
 }
 
 /// Returns an unused name beside a file, for this process.
-fn neighbour(path: &Path, ending: &str) -> PathBuf {
+fn neighbour(path: &Path) -> PathBuf {
     static UNIQUE: AtomicU32 = AtomicU32::new(0);
     let number = UNIQUE.fetch_add(1, Ordering::Relaxed);
     let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(format!(".{}.{number}.{ending}", std::process::id()));
+    name.push(format!(".{}.{number}.part", std::process::id()));
     path.with_file_name(name)
-}
-
-/// Writes a new file beside another, syncs it, and renames it.
-fn replace(
-    path: &Path,
-    bytes: &[u8],
-    neighbour: &Path,
-    create: impl FnOnce() -> io::Result<File>,
-) -> io::Result<()> {
-    let written = create().and_then(|mut file| {
-        file.write_all(bytes)?;
-        file.sync_all()
-    });
-    let moved = written.and_then(|()| fs::rename(neighbour, path));
-    match moved {
-        Ok(()) => sync_folder(path),
-        // The temporary file is left over; removing it may fail as well.
-        Err(_) => drop(fs::remove_file(neighbour)),
-    }
-    moved
 }
 
 /// A new name is durable only once its folder is synced; not every system allows opening a folder.
@@ -128,68 +90,6 @@ fn sync_folder(path: &Path) {
     if let Some(folder) = path.parent() {
         let _ = File::open(folder).and_then(|folder| folder.sync_all());
     }
-}
-
-/// Writes a file in place; meanwhile its old content is in another file beside it, which stays if writing fails.
-fn while_saved(path: &Path, write: impl FnOnce() -> io::Result<()>) -> io::Result<()> {
-    let saved = neighbour(path, "saved");
-    let save = || -> io::Result<()> {
-        let old = fs::read(path)?;
-        let mut file = create_private(&saved)?;
-        file.write_all(&old)?;
-        file.sync_all()
-    };
-    if let Err(error) = save() {
-        let _ = fs::remove_file(&saved);
-        return Err(error);
-    }
-    sync_folder(&saved);
-    write().map_err(|error| {
-        let saved = saved.display();
-        io::Error::new(
-            error.kind(),
-            format!("{error}; what it held is in `{saved}`"),
-        )
-    })?;
-    fs::remove_file(&saved)
-}
-
-/// Creates a file that only this user can read.
-fn create_private(path: &Path) -> io::Result<File> {
-    let mut options = OpenOptions::new();
-    options.write(true).create_new(true);
-    #[cfg(unix)]
-    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
-    options.open(path)
-}
-
-/// Creates a file with the owner and the mode of another; it is empty until both are right.
-fn create_like(path: &Path, information: &Metadata) -> io::Result<File> {
-    let file = create_private(path)?;
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::{MetadataExt, fchown};
-        let owner = |it: &Metadata| (it.uid(), it.gid());
-        if owner(&file.metadata()?) != owner(information) {
-            fchown(&file, Some(information.uid()), Some(information.gid()))?;
-        }
-    }
-    // After the owner: changing that clears some bits of the mode.
-    file.set_permissions(information.permissions())?;
-    Ok(file)
-}
-
-/// Returns whether a file has several hard links.
-#[cfg(unix)]
-fn has_other_names(information: &Metadata) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    information.nlink() > 1
-}
-
-/// Returns whether a file has several hard links; the standard library cannot tell here.
-#[cfg(not(unix))]
-fn has_other_names(_information: &Metadata) -> bool {
-    false
 }
 
 /// Reads a regular file of at most `max_bytes`; fails with the reason.
@@ -258,12 +158,29 @@ pub fn line_of(text: &str, offset: usize) -> usize {
     1 + before.filter(|byte| *byte == b'\n').count()
 }
 
+/// Makes the next free folder `NAME-0001`, `NAME-0002` and so on in a folder, which is made too.
+///
+/// Fails if a folder cannot be made, and after 9999 of them.
+pub fn next_folder(parent: &Path, name: &str) -> std::io::Result<PathBuf> {
+    std::fs::create_dir_all(parent)?;
+    for number in 1..=9999u32 {
+        let path = parent.join(format!("{name}-{number:04}"));
+        match std::fs::create_dir(&path) {
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+            made => return made.map(|()| path),
+        }
+    }
+    Err(std::io::Error::other(format!(
+        "it holds 9999 folders `{name}-NNNN` already; name a folder with `--out`"
+    )))
+}
+
 #[cfg(all(test, unix))]
 mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
-    use std::os::unix::fs::{MetadataExt, PermissionsExt, chown};
+    use std::os::unix::fs::{MetadataExt, PermissionsExt};
 
     /// Makes a file in a folder of its own.
     fn file(folder: &tempfile::TempDir, text: &str) -> PathBuf {
@@ -283,36 +200,17 @@ mod tests {
     }
 
     #[test]
-    fn a_rewritten_file_keeps_its_mode_and_owner() {
+    fn a_rewritten_file_is_replaced_and_keeps_its_mode() {
         let folder = tempfile::tempdir().unwrap();
         let path = file(&folder, "old");
-        // Only root may give files away; for others the owner that it has must do.
-        let is_given = chown(&path, Some(1234), Some(4321)).is_ok();
         fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
         let before = fs::metadata(&path).unwrap();
-        assert_eq!(is_given, before.uid() == 1234);
-
         rewrite(&path, b"new").unwrap();
         let after = fs::metadata(&path).unwrap();
-        let seen = |it: &Metadata| (it.mode(), it.uid(), it.gid());
-        assert_eq!(seen(&after), seen(&before));
+        assert_eq!(after.mode() & 0o777, 0o640);
         assert_ne!(after.ino(), before.ino());
         assert_eq!(fs::read_to_string(&path).unwrap(), "new");
         assert_eq!(names(&folder), ["a.fab"]);
-    }
-
-    #[test]
-    fn a_file_is_empty_until_its_owner_and_mode_are_right() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = file(&folder, "old");
-        fs::set_permissions(&path, fs::Permissions::from_mode(0o604)).unwrap();
-        let information = fs::metadata(&path).unwrap();
-        let made = folder.path().join("made");
-        let made = create_like(&made, &information).unwrap();
-        let made = made.metadata().unwrap();
-        assert_eq!((made.mode(), made.len()), (information.mode(), 0));
-        let private = create_private(&folder.path().join("private")).unwrap();
-        assert_eq!(private.metadata().unwrap().mode() & 0o777, 0o600);
     }
 
     #[test]
@@ -332,45 +230,4 @@ mod tests {
         assert_eq!(names(&folder), ["a.fab"]);
         assert_eq!(fs::read_to_string(&path).unwrap(), "new");
     }
-
-    #[test]
-    fn a_file_with_two_names_is_rewritten_in_place_and_saved_meanwhile() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = file(&folder, "old and long");
-        let other = folder.path().join("b.fab");
-        fs::hard_link(&path, &other).unwrap();
-        rewrite(&path, b"new").unwrap();
-        assert_eq!(fs::read_to_string(&other).unwrap(), "new");
-        assert_eq!(names(&folder), ["a.fab", "b.fab"]);
-
-        // The old text is there before anything is written, and stays if writing fails.
-        let saved = || names(&folder).into_iter().find(|it| it.ends_with("saved"));
-        let failed = while_saved(&path, || {
-            fs::write(&path, "half").unwrap();
-            assert!(saved().is_some());
-            Err(io::Error::other("the disk is full"))
-        });
-        let message = failed.unwrap_err().to_string();
-        let saved = folder.path().join(saved().unwrap());
-        assert_eq!(fs::read_to_string(&saved).unwrap(), "new");
-        assert_eq!(fs::metadata(&saved).unwrap().mode() & 0o777, 0o600);
-        let expected = format!("the disk is full; what it held is in `{}`", saved.display());
-        assert_eq!(message, expected);
-    }
-}
-/// Makes the next free folder `NAME-0001`, `NAME-0002` and so on in a folder, which is made too.
-///
-/// Fails if a folder cannot be made, and after 9999 of them.
-pub fn next_folder(parent: &Path, name: &str) -> std::io::Result<PathBuf> {
-    std::fs::create_dir_all(parent)?;
-    for number in 1..=9999u32 {
-        let path = parent.join(format!("{name}-{number:04}"));
-        match std::fs::create_dir(&path) {
-            Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
-            made => return made.map(|()| path),
-        }
-    }
-    Err(std::io::Error::other(format!(
-        "it holds 9999 folders `{name}-NNNN` already; name a folder with `--out`"
-    )))
 }

@@ -39,7 +39,7 @@ mod mask;
 mod recorded;
 mod subpixel_point;
 
-pub use mask::{Mask, centroid, depth_mask, has_reading, mask_picture};
+pub use mask::{Mask, centroid, depth_mask, has_reading, mask_picture, overlap};
 pub use subpixel_point::SubpixelPoint;
 
 /// Distances to the nearest surface, metres along the optical axis, `[width, height]`.

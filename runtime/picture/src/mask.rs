@@ -170,6 +170,22 @@ pub fn depth_mask(depth: &DepthImage, below_m: f64) -> Mask {
     })
 }
 
+/// Returns the overlap of two sets, the number of places in both over that in either, 0 to 1; 0 if none is in both.
+///
+/// - `places`: of each place, whether it is in the one set and in the other.
+pub fn overlap(places: impl Iterator<Item = (bool, bool)>) -> f64 {
+    let (mut both, mut either) = (0_u32, 0_u32);
+    for (in_one, in_other) in places {
+        both += u32::from(in_one && in_other);
+        either += u32::from(in_one || in_other);
+    }
+    if both == 0 {
+        0.0
+    } else {
+        f64::from(both) / f64::from(either)
+    }
+}
+
 /// Draws a mask in white (255) on black.
 pub fn mask_picture(mask: &Mask) -> GrayImage {
     GrayImage::from_fn(mask.width(), mask.height(), |column, row| {

@@ -4,6 +4,7 @@
 //! depend on a pixel's three bytes alone.
 
 use fab_picture::Mask;
+use fab_program::hsv;
 use image::RgbImage;
 use std::cell::Cell;
 
@@ -43,29 +44,6 @@ pub fn color_mask(
         }
         last.get().1
     })
-}
-
-/// Returns hue in degrees, `0 <= hue < 360`, saturation and value, 0 to 1.
-///
-/// Each is one division of whole numbers, so it equals a decimal limit wherever the true ratio does.
-fn hsv([red, green, blue]: [u8; 3]) -> [f64; 3] {
-    let [r, g, b] = [red, green, blue].map(i32::from);
-    let most = r.max(g).max(b);
-    let spread = most - r.min(g).min(b);
-    let value = f64::from(most) / 255.0;
-    if spread == 0 {
-        return [0.0, 0.0, value];
-    }
-    // In sixths of the circle times `spread`.
-    let turned = if most == r {
-        g - b
-    } else if most == g {
-        b - r + 2 * spread
-    } else {
-        r - g + 4 * spread
-    };
-    let hue = f64::from(60 * turned.rem_euclid(6 * spread)) / f64::from(spread);
-    [hue, f64::from(spread) / f64::from(most), value]
 }
 
 /// Returns a copy of a picture in which a mask's pixels are white.

@@ -28,6 +28,7 @@ use crate::vary::AxisValues;
 use crate::{Motion, World, WorldError};
 use fab_base::chance::Chance;
 use fab_base::interrupt::Interrupt;
+use fab_picture::camera::center_of;
 use fab_picture::observation::Observation;
 use fab_picture::{Mask, depth_mask};
 use fab_program::{self as program, ClothStart, PixelPoint, TwinRanges, particles_along};
@@ -203,25 +204,20 @@ impl TwinView {
     /// - `cloth`: the pixels of `seen` that show cloth.
     pub fn overlap_with(&self, cloth: &Mask, seen: &Observation) -> f64 {
         let step = cloth.width().max(cloth.height()).div_ceil(SAMPLES).max(1) as usize;
-        let (mut both, mut either) = (0_u32, 0_u32);
-        for row in (0..cloth.height() as i32).step_by(step) {
-            for column in (0..cloth.width() as i32).step_by(step) {
-                let is_cloth = cloth.contains(PixelPoint::new(column, row));
-                let at = [f64::from(column) + 0.5, f64::from(row) + 0.5];
-                let point = seen.camera.table_from_pixel(at);
-                let at = point.and_then(|it| self.observation.camera.pixel_from_world(it));
-                let is_twin = at.is_some_and(|[column, row]| {
-                    let pixel = PixelPoint::new(column.floor() as i32, row.floor() as i32);
-                    self.silhouette.contains(pixel)
-                });
-                both += u32::from(is_cloth && is_twin);
-                either += u32::from(is_cloth || is_twin);
-            }
-        }
-        match either {
-            0 => 0.0,
-            _ => f64::from(both) / f64::from(either),
-        }
+        let rows = (0..cloth.height() as i32).step_by(step);
+        let pixels = rows.flat_map(|row| {
+            let columns = (0..cloth.width() as i32).step_by(step);
+            columns.map(move |column| PixelPoint::new(column, row))
+        });
+        fab_picture::overlap(pixels.map(|pixel| {
+            let point = seen.camera.table_from_pixel(center_of(pixel));
+            let at = point.and_then(|it| self.observation.camera.pixel_from_world(it));
+            let is_twin = at.is_some_and(|[column, row]| {
+                let pixel = PixelPoint::new(column.floor() as i32, row.floor() as i32);
+                self.silhouette.contains(pixel)
+            });
+            (cloth.contains(pixel), is_twin)
+        }))
     }
 }
 

@@ -149,20 +149,25 @@ impl Colour {
     }
 }
 
-/// Returns hue in degrees, saturation and value of a colour; the hue of a grey is 0.
-fn hsv(rgb: [u8; 3]) -> [f64; 3] {
-    let [red, green, blue] = rgb.map(|part| f64::from(part) / 255.0);
-    let most = red.max(green).max(blue);
-    let chroma = most - red.min(green).min(blue);
-    if chroma == 0.0 {
-        return [0.0, 0.0, most];
+/// Returns a colour's hue in degrees, `0 <= hue < 360`, and its saturation and value, 0 to 1; a grey has hue 0.
+///
+/// Each is one division of whole numbers, so it equals a decimal limit wherever the true ratio does.
+pub fn hsv([red, green, blue]: [u8; 3]) -> [f64; 3] {
+    let [r, g, b] = [red, green, blue].map(i32::from);
+    let most = r.max(g).max(b);
+    let spread = most - r.min(g).min(b);
+    let value = f64::from(most) / 255.0;
+    if spread == 0 {
+        return [0.0, 0.0, value];
     }
-    let sixths = if most == red {
-        (green - blue) / chroma
-    } else if most == green {
-        (blue - red) / chroma + 2.0
+    // In sixths of the circle times `spread`.
+    let turned = if most == r {
+        g - b
+    } else if most == g {
+        b - r + 2 * spread
     } else {
-        (red - green) / chroma + 4.0
+        r - g + 4 * spread
     };
-    [(sixths * 60.0 + 360.0) % 360.0, chroma / most, most]
+    let hue = f64::from(60 * turned.rem_euclid(6 * spread)) / f64::from(spread);
+    [hue, f64::from(spread) / f64::from(most), value]
 }

@@ -4,39 +4,23 @@
 //! alike are offered once.
 
 use super::aim::{ExpertGrip, off_m};
-use super::{BestError, Choice};
+use super::{BestError, Choice, Search};
 use crate::action::Action;
 use crate::scene::Scene;
 use fab_base::chance::Chance;
-use fab_base::interrupt::Interrupt;
 use fab_picture::observation::Observation;
-use fab_program::facts::{ExecutedAction, Facts};
-use fab_program::pointing::Pointing;
+use fab_program::facts::Facts;
 use fab_program::scene::SceneView;
 use fab_program::verify::{self, Strictness, Verdict};
-use fab_program::{ActionField, Choices, Program, Proposal, Value, space};
+use fab_program::{ActionField, Choices, Proposal, Value, space};
 use fab_world::{World, WorldError};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 /// The most combinations of a step's choices that are listed; of more, as many are drawn.
 const MOST_COMBINATIONS: u64 = 20_000;
 
 /// How many pixels of a mask are drawn.
 const MOST_PIXELS: usize = 64;
-
-/// A state before an action.
-pub(super) struct Situation<'a> {
-    pub program: &'a Program,
-    pub world: &'a dyn World,
-    pub scene: &'a Scene,
-    pub observation: &'a Observation,
-    pub step: u32,
-    pub last: Option<&'a ExecutedAction>,
-    /// What the experts would do; they rank the actions.
-    pub experts: Vec<ExpertGrip>,
-    /// A request to stop early.
-    pub interrupt: &'a Interrupt,
-}
 
 /// What can be done in a state.
 #[derive(Debug, Default)]
@@ -47,16 +31,31 @@ pub(super) struct Offers {
     pub sampled: Vec<String>,
 }
 
+/// A state before an action.
+pub(super) struct Situation<'a> {
+    pub search: &'a Search<'a>,
+    pub world: &'a dyn World,
+    pub observation: &'a Observation,
+    pub facts: Facts<'a>,
+    pub scene: &'a Scene,
+}
+
 impl Offers {
     /// Lists what can be done in a state.
     ///
+    /// - `experts`: what the experts would do; they rank the actions.
+    ///
     /// Fails if a check cannot be evaluated, and on an interrupt.
-    pub fn of(at: &Situation<'_>, mut chance: Chance) -> Result<Offers, BestError> {
+    pub fn of(
+        at: &Situation<'_>,
+        experts: &[ExpertGrip],
+        mut chance: Chance,
+    ) -> Result<Offers, BestError> {
         let mut sampled = Vec::new();
         let mut seen = BTreeSet::new();
         let mut ranked = Vec::new();
         for proposal in proposals(at, &mut chance, &mut sampled) {
-            if at.interrupt.is_raised() {
+            if at.search.interrupt.is_raised() {
                 return Err(WorldError::Interrupted.into());
             }
             let Some(without) = at.accepts(&proposal)? else {
@@ -66,15 +65,16 @@ impl Offers {
                 continue;
             };
             if seen.insert(format!("{:?}", action.grip)) {
+                let off_m = off_m(experts, &action.grip);
                 let choice = Choice {
                     proposal,
                     without,
                     action,
                 };
-                ranked.push((off_m(&at.experts, &choice.action.grip), choice));
+                ranked.push((off_m, choice));
             }
         }
-        if at.experts.is_empty() {
+        if experts.is_empty() {
             // Nothing ranks them: any order, but a seeded one, so that the first few are a fair sample.
             for index in (1..ranked.len()).rev() {
                 ranked.swap(index, chance.below(index + 1));
@@ -92,46 +92,33 @@ impl Offers {
 impl Situation<'_> {
     /// Returns the checks that must be dropped to accept an action; `None` if it is refused for good.
     fn accepts(&self, proposal: &Proposal) -> Result<Option<Vec<String>>, BestError> {
-        let relaxed = &self.program.verify.relaxed;
-        let texts = BTreeMap::new();
-        for (strictness, without) in [
-            (Strictness::Full, &Vec::new()),
-            (Strictness::Relaxed, relaxed),
-        ] {
-            let facts = Facts {
-                scene: self.scene,
-                texts: &texts,
-                step: self.step,
-                last: self.last,
-                proposal: None,
-                pointing: Pointing::of_camera(&self.program.camera),
-            };
-            let verdict = verify::verdict(self.program, facts, proposal, strictness)?;
-            if verdict == Verdict::Accept {
-                return Ok(Some(without.clone()));
-            }
-            if relaxed.is_empty() {
-                break;
-            }
+        let program = self.search.program;
+        let judge = |strictness| verify::verdict(program, self.facts, proposal, strictness);
+        let relaxed = &program.verify.relaxed;
+        if judge(Strictness::Full)? == Verdict::Accept {
+            Ok(Some(Vec::new()))
+        } else if !relaxed.is_empty() && judge(Strictness::Relaxed)? == Verdict::Accept {
+            Ok(Some(relaxed.clone()))
+        } else {
+            Ok(None)
         }
-        Ok(None)
     }
 
     /// Returns what an action means on the table; `None` if the world cannot execute it.
     fn executable(&self, proposal: &Proposal) -> Option<Action> {
-        let action = Action::lower(self.program, proposal, self.scene, self.observation)?;
+        let program = self.search.program;
+        let action = Action::lower(program, proposal, self.scene, self.observation)?;
         let grip = action.grip;
         let ends = [&grip.pick, &grip.place];
         let is_beyond = |point| self.world.out_of_reach(point).is_some();
-        let is_refused =
-            ends.into_iter().any(is_beyond) || self.world.refuses(&grip.into()).is_some();
+        let is_refused = ends.into_iter().any(is_beyond) || self.world.refuses(&grip.into()).is_some();
         (!is_refused).then_some(action)
     }
 }
 
 /// Combines the choices of all fields.
 fn proposals(at: &Situation<'_>, chance: &mut Chance, sampled: &mut Vec<String>) -> Vec<Proposal> {
-    let fields = &at.program.actions;
+    let fields = &at.search.program.actions;
     let values = fields.iter();
     let values = values.map(|field| values_of(field, at.scene, chance, sampled));
     let values: Vec<Vec<Value>> = values.collect();

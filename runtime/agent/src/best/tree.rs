@@ -12,8 +12,10 @@ use crate::scene::{Scene, SceneError};
 use fab_base::chance::Chance;
 use fab_base::parallel::in_parallel;
 use fab_program::Exhausted;
-use fab_program::facts::ExecutedAction;
+use fab_program::facts::{ExecutedAction, Facts};
+use fab_program::pointing::Pointing;
 use fab_world::{Fork, World};
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 /// States of one depth whose worlds are kept; any other state is reached again from the last kept one before it.
@@ -195,25 +197,30 @@ impl<'a> Tree<'a> {
     }
 
     fn offers(&self, node: usize) -> Result<Offers, BestError> {
+        let (search, it) = (self.search, &self.nodes[node]);
         let mut world = self.world_at(node)?;
         let observation = world.observe()?;
-        let program = self.search.program;
-        let it = &self.nodes[node];
         let first = it.came_from.is_some().then_some(&self.first);
+        let scene = Scene::of(search.program, &observation, first)?;
         let step = self.step_of(it);
         let positions = world.particles().unwrap_or_default();
-        let draw = format!("offered actions {} {node}", self.search.limits.seed);
+        let experts = self.aim.expert_grips(&positions, step - 1);
         let situation = Situation {
-            program,
+            search,
             world: world.as_ref(),
-            scene: &Scene::of(program, &observation, first)?,
             observation: &observation,
-            step,
-            last: it.last.as_ref(),
-            experts: self.aim.expert_grips(&positions, step - 1),
-            interrupt: self.search.interrupt,
+            facts: Facts {
+                scene: &scene,
+                texts: &BTreeMap::new(),
+                step,
+                last: it.last.as_ref(),
+                proposal: None,
+                pointing: Pointing::of_camera(&search.program.camera),
+            },
+            scene: &scene,
         };
-        Offers::of(&situation, Chance::of(&draw))
+        let draw = format!("offered actions {} {node}", search.limits.seed);
+        Offers::of(&situation, &experts, Chance::of(&draw))
     }
 
     /// Makes trials, and adds the states that they lead to; a stop leaves some of them out.

@@ -265,22 +265,14 @@ impl Outline {
 
     /// Returns intersection over union, of the pixels visible in both; 0 if either is empty.
     pub fn overlap(&self, other: &Outline) -> f64 {
-        let (mut both, mut either) = (0_u32, 0_u32);
-        for row in 0..COMPARED_PX as i32 {
-            for column in 0..COMPARED_PX as i32 {
-                let at = PixelPoint::new(column, row);
-                if self.hidden.contains(at) || other.hidden.contains(at) {
-                    continue;
-                }
-                let (this, that) = (self.cloth.contains(at), other.cloth.contains(at));
-                both += u32::from(this && that);
-                either += u32::from(this || that);
-            }
-        }
-        match both {
-            0 => 0.0,
-            both => f64::from(both) / f64::from(either),
-        }
+        let visible = Mask::from_fn(COMPARED_PX, COMPARED_PX, |column, row| {
+            !self.hidden.contains_at(column, row) && !other.hidden.contains_at(column, row)
+        });
+        fab_picture::overlap(
+            visible
+                .pixels()
+                .map(|at| (self.cloth.contains(at), other.cloth.contains(at))),
+        )
     }
 
     /// Returns the pixels that are cloth here but not in `other`.

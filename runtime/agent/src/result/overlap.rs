@@ -96,18 +96,10 @@ impl Alignment {
 /// 0 if a silhouette is empty. The work is bounded for any picture size.
 pub fn overlap(after: &Mask, goal: &Mask, alignment: &Alignment) -> f64 {
     let shares = alignment.ways.iter().map(|&way| {
-        let (mut both, mut either) = (0_u32, 0_u32);
-        for at in samples(goal) {
-            let is_goal = goal.contains(pixel_at(at));
-            let is_after = after.contains(pixel_at(alignment.back(way, at)));
-            both += u32::from(is_goal && is_after);
-            either += u32::from(is_goal || is_after);
-        }
-        if both == 0 {
-            0.0
-        } else {
-            f64::from(both) / f64::from(either)
-        }
+        fab_picture::overlap(samples(goal).map(|at| {
+            let in_after = after.contains(pixel_at(alignment.back(way, at)));
+            (goal.contains(pixel_at(at)), in_after)
+        }))
     });
     shares.fold(0.0, f64::max)
 }
