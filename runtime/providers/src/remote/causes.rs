@@ -64,7 +64,7 @@ const CAUSES: &[Cause] = &[
     Cause {
         applies: |e| e.fault == Fault::NotAuthorised && e.settings.key.is_none(),
         cause: "no key was sent, since {no_key}",
-        help: "set a key in the environment or the file of keys: `export NAME=…`; a file of facts (`--models FILE`) may give the provider another name, `key_env = [\"NAME\"]`",
+        help: "set it in the environment or the file of keys, `export {name}=…`; a file of facts (`--models FILE`) may name it otherwise, `key_env = [\"NAME\"]`",
     },
     Cause {
         applies: |e| e.fault == Fault::NotAuthorised,
@@ -162,6 +162,10 @@ fn filled(text: &str, e: &Exchange<'_>) -> String {
         ("{location}", location(e).unwrap_or_default()),
         ("{model}", settings.model.clone()),
         (
+            "{name}",
+            names.first().map_or("NAME", String::as_str).to_owned(),
+        ),
+        (
             "{no_key}",
             match &names[..] {
                 [] => "this provider has no name for one".to_owned(),
@@ -201,7 +205,8 @@ fn authority(e: &Exchange<'_>) -> String {
 fn base_url(e: &Exchange<'_>) -> String {
     let base = e.settings.base_url.to_string();
     let usual = e.settings.base_url.usual(e.settings.wire);
-    if base.trim_end_matches('/') == usual {
+    // A bare host gets the usual version.
+    if usual.starts_with(base.trim_end_matches('/')) {
         format!("`{base}`")
     } else {
         format!("`{base}` (most servers have theirs at `{usual}`)")
