@@ -36,7 +36,10 @@ const CAUSES: &[Cause] = &[
         help: "{start}, or give the address of a running one with `--base-url URL`",
     },
     Cause {
-        applies: |e| is(e, Obstacle::Refused) || is(e, Obstacle::Unconnected),
+        applies: |e| {
+            let is_proxy = e.status() == Some(407);
+            is(e, Obstacle::Refused) || is(e, Obstacle::Unconnected) || is_proxy
+        },
         cause: "no server can be reached at `{address}` from this machine",
         help: "check host and port in the base URL {base}, the connection, the proxy if `HTTPS_PROXY` or `HTTP_PROXY` names one, and that the server listens on more than its own 127.0.0.1 (often `--host 0.0.0.0`)",
     },
