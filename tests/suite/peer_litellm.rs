@@ -96,7 +96,7 @@ fn proxy(folder: &Path, behind: &str) -> (Running, String) {
     let config = [
         "model_list:\n".to_owned(),
         format!(
-            "  - model_name: geometric\n    litellm_params: {{ model: hosted_vllm/geometric, api_base: \"{behind}\", api_key: none }}\n"
+            "  - model_name: geometric\n    litellm_params: {{ model: lm_studio/geometric, api_base: \"{behind}\", api_key: none }}\n"
         ),
         scripted("limited", "litellm.RateLimitError"),
         scripted("broken", "litellm.InternalServerError"),

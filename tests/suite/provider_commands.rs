@@ -252,7 +252,7 @@ fn a_prompt_is_shown_as_one_model_would_be_sent_it() {
 
 #[test]
 #[ignore = "long"]
-fn a_variable_that_names_a_proxy_is_named_where_the_proxy_answers() {
+fn the_variables_that_name_a_proxy_are_named_where_a_proxy_answers() {
     use std::io::{Read, Write};
     let folder = tempfile::tempdir().unwrap();
     let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
@@ -292,10 +292,10 @@ fn a_variable_that_names_a_proxy_is_named_where_the_proxy_answers() {
     let output = command.process().output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(
-        said.contains(
-            "`HTTP_PROXY` is set, so the call goes through that proxy, which does not pass it on"
-        ),
-        "{said}"
-    );
+    for words in [
+        "no server can be reached at `models.example:80`",
+        "the proxy if `HTTPS_PROXY` or `HTTP_PROXY` names one",
+    ] {
+        assert!(said.contains(words), "{said}");
+    }
 }

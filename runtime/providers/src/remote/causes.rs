@@ -36,7 +36,10 @@ const CAUSES: &[Cause] = &[
         help: "{start}, or give the address of a running one with `--base-url URL`",
     },
     Cause {
-        applies: |e| is(e, Obstacle::Refused) || is(e, Obstacle::Unconnected),
+        applies: |e| {
+            let is_proxy = e.status() == Some(407);
+            is(e, Obstacle::Refused) || is(e, Obstacle::Unconnected) || is_proxy
+        },
         cause: "no server can be reached at `{address}` from this machine",
         help: "check host and port in the base URL {base}, the connection, the proxy if `HTTPS_PROXY` or `HTTP_PROXY` names one, and that the server listens on more than its own 127.0.0.1 (often `--host 0.0.0.0`)",
     },
@@ -64,7 +67,7 @@ const CAUSES: &[Cause] = &[
     Cause {
         applies: |e| e.fault == Fault::NotAuthorised && e.settings.key.is_none(),
         cause: "no key was sent, since {no_key}",
-        help: "set a key in the environment or the file of keys: `export NAME=…`; a file of facts (`--models FILE`) may give the provider another name, `key_env = [\"NAME\"]`",
+        help: "set it in the environment or the file of keys, `export {name}=…`; a file of facts (`--models FILE`) may name it otherwise, `key_env = [\"NAME\"]`",
     },
     Cause {
         applies: |e| e.fault == Fault::NotAuthorised,
@@ -162,6 +165,10 @@ fn filled(text: &str, e: &Exchange<'_>) -> String {
         ("{location}", location(e).unwrap_or_default()),
         ("{model}", settings.model.clone()),
         (
+            "{name}",
+            names.first().map_or("NAME", String::as_str).to_owned(),
+        ),
+        (
             "{no_key}",
             match &names[..] {
                 [] => "this provider has no name for one".to_owned(),
@@ -201,7 +208,8 @@ fn authority(e: &Exchange<'_>) -> String {
 fn base_url(e: &Exchange<'_>) -> String {
     let base = e.settings.base_url.to_string();
     let usual = e.settings.base_url.usual(e.settings.wire);
-    if base.trim_end_matches('/') == usual {
+    // A bare host gets the usual version.
+    if usual.starts_with(base.trim_end_matches('/')) {
         format!("`{base}`")
     } else {
         format!("`{base}` (most servers have theirs at `{usual}`)")

@@ -111,14 +111,16 @@ impl Exchange<'_> {
         let status = received.incoming.status;
         let reason = StatusCode::from_u16(status).ok();
         let reason = reason.and_then(|status| status.canonical_reason());
-        let status = format!("HTTP {status} {}", reason.unwrap_or_default());
+        let reason = reason.unwrap_or_default();
+        let status = format!("HTTP {status} {reason}");
         let status = status.trim_end();
+        let repeats = |text: &str| text.is_empty() || text.eq_ignore_ascii_case(reason);
         match problem {
             Some(problem) if *problem == error.words() => {
                 format!("{status} with an error in it: {problem}")
             }
             Some(problem) => format!("{status}, but {problem}"),
-            None if error.message.is_empty() => status.to_owned(),
+            None if repeats(&error.message) => status.to_owned(),
             None => format!("{status}: {}", error.message),
         }
     }

@@ -239,6 +239,7 @@ fn message(trial: &mut Trial, port: u16) -> String {
 
 fn trial(base: &str) -> Trial {
     let mut trial = Trial::of(base);
+    trial.settings.base_url = BaseUrl::parse(base).unwrap();
     trial.settings.key_names = vec!["A_KEY".to_owned()];
     trial
 }
