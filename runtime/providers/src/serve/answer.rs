@@ -1,15 +1,15 @@
 //! An answer before it has a format: what it says, where it ends, and its token counts.
 
 use super::format::Format;
-use crate::catalogue::{ImageTokens, Patches, tokens};
+use crate::catalogue::{ImageTokens, tokens};
 use fab_model::calls::Usage;
 use fab_model::{Reply, Request};
 
 /// How the tokens of a picture are estimated, since a stand-in has none: as for the GPT-6 models.
-const PICTURE: ImageTokens = ImageTokens::Patches(Patches {
+const PICTURE: ImageTokens = ImageTokens::Patches {
     side_px: 32,
     percent: 120,
-});
+};
 /// The letters of a piece of a streamed answer: about four tokens.
 const PIECE_LETTERS: usize = 16;
 /// The most letters of an answer that a refusal quotes.
