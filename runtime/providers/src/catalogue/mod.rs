@@ -272,10 +272,12 @@ impl Catalogue {
         })
     }
 
-    /// Lists the models of all entries that hold at a provider, or of all.
+    /// Lists the models of all entries that hold at a provider, or of all; open weights come last.
     pub fn listed(&self, wanted: Option<&Provider>) -> Vec<Listed> {
+        let mut heads: Vec<&Head> = self.entries.iter().map(|entry| &entry.head).collect();
+        heads.sort_by_key(|head| head.provider.is_none());
         let mut listed: Vec<Listed> = Vec::new();
-        for Entry { head, .. } in &self.entries {
+        for head in heads {
             let owner = head.provider.as_deref();
             if let (Some(wanted), Some(owner)) = (wanted, owner)
                 && wanted.owner() != owner

@@ -481,7 +481,7 @@ fn every_character_is_found_out_and_its_entry_is_used_when_pasted() {
         assert_eq!(pasted.facts, expected, "{name}:\n{toml}");
         let vllm = catalogue.provider("vllm").expect("known");
         let listed = catalogue.listed(Some(vllm));
-        let source = &listed.last().expect("pasted").sources[0];
+        let source = &listed.first().expect("pasted").sources[0];
         assert_eq!(source.source.as_deref(), Some("fabc probe"));
     }
 }
