@@ -46,11 +46,11 @@ super::verbs! {
     Calibrate(calibrate::CalibrateArguments),
     /// Checks an arm's settings, and recovers the arm after a run.
     Robot(robot::RobotArguments),
-    /// Lists what is known of models: prices, pictures, coordinates, shutdown dates, each with its date.
+    /// Lists what is known of models: prices, pictures, coordinates, each with its date.
     Models(models::ModelsArguments),
     /// Checks the setup: what works, what is missing, and how to install it.
     Doctor(doctor::DoctorArguments),
-    /// Finds out how a model states positions in a picture, and what its interface takes.
+    /// Finds out how a model states positions in a picture, and what its interface refuses.
     Probe(probe::ProbeArguments),
     /// Works on the cloth simulator itself: replays, speed, starts, pictures, meshes.
     Sim(sim::SimArguments),

@@ -392,7 +392,7 @@ fn an_estimate_counts_rollouts_in_varied_worlds_even_if_they_show_no_cloth() {
         let said = finish(fabc(folder.path()).args(arguments.split(' ')));
         assert_eq!(said.code, 0, "{}", said.stderr);
         let document: Value = serde_json::from_str(&said.stdout).unwrap();
-        document["calls"]["at_most"].as_u64().unwrap()
+        document["at_most"]["calls"].as_u64().unwrap()
     };
     // Each kind of worlds has two starts; the task's mask finds nothing under a camera at 700 mm.
     let two = most_calls("hue_deg = [0, 0]");

@@ -83,7 +83,7 @@ sim render run/step_1/positions.npy --dims 25x25 --up z --depth -o depth.png
 see small.fab --image seen.png --depth depth.png
 demos taught.fab --variant in_context --count 1
 bench suite.toml --out suite
-models openai --on 2026-11-20
+models openai
 doctor
 robot check --robot robot.toml
 sim crumple --dims 10x10 -o starts

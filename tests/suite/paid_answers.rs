@@ -297,7 +297,7 @@ fn a_suite_stops_at_its_cap_and_goes_on_with_a_higher_one() {
     let (code, estimate) = bench(&["--estimate"]);
     assert_eq!((code, provider.calls()), (0, 0));
     assert_eq!(
-        estimate["calls"]["at_least"], 8,
+        estimate["likely"]["calls"], 8,
         "two stages, two starts, two rollouts each"
     );
 

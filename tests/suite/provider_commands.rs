@@ -72,12 +72,8 @@ fn an_estimate_sends_nothing_and_holds_what_the_run_then_costs() {
     let (code, report, said) = run(folder.path(), &provider, &["--omit", "temperature"]);
     assert_eq!(code, 0, "{said}");
     let within = |what: &str, value: u64| {
-        let bounds = &estimate[what];
-        let (least, most) = (bounds["at_least"].as_u64(), bounds["at_most"].as_u64());
-        assert!(
-            least <= Some(value) && Some(value) <= most,
-            "{what}: {value} in {bounds}"
-        );
+        let most = estimate["at_most"][what].as_u64();
+        assert!(Some(value) <= most, "{what}: {value}, at most {most:?}");
     };
     within("calls", report["calls"].as_u64().unwrap());
     within(
@@ -130,7 +126,7 @@ fn an_estimate_needs_no_key_and_says_what_will_be_refused() {
     let said = estimate(&["--omit", "temperature"]);
     assert_eq!(said.code, 0, "{}", said.stderr);
     assert!(
-        said.stdout.contains("calls: 4 to ") && said.stdout.contains(" USD"),
+        said.stdout.starts_with("likely: calls 4, ") && said.stdout.contains("\nat most: calls "),
         "{}",
         said.stdout
     );

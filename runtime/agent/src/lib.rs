@@ -140,7 +140,6 @@ pub mod subgoals;
 pub mod task_files;
 pub mod twins;
 
-pub mod habits;
 pub mod journal;
 pub mod record;
 pub mod sheet;

@@ -1,14 +1,13 @@
 //! Estimates the calls and cost of a run before anything is sent.
 //!
-//! In: the first messages of each stage, how often they may be asked, and the models' known facts. Out: bounds on
-//! calls, tokens and money, and a list of unknowns. The lower bound assumes that every step is taken and answered at
-//! once, and that methods share what they can; a rollout that reaches its goal early or fails asks less. The upper bound counts every question, with all
-//! previous corrections, the longest answers, and [`SAFETY`] times the estimated input; it excludes calls that are
-//! repeated after a network failure. The likely value comes from recorded calls, or else from typical lengths.
+//! In: the first messages of each stage, how often they may be asked, and the models' known facts. Out: what the run
+//! likely takes, a hard bound, and a list of unknowns. The bound counts every question, with all previous corrections,
+//! the longest answers, and [`SAFETY`] times the estimated input; it excludes calls that are repeated after a network
+//! failure. Likely is that every step is taken and answered at once, in [`ANSWER_TOKENS`]. Hidden reasoning is in the
+//! bound alone, since no vendor says how long a model thinks.
 
-use crate::catalogue::{Date, Profile, SAFETY, Tokens, tokens};
-use fab_model::calls::Usage;
-use fab_model::calls::Usd;
+use crate::catalogue::{Date, ImageTokens, Profile, SAFETY, tokens};
+use fab_model::calls::{Usage, Usd};
 use fab_model::{Message, Part};
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -17,76 +16,13 @@ use std::fmt;
 /// Assumed upper limit on the tokens of a correction; those of the shipped tasks have up to 60.
 const CORRECTION_TOKENS: u64 = 200;
 
-/// What calls of a stage usually take.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Typical {
-    /// Questions per step.
-    pub calls_per_step: f64,
-    /// The part of its horizon that a rollout takes.
-    pub steps_share: f64,
-    /// Input tokens of a call; `None`: those of the first question, and of the answers that it quotes.
-    pub input_tokens: Option<f64>,
-    /// Output tokens of a call, hidden ones included.
-    pub output_tokens: f64,
-    /// The recorded calls that say so; 0: typical lengths.
-    pub recorded_calls: u64,
-}
+/// Likely tokens of an answer: the mean of 1533 answers with an action that were written for tests after models' habits,
+/// counted as the likely tokens of a text. 163 answers in words have 43.
+pub const ANSWER_TOKENS: u64 = 56;
 
-impl Typical {
-    /// Mean tokens of an answer that states an action, counted as [`tokens::likely_of_text`] does over 1533 answers
-    /// that were written for tests after models' habits; none hides thoughts.
-    pub const ACTION_TOKENS: f64 = 56.0;
-    /// The same for 163 such answers that state a text.
-    pub const TEXT_TOKENS: f64 = 43.0;
-
-    /// Questions per step of a task that tries a step again if its result misses the subgoal: 28 calls of `geometric`
-    /// for 20 steps and stages of `double_straight` and `double_triangle`, cloths of 28 and 30 particles a side.
-    pub const CALLS_PER_RETRIED_STEP: f64 = 1.4;
-
-    /// Returns typical lengths, for a stage without recorded calls.
-    ///
-    /// - `actions_per_step`: the most actions for a step: one, and its retries.
-    pub fn shipped(answer_tokens: f64, actions_per_step: u32) -> Typical {
-        Typical {
-            calls_per_step: match actions_per_step {
-                0 | 1 => 1.0,
-                _ => Self::CALLS_PER_RETRIED_STEP,
-            },
-            steps_share: 1.0,
-            input_tokens: None,
-            output_tokens: answer_tokens,
-            recorded_calls: 0,
-        }
-    }
-}
-
-/// The rollouts that put a question anew; the others share an answer of another method of their suite.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Fresh {
-    /// At least.
-    pub at_least: u64,
-    /// Likely.
-    pub likely: u64,
-}
-
-impl Fresh {
-    /// Every one of so many rollouts.
-    pub fn all(rollouts: u64) -> Fresh {
-        Fresh {
-            at_least: rollouts,
-            likely: rollouts,
-        }
-    }
-}
-
-/// The questions of a stage that a rehearsal adds to each action.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Rehearsed {
-    /// Further candidates, each with all its attempts.
-    pub candidates: u32,
-    /// Revisions of the best one, each with a picture.
-    pub revisions: u32,
-}
+/// Likely questions for ten steps of a task that tries a step again if its result misses the subgoal: 28 calls of
+/// `geometric` for 20 steps and stages of `double_straight` and `double_triangle`, cloths of 28 and 30 particles a side.
+const CALLS_PER_TEN_RETRIED_STEPS: u64 = 14;
 
 /// A stage and its first messages, as sent in the first step.
 #[derive(Clone, Copy, Debug)]
@@ -101,14 +37,14 @@ pub struct Question<'a> {
     pub schema: Option<&'a serde_json::Value>,
     /// The longest answer that can be seen, tokens, if the task states a limit.
     pub max_tokens: Option<u32>,
-    /// What its calls usually take.
-    pub typical: Typical,
-    /// The rollouts that ask it anew.
-    pub fresh: Fresh,
     /// The hidden tokens allowed on top; no later question repeats them.
     pub hidden_tokens: u32,
-    /// What a rehearsal adds.
-    pub rehearsed: Rehearsed,
+    /// The rollouts that are likely to ask it anew; the others share an answer of another method of their suite.
+    pub fresh: u64,
+    /// Further candidates that a rehearsal asks for, each with all its attempts.
+    pub candidates: u32,
+    /// Revisions of the best candidate, each with a picture.
+    pub revisions: u32,
 }
 
 /// The contents of a correction.
@@ -142,127 +78,104 @@ pub struct Plan<'a> {
 /// The estimated calls and cost of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Estimate {
-    /// Number of calls.
-    pub calls: Bounds<u64>,
-    /// Tokens of all questions; the upper bound is `None` if a part of it is unknown.
-    pub input_tokens: Bounds<u64>,
-    /// Tokens of all answers.
-    pub output_tokens: Bounds<u64>,
-    /// Cost of all calls, billionths of a US dollar.
-    pub cost: Bounds<Usd>,
+    /// What it likely takes.
+    pub likely: Amount,
+    /// What it takes at most.
+    pub at_most: Amount,
     /// The unknowns, in words.
-    pub unknown: Vec<String>,
-    /// The same per stage.
-    pub stages: Vec<StageEstimate>,
+    pub unknown: BTreeSet<String>,
 }
 
-/// Two bounds and a likely value between them, `None` if a part of one is unknown.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Bounds<T> {
-    /// The lower one.
-    pub at_least: Option<T>,
-    /// The likely value.
-    pub likely: Option<T>,
-    /// The upper one.
-    pub at_most: Option<T>,
+/// Calls with their tokens and cost, `None` if a part is unknown.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Amount {
+    /// Number of calls.
+    pub calls: u64,
+    /// Tokens of all questions.
+    pub input_tokens: Option<u64>,
+    /// Tokens of all answers.
+    pub output_tokens: Option<u64>,
+    /// Billionths of a US dollar.
+    pub cost: Option<Usd>,
+}
+
+impl Amount {
+    const NONE: Amount = Amount {
+        calls: 0,
+        input_tokens: Some(0),
+        output_tokens: Some(0),
+        cost: Some(Usd::ZERO),
+    };
+
+    fn plus(self, other: Amount) -> Amount {
+        Amount {
+            calls: self.calls.saturating_add(other.calls),
+            input_tokens: sum(self.input_tokens, other.input_tokens),
+            output_tokens: sum(self.output_tokens, other.output_tokens),
+            cost: self.cost.zip(other.cost).map(|(one, other)| one + other),
+        }
+    }
+
+    /// Sets the cost of the calls at a model's price.
+    fn priced(mut self, profile: &Profile, today: Date) -> Amount {
+        let cost = || {
+            let usage = Usage {
+                input_tokens: self.input_tokens?,
+                output_tokens: self.output_tokens?,
+                ..Usage::default()
+            };
+            Some(profile.price_on(today)?.cost(usage))
+        };
+        self.cost = if profile.is_free() {
+            Some(Usd::ZERO)
+        } else {
+            cost()
+        };
+        self
+    }
 }
 
 impl Estimate {
     /// Sums the estimates of several parts of a run.
     pub fn total(parts: impl IntoIterator<Item = Estimate>) -> Estimate {
-        let (mut stages, mut unknown) = (Vec::new(), BTreeSet::new());
-        for part in parts {
-            stages.extend(part.stages);
-            unknown.extend(part.unknown);
-        }
-        Estimate::of(stages, unknown)
-    }
-
-    fn of(stages: Vec<StageEstimate>, unknown: BTreeSet<String>) -> Estimate {
-        let sum = |part: fn(&StageEstimate) -> Bounds<u64>| {
-            let sum = |bound: fn(Bounds<u64>) -> Option<u64>| {
-                stages
-                    .iter()
-                    .map(|stage| bound(part(stage)))
-                    .try_fold(0, plus)
-            };
-            Bounds {
-                at_least: sum(|it| it.at_least),
-                likely: sum(|it| it.likely),
-                at_most: sum(|it| it.at_most),
+        let nothing = Estimate {
+            likely: Amount::NONE,
+            at_most: Amount::NONE,
+            unknown: BTreeSet::new(),
+        };
+        parts.into_iter().fold(nothing, |mut sum, part| {
+            sum.unknown.extend(part.unknown);
+            Estimate {
+                likely: sum.likely.plus(part.likely),
+                at_most: sum.at_most.plus(part.at_most),
+                unknown: sum.unknown,
             }
-        };
-        let costs = |part: fn(&Bounds<Usd>) -> Option<Usd>| {
-            stages
-                .iter()
-                .map(|stage| part(&stage.cost))
-                .sum::<Option<Usd>>()
-        };
-        Estimate {
-            calls: sum(|stage| stage.calls),
-            input_tokens: sum(|stage| stage.input_tokens),
-            output_tokens: sum(|stage| stage.output_tokens),
-            cost: Bounds {
-                at_least: costs(|cost| cost.at_least),
-                likely: costs(|cost| cost.likely),
-                at_most: costs(|cost| cost.at_most),
-            },
-            unknown: unknown.into_iter().collect(),
-            stages,
-        }
+        })
     }
-}
-
-/// The estimated calls and cost of a stage.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct StageEstimate {
-    /// Its name.
-    pub stage: String,
-    /// `PROVIDER:NAME` of the model.
-    pub model: String,
-    /// Estimated tokens of its first question in a step.
-    pub first_question: Option<Tokens>,
-    /// Number of calls.
-    pub calls: Bounds<u64>,
-    /// Tokens of all its questions.
-    pub input_tokens: Bounds<u64>,
-    /// Tokens of all its answers.
-    pub output_tokens: Bounds<u64>,
-    /// Cost of its calls, billionths of a US dollar.
-    pub cost: Bounds<Usd>,
-    /// What the likely values rest on.
-    pub typical: Typical,
 }
 
 impl Plan<'_> {
     /// Estimates the run.
     pub fn estimate(&self) -> Estimate {
-        let mut unknown = BTreeSet::new();
-        let mut told = Some(0);
-        let mut likely_told = 0.0;
-        let mut stages = Vec::with_capacity(self.questions.len());
-        for question in self.questions {
-            stages.push(self.stage(question, told, likely_told, &mut unknown));
-            likely_told += question.typical.output_tokens;
-            told = add(told, question.max_tokens.map(u64::from));
-        }
-        Estimate::of(stages, unknown)
+        let (mut likely_told, mut most_told) = (0, Some(0));
+        let stages = self.questions.iter().map(|question| {
+            let stage = Estimate {
+                likely: self.likely(question, likely_told),
+                at_most: self.at_most(question, most_told),
+                unknown: self.unknown(question),
+            };
+            likely_told += likely_answer(question);
+            most_told = sum(most_told, question.max_tokens.map(u64::from));
+            stage
+        });
+        Estimate::total(stages)
     }
 
-    /// Estimates one stage; `told` is the most tokens of earlier answers that its question may quote, `likely_told`
-    /// their typical number.
-    fn stage(
-        &self,
-        question: &Question<'_>,
-        told: Option<u64>,
-        likely_told: f64,
-        unknown: &mut BTreeSet<String>,
-    ) -> StageEstimate {
+    fn unknown(&self, question: &Question<'_>) -> BTreeSet<String> {
         let profile = question.profile;
         let model = profile.title();
-        let formula = profile.facts.image_tokens.as_ref();
-        let first = tokens::of_messages(question.messages, formula);
-        if first.is_none() {
+        let mut unknown = BTreeSet::new();
+        if tokens::of_messages(question.messages, formula(question)).is_none() {
             unknown.insert(format!("how many tokens a picture has for {model}"));
         }
         if question.max_tokens.is_none() {
@@ -271,115 +184,87 @@ impl Plan<'_> {
                 question.stage
             ));
         }
-        let price = profile.price_on(self.today);
-        if price.is_none() {
+        if profile.price_on(self.today).is_none() {
             unknown.insert(format!("the price of {model}"));
         }
-        let actions = |rollouts: u64| rollouts.saturating_mul(self.horizon.into());
-        let least_actions = actions(question.fresh.at_least);
-        let most_actions = actions(self.rollouts).saturating_mul(self.actions_per_step.into());
-        let Rehearsed {
-            candidates,
-            revisions,
-        } = question.rehearsed;
-        let calls_of_action = u64::from(self.attempts)
-            .saturating_mul(u64::from(candidates) + 1)
-            .saturating_add(revisions.into());
-        let most_calls = most_actions.saturating_mul(calls_of_action);
-        let typical = question.typical;
-        let likely_actions = actions(question.fresh.likely) as f64;
-        // Recorded calls include those of rehearsals. No other method shares these answers.
-        let likely_more = match typical.recorded_calls {
-            0 => actions(self.rollouts) as f64 * (f64::from(candidates) + f64::from(revisions)),
-            _ => 0.0,
+        unknown
+    }
+
+    fn steps(&self, rollouts: u64) -> u64 {
+        rollouts.saturating_mul(self.horizon.into())
+    }
+
+    /// Returns what a stage likely takes.
+    ///
+    /// - `told`: tokens of earlier answers, which its question may quote.
+    fn likely(&self, question: &Question<'_>, told: u64) -> Amount {
+        let first = self.steps(question.fresh);
+        let asked = if self.actions_per_step > 1 {
+            // Rounded to the nearest.
+            first
+                .saturating_mul(CALLS_PER_TEN_RETRIED_STEPS)
+                .saturating_add(5)
+                / 10
+        } else {
+            first
         };
-        let likely_calls =
-            (likely_actions * typical.calls_per_step + likely_more) * typical.steps_share;
-        let likely_input = typical.input_tokens.or_else(|| {
-            let first = tokens::likely_of_messages(question.messages, formula)?;
-            Some(first + likely_told)
-        });
-        // Rounded, and saturated where a number is too large.
-        let whole = |number: f64| number.round() as u64;
-        let calls = Bounds {
-            at_least: Some(least_actions),
-            likely: Some(whole(likely_calls)),
-            at_most: Some(most_calls),
-        };
-        let input_tokens = Bounds {
-            at_least: first.map(|first| first.at_least.saturating_mul(least_actions)),
-            likely: likely_input.map(|input| whole(input * likely_calls)),
-            at_most: self
-                .most_input(question, first, told, formula)
-                .map(|input| input.saturating_mul(most_actions)),
-        };
-        let output_tokens = Bounds {
-            // An answer has at least one token.
-            at_least: calls.at_least,
-            likely: Some(whole(typical.output_tokens * likely_calls)),
-            at_most: question.max_tokens.map(|visible| {
-                let tokens = u64::from(visible) + u64::from(question.hidden_tokens);
-                tokens.saturating_mul(most_calls)
-            }),
-        };
-        let cost = |input: Option<u64>, output: Option<u64>| {
-            if profile.is_free() {
-                return Some(Usd::ZERO);
-            }
-            let usage = Usage {
-                input_tokens: input?,
-                output_tokens: output?,
-                ..Usage::default()
-            };
-            Some(price?.cost(usage))
-        };
-        StageEstimate {
-            stage: question.stage.to_owned(),
-            model,
-            first_question: first,
+        // No other method shares the answers of a rehearsal.
+        let more = u64::from(question.candidates) + u64::from(question.revisions);
+        let calls = asked.saturating_add(self.steps(self.rollouts).saturating_mul(more));
+        let input = tokens::likely_of_messages(question.messages, formula(question));
+        let amount = Amount {
             calls,
-            input_tokens,
-            output_tokens,
-            cost: Bounds {
-                at_least: cost(input_tokens.at_least, output_tokens.at_least),
-                likely: cost(input_tokens.likely, output_tokens.likely),
-                at_most: cost(input_tokens.at_most, output_tokens.at_most),
-            },
-            typical,
-        }
+            input_tokens: input.map(|input| input.saturating_add(told).saturating_mul(calls)),
+            output_tokens: Some(likely_answer(question).saturating_mul(calls)),
+            cost: None,
+        };
+        amount.priced(question.profile, self.today)
+    }
+
+    /// Returns what a stage takes at most.
+    ///
+    /// - `told`: the most tokens of earlier answers, which its question may quote.
+    fn at_most(&self, question: &Question<'_>, told: Option<u64>) -> Amount {
+        let actions = self.steps(self.rollouts);
+        let actions = actions.saturating_mul(self.actions_per_step.into());
+        let calls_per_action = u64::from(self.attempts)
+            .saturating_mul(u64::from(question.candidates) + 1)
+            .saturating_add(question.revisions.into());
+        let calls = actions.saturating_mul(calls_per_action);
+        let input = self.most_input(question, told);
+        let amount = Amount {
+            calls,
+            input_tokens: input.map(|input| input.saturating_mul(actions)),
+            output_tokens: question.max_tokens.map(|visible| {
+                let tokens = u64::from(visible) + u64::from(question.hidden_tokens);
+                tokens.saturating_mul(calls)
+            }),
+            cost: None,
+        };
+        amount.priced(question.profile, self.today)
     }
 
     /// Returns the most input tokens of all attempts at one action: each question repeats the previous ones with their
     /// answers and corrections.
-    fn most_input(
-        &self,
-        question: &Question<'_>,
-        first: Option<Tokens>,
-        told: Option<u64>,
-        formula: Option<&crate::catalogue::ImageTokens>,
-    ) -> Option<u64> {
-        let Rehearsed {
-            candidates,
-            revisions,
-        } = question.rehearsed;
+    fn most_input(&self, question: &Question<'_>, told: Option<u64>) -> Option<u64> {
+        let formula = formula(question);
         // Revisions go on where a candidate's attempts ended.
-        let attempts = u64::from(self.attempts) + u64::from(revisions);
-        let schema = question
-            .schema
-            .map_or(0, |schema| tokens::of_text(&schema.to_string()));
+        let attempts = u64::from(self.attempts) + u64::from(question.revisions);
+        let schema = question.schema.map(|schema| schema.to_string());
+        // A step that is tried again begins with a remark.
         let remark = if self.actions_per_step > 1 {
             CORRECTION_TOKENS
         } else {
             0
         };
-        let each = first?
+        let each = tokens::of_messages(question.messages, formula)?
             .at_most
             .saturating_add(told?)
-            .saturating_add(schema)
+            .saturating_add(schema.map_or(0, |schema| tokens::of_text(&schema)))
             .saturating_add(remark);
         let mut all = each.saturating_mul(attempts);
         if attempts > 1 {
-            let picture = match (self.correction, revisions) {
+            let picture = match (self.correction, question.revisions) {
                 (Correction::Words, 0) => 0,
                 _ => largest_picture(question.messages, formula)?,
             };
@@ -390,15 +275,21 @@ impl Plan<'_> {
             let repeated = attempts.saturating_mul(attempts - 1) / 2;
             all = all.saturating_add(more.saturating_mul(repeated));
         }
-        let all = all.saturating_mul(u64::from(candidates) + 1);
+        let all = all.saturating_mul(u64::from(question.candidates) + 1);
         Some(all.saturating_mul(SAFETY))
     }
 }
 
-fn largest_picture(
-    messages: &[Message],
-    formula: Option<&crate::catalogue::ImageTokens>,
-) -> Option<u64> {
+fn formula<'a>(question: &Question<'a>) -> Option<&'a ImageTokens> {
+    question.profile.facts.image_tokens.as_ref()
+}
+
+fn likely_answer(question: &Question<'_>) -> u64 {
+    let most = question.max_tokens.map_or(u64::MAX, u64::from);
+    ANSWER_TOKENS.min(most)
+}
+
+fn largest_picture(messages: &[Message], formula: Option<&ImageTokens>) -> Option<u64> {
     let mut parts = messages.iter().flat_map(|message| &message.parts);
     parts.try_fold(0, |largest, part| match part {
         Part::Text(_) => Some(largest),
@@ -406,41 +297,29 @@ fn largest_picture(
     })
 }
 
-fn add(one: Option<u64>, other: Option<u64>) -> Option<u64> {
-    plus(one?, other)
+fn sum(one: Option<u64>, other: Option<u64>) -> Option<u64> {
+    Some(one?.saturating_add(other?))
 }
 
-fn plus(sum: u64, more: Option<u64>) -> Option<u64> {
-    Some(sum.saturating_add(more?))
-}
-
-impl<T: fmt::Display> fmt::Display for Bounds<T> {
+impl fmt::Display for Amount {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let words = |bound: &Option<T>| {
-            let known = bound.as_ref();
-            known.map_or("?".to_owned(), |bound| bound.to_string())
-        };
-        write!(f, "{} to {}", words(&self.at_least), words(&self.at_most))?;
-        let likely = self.likely.as_ref();
-        likely.map_or(Ok(()), |likely| write!(f, ", likely {likely}"))
+        fn or_unknown<T: ToString>(value: Option<T>) -> String {
+            value.map_or("?".to_owned(), |value| value.to_string())
+        }
+        write!(
+            f,
+            "calls {}, input tokens {}, output tokens {}, cost {}",
+            self.calls,
+            or_unknown(self.input_tokens),
+            or_unknown(self.output_tokens),
+            or_unknown(self.cost)
+        )
     }
 }
 
 impl fmt::Display for Estimate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for stage in &self.stages {
-            let first = stage.first_question;
-            let first = first.map_or("?".to_owned(), |first| first.to_string());
-            writeln!(
-                f,
-                "{} ({}): calls {}; about {first} tokens for a first question",
-                stage.stage, stage.model, stage.calls
-            )?;
-        }
-        writeln!(f, "calls: {}", self.calls)?;
-        writeln!(f, "input tokens: {}", self.input_tokens)?;
-        writeln!(f, "output tokens: {}", self.output_tokens)?;
-        write!(f, "cost: {}", self.cost)?;
+        write!(f, "likely: {}\nat most: {}", self.likely, self.at_most)?;
         let mut unknown = self.unknown.iter();
         unknown.try_for_each(|what| write!(f, "\nnot known: {what}"))
     }

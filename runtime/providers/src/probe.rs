@@ -1,28 +1,32 @@
-//! Probes how a model states positions and what its interface takes, before money is spent on rollouts.
+//! Probes how a model states positions, and what its interface refuses, before money is spent on rollouts.
 //!
-//! In: a model, which gets points as its [`Lowering`] says. Out: a [`Probe`]: the pixel distances between dots at known
-//! positions and the positions in the answers, interpreted in the stated convention and in every other one. Pictures
-//! are drawn here, and sent as in rollouts. [`abilities()`] asks about parameters, schema and pictures; [`entry`] writes
-//! the facts that both show.
+//! In: a model, which gets points as its [`Lowering`] says. Out: [`Findings`]: the pixel distances between dots at known
+//! positions and the positions in the answers, interpreted in the stated convention and in every other one; the facts
+//! that they and a few short questions show, also as an entry of a file. Pictures are drawn here, and sent as in
+//! rollouts.
 
+use crate::catalogue::{Date, Facts, PositionFormat, Profile};
 use fab_base::chance::Chance;
-use fab_model::calls::{Calls, Usage, Usd};
+use fab_model::calls::{Calls, Fault};
 use fab_model::lowering::{Lowering, Points, Resize};
 use fab_model::{Message, Model, ModelError, ModelRole, Part, Png, Reasoning, Request, Speaker};
 use fab_picture::png;
 use fab_program::pointing::{CoordinateUnit, Frame, Order};
 use image::{Rgb, RgbImage};
+use interface::Prober;
 use serde::Serialize;
 use std::num::NonZeroU32;
 
-pub mod abilities;
-pub mod entry;
-
+mod interface;
 mod reading;
 #[cfg(test)]
 mod tests;
 
-pub use abilities::{Abilities, MOST_QUESTIONS, Subject, abilities};
+/// The most questions that [`probe`] asks.
+pub const MOST_QUESTIONS: u64 = interface::MOST_QUESTIONS + SIDES_PX.len() as u64;
+
+/// Makes the model as if these facts were known of it.
+pub type Under<'a> = dyn Fn(&Facts) -> Result<Box<dyn Model>, ModelError> + 'a;
 
 /// Names and colours of the dots.
 const DOTS: [(&str, [u8; 3]); 6] = [
@@ -39,77 +43,59 @@ const GROUND: [u8; 3] = [225, 225, 225];
 pub const SIDES_PX: [u32; 2] = [224, 720];
 /// The longest answer, tokens; six lines have about 60, and models that think first need far more.
 const MAX_TOKENS: u32 = 4000;
+/// How much worse than the best the next convention must fit to be ruled out.
+const CLEARLY: f64 = 2.0;
+/// The largest mean error of a model that sees the dots, as a part of the smaller picture's side.
+const MOST_ERROR: f64 = 0.1;
 /// Qwen2.5-VL resizes pictures to multiples of this many pixels, and answers in pixels of the result.
 const MULTIPLES_OF_PX: NonZeroU32 = NonZeroU32::new(28).expect("28 is not 0");
 
-/// A model's answers compared with what was drawn.
+/// What a probe found out.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Probe {
-    /// The model's name.
-    pub model: String,
-    /// The lowering used in the questions.
-    pub asked: Lowering,
-    /// The errors under that lowering; `None` if no answer could be read.
-    pub error: Option<ErrorPx>,
-    /// The errors under every convention tried, best first.
-    pub tried: Vec<Tried>,
-    /// Number of dots drawn.
-    pub dots: usize,
-    /// Number of dots with a position in an answer.
-    pub read: usize,
-    /// Question and answer for each picture.
-    pub pictures: Vec<ProbeAnswer>,
-    /// Total usage as reported by the provider, if any.
-    pub usage: Option<Usage>,
-    /// Total cost, if known.
-    pub cost: Option<Usd>,
-    /// Whether it thinks before it answers; `None`: its answers do not tell.
-    pub reasons: Option<bool>,
+pub struct Findings {
+    /// The facts that were found; others are `None`.
+    pub facts: Facts,
+    /// What was seen besides, or left open, in words.
+    pub notes: Vec<String>,
+    /// How it states positions; `None`: it takes no pictures.
+    pub dots: Option<Dots>,
 }
 
-/// The errors of answers interpreted in one convention.
+/// A model's answers compared with what was drawn.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Dots {
+    /// The lowering used in the questions.
+    pub asked: Lowering,
+    /// The errors under every convention tried, best first; none if no answer could be read.
+    pub tried: Vec<Tried>,
+    /// Number of dots drawn.
+    pub drawn: usize,
+    /// Number of dots with a position in an answer.
+    pub read: usize,
+    /// The answers.
+    pub replies: Vec<String>,
+}
+
+/// How far answers are from the dots if they are read in one convention.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Tried {
     /// The lowering of a model that answers so.
     pub lowering: Lowering,
-    /// The distances.
-    pub error: ErrorPx,
+    /// Mean distance, pixels of the picture before it was resized, that is, the camera's.
+    pub error_px: f64,
 }
 
-/// Distances between dots and answers, pixels of the picture before it was resized, that is, the camera's.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ErrorPx {
-    /// Their mean.
-    pub mean: f64,
-    /// Their median; of an even number, the mean of the middle two.
-    pub median: f64,
-    /// The largest.
-    pub max: f64,
-}
-
-/// One picture, and the model's answer about it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ProbeAnswer {
-    /// Side of the picture before it was resized, pixels.
-    pub side_px: u32,
-    /// Position of each dot in it, column and row.
-    pub dots: Vec<Dot>,
-    /// The answer.
-    pub reply: String,
-}
-
-/// A dot, and the answer about it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Dot {
-    /// Its colour.
-    pub colour: &'static str,
+/// A dot that an answer names.
+struct Named {
+    /// Side of its picture before that was resized, pixels.
+    side_px: u32,
     /// Its middle: column and row.
-    pub at: [u32; 2],
+    at: [u32; 2],
     /// The two numbers of the answer, in order.
-    pub said: Option<[f64; 2]>,
+    stated: [f64; 2],
 }
 
-impl Probe {
+impl Dots {
     /// Returns the best-fitting lowering; `None` if no answer could be read.
     ///
     /// The stated one wins ties.
@@ -119,76 +105,151 @@ impl Probe {
 
     /// Returns whether the stated convention fits better than any other, and each dot was named.
     pub fn agrees(&self) -> bool {
-        self.read == self.dots && self.best() == Some(self.asked)
+        self.read == self.drawn && self.best() == Some(self.asked)
+    }
+
+    /// Returns how the model states positions, if each dot was named and one unit and order fits clearly best.
+    pub fn coordinates(&self) -> Option<PositionFormat> {
+        let best = self.tried.first()?;
+        if self.read < self.drawn || best.error_px > MOST_ERROR * f64::from(SIDES_PX[0]) {
+            return None;
+        }
+        let fits = |tried: &&Tried| tried.error_px < best.error_px.max(0.5) * CLEARLY;
+        let form = |lowering: Lowering| (lowering.unit, lowering.order);
+        let is_same = |tried: &&Tried| form(tried.lowering) == form(best.lowering);
+        let mut others = self.tried.iter().filter(|tried| !is_same(tried));
+        if others.any(|tried| fits(&tried)) {
+            return None;
+        }
+        // Sizes that were hardly changed fit nearly as well: then the picture as sent is assumed.
+        let mut fitting = self.tried.iter().filter(is_same).filter(fits);
+        let is_as_sent = |tried: &Tried| !matches!(tried.lowering.resize, Resize::Multiples { .. });
+        let multiples_of_px = match best.lowering.resize {
+            Resize::Multiples { of_px } if !fitting.any(is_as_sent) => Some(of_px),
+            _ => None,
+        };
+        Some(PositionFormat {
+            unit: best.lowering.unit,
+            order: best.lowering.order,
+            multiples_of_px,
+        })
     }
 }
 
-/// Shows a model dots at seeded positions and compares its answers.
+/// Asks what a model's interface refuses, and shows it dots at seeded positions: up to [`MOST_QUESTIONS`] questions.
 ///
-/// Asks one question for each of [`SIDES_PX`], always for coordinates, even if rollouts use numbered points. Fails if
-/// the model gives no answer to one.
+/// - `under`: makes the model.
+/// - `reasoning`: how much it thinks about the dots.
+///
+/// Fails if a call is not sent, the first question gets no answer, or the model gives none about the dots.
 pub fn probe(
+    profile: &Profile,
+    under: &Under<'_>,
+    seed: u64,
+    reasoning: Option<Reasoning>,
+    calls: &mut dyn Calls,
+) -> Result<Findings, ModelError> {
+    let mut prober = Prober {
+        profile,
+        under,
+        calls,
+        found: Facts::default(),
+        notes: Vec::new(),
+    };
+    prober.run()?;
+    let model = under(&prober.assumed())?;
+    let (mut facts, mut notes) = (prober.found, prober.notes);
+    let dots = match dots(model.as_ref(), seed, reasoning, prober.calls) {
+        Err(ModelError::Failed { fault, why, .. }) if fault == Fault::BadRequest => {
+            facts.vision = Some(false);
+            notes.push(format!("the server refuses pictures: {why}"));
+            None
+        }
+        dots => Some(dots?),
+    };
+    if let Some(dots) = &dots {
+        facts.coordinates = dots.coordinates();
+        if facts.coordinates.is_some() {
+            // A model that says where dots are has seen them.
+            facts.vision = Some(true);
+        } else {
+            let open = "how it states positions is open: no unit and order fits clearly best";
+            notes.push(open.to_owned());
+        }
+    }
+    Ok(Findings { facts, notes, dots })
+}
+
+impl Findings {
+    /// Writes the entry of a file of facts, ready to paste; notes are comments.
+    pub fn toml(&self, profile: &Profile, today: Date) -> String {
+        let facts = toml::Table::try_from(&self.facts);
+        let facts = facts.expect("facts are tables, texts, finite numbers and truth values");
+        let text = |text: &str| toml::Value::from(text);
+        let head = [
+            ("provider", text(&profile.provider.name)),
+            ("id", text(&profile.id)),
+            ("as_of", text(&today.to_string())),
+            ("source", text("fabc probe")),
+        ];
+        let head = head.map(|(name, value)| (name.to_owned(), value));
+        let fields = head.into_iter().chain(facts);
+        let fields = fields.map(|(name, value)| format!("{name} = {value}"));
+        // What a server wrote must not end the comment.
+        let notes = self
+            .notes
+            .iter()
+            .map(|note| note.replace(char::is_control, " "));
+        let lines = std::iter::once("[[model]]".to_owned()).chain(fields);
+        let lines: Vec<String> = lines.chain(notes.map(|note| format!("# {note}"))).collect();
+        lines.join("\n")
+    }
+}
+
+/// Asks one question for each of [`SIDES_PX`], always for coordinates, even if rollouts use numbered points.
+fn dots(
     model: &dyn Model,
     seed: u64,
     reasoning: Option<Reasoning>,
     calls: &mut dyn Calls,
-) -> Result<Probe, ModelError> {
+) -> Result<Dots, ModelError> {
     let asked = Lowering {
         points: Points::Coordinates,
         ..model.lowering()
     };
     let mut chance = Chance::seeded(seed);
-    let mut pictures = Vec::with_capacity(SIDES_PX.len());
-    let (mut usage, mut cost) = (Some(Usage::default()), Some(Usd::ZERO));
-    let mut reasons: Option<bool> = None;
+    let (mut named, mut replies) = (Vec::new(), Vec::new());
     for side_px in SIDES_PX {
         let places = places(side_px, &mut chance);
         let request = Request {
             reasoning,
             ..question(side_px, &places, asked)
         };
-        let reply = model.ask(&request, calls)?;
-        usage = usage.zip(reply.usage).map(|(sum, more)| sum + more);
-        cost = cost.zip(reply.cost).map(|(sum, more)| sum + more);
-        reasons = abilities::reasons(&reply).max(reasons);
-        let said = reading::pairs(&reply.text, &DOTS.map(|(colour, _)| colour));
-        let dots = DOTS.iter().zip(&places).zip(said);
-        pictures.push(ProbeAnswer {
-            side_px,
-            dots: dots
-                .map(|(((colour, _), at), said)| Dot {
-                    colour,
-                    at: *at,
-                    said,
-                })
-                .collect(),
-            reply: reply.text,
-        });
+        let reply = model.ask(&request, calls)?.text;
+        let stated = reading::pairs(&reply, &DOTS.map(|(colour, _)| colour));
+        named.extend(places.into_iter().zip(stated).filter_map(|(at, stated)| {
+            let stated = stated?;
+            Some(Named {
+                side_px,
+                at,
+                stated,
+            })
+        }));
+        replies.push(reply);
     }
-    let mut tried: Vec<Tried> = lowerings(asked)
-        .into_iter()
-        .filter_map(|lowering| {
-            let error = error_of(lowering, asked, &pictures)?;
-            Some(Tried { lowering, error })
-        })
-        .collect();
+    let tried = lowerings(asked).into_iter().map(|lowering| Tried {
+        lowering,
+        error_px: error_px(lowering, asked, &named),
+    });
+    let mut tried: Vec<Tried> = tried.filter(|_| !named.is_empty()).collect();
     // The sort is stable and the stated convention comes first, so it wins ties.
-    tried.sort_by(|one, other| one.error.mean.total_cmp(&other.error.mean));
-    let all = || pictures.iter().flat_map(|picture| &picture.dots);
-    Ok(Probe {
-        model: model.name().to_owned(),
+    tried.sort_by(|one, other| one.error_px.total_cmp(&other.error_px));
+    Ok(Dots {
         asked,
-        error: tried
-            .iter()
-            .find(|it| it.lowering == asked)
-            .map(|it| it.error),
         tried,
-        dots: all().count(),
-        read: all().filter(|dot| dot.said.is_some()).count(),
-        pictures,
-        usage,
-        cost,
-        reasons,
+        drawn: DOTS.len() * SIDES_PX.len(),
+        read: named.len(),
+        replies,
     })
 }
 
@@ -215,40 +276,24 @@ fn lowerings(asked: Lowering) -> Vec<Lowering> {
     lowerings
 }
 
-fn error_of(tried: Lowering, asked: Lowering, pictures: &[ProbeAnswer]) -> Option<ErrorPx> {
-    let mut distances: Vec<f64> = Vec::new();
-    for picture in pictures {
-        let size = [picture.side_px; 2];
+/// Returns the mean distance between dots and answers that are read in a convention.
+fn error_px(tried: Lowering, asked: Lowering, named: &[Named]) -> f64 {
+    let distances = named.iter().map(|dot| {
+        let size = [dot.side_px; 2];
         let frame = Frame {
             // The model got the picture in the stated size, and may have resized it again.
             sent: tried.sent(asked.sent(size)),
             ..*tried.pointing(size).frame()
         };
-        for dot in &picture.dots {
-            let Some([first, second]) = dot.said else {
-                continue;
-            };
-            let [x, y] = match frame.order {
-                Order::Xy => frame.read(first, second),
-                Order::Yx => frame.read(second, first),
-            };
-            let [column, row] = dot.at.map(|at| f64::from(at) + 0.5);
-            distances.push((x - column).hypot(y - row));
-        }
-    }
-    distances.sort_by(f64::total_cmp);
-    let middle = distances.len() / 2;
-    let max = *distances.last()?;
-    let median = if distances.len().is_multiple_of(2) {
-        (distances[middle - 1] + distances[middle]) / 2.0
-    } else {
-        distances[middle]
-    };
-    Some(ErrorPx {
-        mean: distances.iter().sum::<f64>() / distances.len() as f64,
-        median,
-        max,
-    })
+        let [first, second] = dot.stated;
+        let [x, y] = match frame.order {
+            Order::Xy => frame.read(first, second),
+            Order::Yx => frame.read(second, first),
+        };
+        let [column, row] = dot.at.map(|at| f64::from(at) + 0.5);
+        (x - column).hypot(y - row)
+    });
+    distances.sum::<f64>() / named.len() as f64
 }
 
 /// Draws a position for each dot: clear of the edges and of each other.

@@ -31,7 +31,7 @@ use fab_bench::{Answers, Bench, Entry, OtherWorld, first_questions_of, rows};
 use fab_model::calls::Budget;
 use fab_program::Program;
 use fab_providers::catalogue::Profile;
-use fab_providers::estimate::{Estimate, Fresh};
+use fab_providers::estimate::Estimate;
 use fab_providers::remote::settings::Parameter;
 use fab_world::{About, ExternalWorld, World};
 use prepare::{DecidingBy, named_by};
@@ -297,7 +297,6 @@ fn foresee(
     arguments: &BenchArguments,
     io: &Io,
 ) -> Exit {
-    let recorded = estimate::recorded(arguments.out.as_deref());
     let mut shared = SharedQuestions {
         // Without the cache, every method buys its own answers.
         is_kept: !arguments.model.reach.no_cache,
@@ -321,7 +320,6 @@ fn foresee(
                     .unwrap_or(program.horizon),
                 rollouts: starts * u64::from(entry.repeats),
                 fresh: &shared.add(bench, entry, questions, answering),
-                recorded: &recorded,
             },
             io,
         ))
@@ -338,20 +336,15 @@ struct SharedQuestions {
 }
 
 impl SharedQuestions {
-    /// Adds a method's questions; returns for each how many rollouts ask it anew.
+    /// Adds a method's questions; returns for each how many rollouts are likely to ask it anew.
     fn add(
         &mut self,
         bench: &Bench<'_>,
         entry: &Entry<'_>,
         questions: &[FirstQuestion],
         answering: &Answering,
-    ) -> Vec<Fresh> {
+    ) -> Vec<u64> {
         let starts = bench.tasks[entry.task].starts.len() as u64;
-        let least_starts = match bench.answers {
-            Answers::PerStart => starts,
-            Answers::Shared if self.is_kept => starts.min(1),
-            Answers::Shared => starts,
-        };
         // A question may quote the answers before it, which are the same only if their questions are.
         let mut all_shared = entry.repeats;
         let fresh = questions.iter().map(|FirstQuestion { request, .. }| {
@@ -366,14 +359,11 @@ impl SharedQuestions {
             *before = entry.repeats.max(*before);
             all_shared = all_shared.min(shared);
             // A varied world may look the same at first, and differs after the first action.
-            let likely_shared = match entry.variation.name() {
+            let shared = match entry.variation.name() {
                 None => all_shared,
                 Some(_) => 0,
             };
-            Fresh {
-                at_least: least_starts * u64::from(entry.repeats - shared),
-                likely: starts * u64::from(entry.repeats - likely_shared),
-            }
+            starts * u64::from(entry.repeats - shared)
         });
         fresh.collect()
     }

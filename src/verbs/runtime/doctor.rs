@@ -15,7 +15,6 @@ use fab_providers::catalogue::{Catalogue, KeyNeed, Provider, RunsOn};
 use fab_providers::remote::{BaseUrl, Key, NotListed, Settings, served_models};
 use serde::Serialize;
 use std::fmt::Display;
-use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
@@ -65,19 +64,27 @@ enum Readiness {
 }
 
 impl Finding {
-    fn new(name: &str, state: Readiness, found: impl Display) -> Finding {
+    fn ready(name: &str, found: impl Display) -> Finding {
         Finding {
             name: name.to_owned(),
-            state,
+            state: Ready,
             found: found.to_string(),
             help: None,
         }
     }
 
+    fn broken(name: &str, error: impl Display) -> Finding {
+        Finding {
+            state: Broken,
+            ..Finding::ready(name, error)
+        }
+    }
+
     fn missing(name: &str, found: impl Display, help: impl Display) -> Finding {
         Finding {
+            state: Missing,
             help: Some(help.to_string()),
-            ..Finding::new(name, Missing, found)
+            ..Finding::ready(name, found)
         }
     }
 }
@@ -88,12 +95,10 @@ pub fn run(arguments: &DoctorArguments, io: &Io) -> Result<Exit, Failure> {
     let keys = keys(io);
     let is_broken = keys.state == Broken;
     let mut findings = vec![
-        Finding::new("fabc", Ready, env!("CARGO_PKG_VERSION")),
+        Finding::ready("fabc", env!("CARGO_PKG_VERSION")),
         keypoints(),
-        tags(),
         facts,
         keys,
-        cache(io),
     ];
     // In parallel, so that ten missing servers take no longer than one.
     let providers = catalogue.providers();
@@ -114,20 +119,9 @@ pub fn run(arguments: &DoctorArguments, io: &Io) -> Result<Exit, Failure> {
 
 fn keypoints() -> Finding {
     match fab_vision::detectors() {
-        Ok(whose) => Finding::new("keypoints", Ready, format!("found by {whose}")),
-        Err(error) => Finding::new("keypoints", Broken, error),
+        Ok(whose) => Finding::ready("keypoints", format!("found by {whose}")),
+        Err(error) => Finding::broken("keypoints", error),
     }
-}
-
-fn tags() -> Finding {
-    if cfg!(feature = "tags") {
-        return Finding::new("AprilTags", Ready, "found by this build");
-    }
-    Finding::missing(
-        "AprilTags",
-        "not found by this build; only `fabc calibrate` looks for them",
-        "cargo install --path . --features tags",
-    )
 }
 
 /// Returns the model catalogue; without the user's file if that is unusable.
@@ -135,11 +129,11 @@ fn facts(flag: Option<&Path>, io: &Io) -> (Catalogue, Finding) {
     let name = "facts about models";
     let catalogue = match catalogue::load(flag, io) {
         Ok(catalogue) => catalogue,
-        Err(error) => return (Catalogue::builtin(), Finding::new(name, Broken, error)),
+        Err(error) => return (Catalogue::builtin(), Finding::broken(name, error)),
     };
     let file = catalogue::facts_file(flag, io).filter(UserFile::counts);
     let finding = match file {
-        Some(file) => Finding::new(name, Ready, file.path.display()),
+        Some(file) => Finding::ready(name, file.path.display()),
         None => Finding::missing(
             name,
             "none of yours; the embedded ones are used",
@@ -162,28 +156,9 @@ fn keys(io: &Io) -> Finding {
             ),
         ),
         Some(file) => match Key::names_in(&file.path) {
-            Ok(names) => Finding::new("keys", Ready, format!("{path}: {}", names.join(", "))),
-            Err(error) => Finding::new("keys", Broken, error),
+            Ok(names) => Finding::ready("keys", format!("{path}: {}", names.join(", "))),
+            Err(error) => Finding::broken("keys", error),
         },
-    }
-}
-
-fn cache(io: &Io) -> Finding {
-    let Some(folder) = io.cache_folder() else {
-        return Finding::missing(
-            "cache",
-            "no folder: results are computed anew each time",
-            "name a folder in FABC_CACHE_DIR",
-        );
-    };
-    // A name of this process's own, so that two doctors running at once do not collide.
-    let trial = folder.join(format!("doctor-{}", std::process::id()));
-    let written = fs::create_dir_all(&folder)
-        .and_then(|()| fs::write(&trial, "written by fabc doctor"))
-        .and_then(|()| fs::remove_file(&trial));
-    match written {
-        Ok(()) => Finding::new("cache", Ready, folder.display()),
-        Err(error) => Finding::new("cache", Broken, Failure::unwritable(&folder, error)),
     }
 }
 
@@ -195,7 +170,7 @@ fn look(provider: &Provider, is_broken: bool, io: &Io) -> Finding {
     let key = match remote::key(&provider.key_env, io) {
         Ok(key) => key,
         Err(_) if is_broken => None,
-        Err(error) => return Finding::new(name, Broken, error),
+        Err(error) => return Finding::broken(name, error),
     };
     let with = key.as_ref().map(|key| format!(", key: {}", key.name()));
     let with = with.unwrap_or_default();
@@ -203,15 +178,16 @@ fn look(provider: &Provider, is_broken: bool, io: &Io) -> Finding {
         let found = format!("any server that speaks its interface{with}");
         return Finding::missing(name, found, "name its address with --base-url");
     };
-    if provider.runs_on != Some(RunsOn::Vendor) {
-        return match BaseUrl::parse(base_url) {
-            Ok(base_url) => served(provider, base_url, key, &with),
-            Err(error) => Finding::new(name, Broken, error),
+    if provider.runs_on == Some(RunsOn::Vendor) {
+        return if key.is_none() && provider.key == KeyNeed::Required {
+            Finding::missing(name, "no key", export(provider))
+        } else {
+            Finding::ready(name, format!("{base_url}{with}; not tried"))
         };
     }
-    match (key, provider.key) {
-        (None, KeyNeed::Required) => Finding::missing(name, "no key", export(provider)),
-        _ => Finding::new(name, Ready, format!("{base_url}{with}; not tried")),
+    match BaseUrl::parse(base_url) {
+        Ok(base_url) => served(provider, base_url, key, &with),
+        Err(error) => Finding::broken(name, error),
     }
 }
 
@@ -234,7 +210,7 @@ fn served(provider: &Provider, base_url: BaseUrl, key: Option<Key>, with: &str) 
         ),
         Ok(models) => {
             let found = format!("serves {} at {at}{with}", models.join(", "));
-            Finding::new(name, Ready, found)
+            Finding::ready(name, found)
         }
         Err(NotListed::Unauthorised { status }) => {
             let a = if with.is_empty() { "a" } else { "another" };

@@ -27,7 +27,6 @@ use fab_agent::rollout::{self, Job, RunError};
 use fab_agent::subgoals::{Origin, SubgoalSet};
 use fab_arm::settings::DriverKind;
 use fab_model::calls::ledger;
-use fab_providers::estimate::Fresh;
 use fab_world::WorldError;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -235,8 +234,7 @@ pub fn play(
                 answering,
                 horizon: job.horizon(),
                 rollouts: 1,
-                fresh: &vec![Fresh::all(1); questions.len()],
-                recorded: &estimate::recorded(arguments.out.as_deref()),
+                fresh: &vec![1; questions.len()],
             };
             estimate::say(&estimate::estimate(&asking, io), arguments.json, io);
             return Ok(Exit::Done);

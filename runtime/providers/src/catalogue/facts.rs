@@ -1,9 +1,8 @@
-//! The facts that can be known about a model.
+//! The facts that can be known about a model, as an entry of a file gives them.
 //!
-//! In: an entry of a file. Out: [`Facts`], in which `None` means "unknown". Other modules interpret them for requests,
-//! pictures and prices.
+//! In: TOML. Out: [`Facts`], in which `None` means "unknown". Other modules interpret them for requests, pictures and
+//! prices.
 
-use super::date::Date;
 use super::price::Price;
 use super::tokens::ImageTokens;
 use fab_model::lowering::{Lowering, Resize};
@@ -14,7 +13,8 @@ use std::fmt;
 use std::num::NonZeroU32;
 
 /// The known facts about a model; `None` is unknown, never a default.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Facts {
     /// Whether it takes pictures.
     pub vision: Option<bool>,
@@ -33,22 +33,14 @@ pub struct Facts {
     /// The Chat Completions field for the maximum answer length.
     pub max_tokens_field: Option<MaxTokensField>,
     /// The longest side of a picture that is not downscaled, pixels.
-    pub largest_side_px: Option<u32>,
-    /// The largest picture that is not downscaled, total pixels.
-    pub largest_area_px: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub largest_side_px: Option<NonZeroU32>,
     /// What a picture costs.
     pub image_tokens: Option<ImageTokens>,
     /// How it states positions in a picture.
     pub coordinates: Option<PositionFormat>,
-    /// Token prices, earliest first.
+    /// Token prices, each from its day on.
     pub price: Option<Vec<Price>>,
-    /// When it stops answering, or stopped.
-    pub shutdown: Option<Date>,
-    /// The model that its vendor recommends in its place.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub replaced_by: Option<String>,
-    /// Whether the vendor may put another model behind its id; `None`: inferred from the id.
-    pub moving: Option<bool>,
 }
 
 /// How a model states positions.
@@ -62,7 +54,7 @@ pub struct PositionFormat {
     /// The sides of the picture in whose pixels it answers are multiples of this, those closest to the sent picture's;
     /// `None`: it answers in pixels of the picture as sent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub multiples_of_px: Option<u32>,
+    pub multiples_of_px: Option<NonZeroU32>,
 }
 
 /// The accepted values of a sampling parameter.
@@ -157,11 +149,6 @@ impl fmt::Display for ReasoningKind {
 }
 
 impl ReasoningFacts {
-    /// Returns whether nothing is known.
-    pub fn is_empty(&self) -> bool {
-        *self == ReasoningFacts::default()
-    }
-
     /// Returns these facts, with unknown ones filled in from `other`.
     pub fn or(self, other: &ReasoningFacts) -> ReasoningFacts {
         ReasoningFacts {
@@ -184,62 +171,21 @@ pub enum MaxTokensField {
 }
 
 impl Facts {
-    /// Returns how the model gets points, and a picture size that it has no reason to change; without a known habit,
-    /// pixels of the picture as sent.
+    /// Returns how the model gets points, and a picture size that it has no reason to change; without known
+    /// coordinates, pixels of the picture as sent.
     pub fn lowering(&self) -> Lowering {
-        let within = self.largest_side_px.and_then(NonZeroU32::new);
-        let resize = within.map_or(Resize::Never, |side_px| Resize::Within { side_px });
-        let Some(habit) = self.coordinates else {
-            return Lowering {
-                resize,
-                ..Lowering::PIXELS
-            };
-        };
-        let multiples = habit.multiples_of_px.and_then(NonZeroU32::new);
-        Lowering {
-            unit: habit.unit,
-            order: habit.order,
-            resize: multiples.map_or(resize, |of_px| Resize::Multiples { of_px }),
+        let within = self.largest_side_px;
+        let mut lowering = Lowering {
+            resize: within.map_or(Resize::Never, |side_px| Resize::Within { side_px }),
             ..Lowering::PIXELS
+        };
+        if let Some(coordinates) = self.coordinates {
+            lowering.unit = coordinates.unit;
+            lowering.order = coordinates.order;
+            if let Some(of_px) = coordinates.multiples_of_px {
+                lowering.resize = Resize::Multiples { of_px };
+            }
         }
-    }
-
-    /// Returns what also holds where another server stands before the vendor: not its prices, nor what its interface
-    /// takes.
-    pub fn behind_a_server(&self) -> Facts {
-        Facts {
-            structured_output: None,
-            max_tokens_field: None,
-            price: None,
-            ..self.clone()
-        }
-    }
-
-    /// Returns these facts, with unknown ones filled in from `other`.
-    pub fn or(self, other: &Facts) -> Facts {
-        Facts {
-            vision: self.vision.or(other.vision),
-            several_pictures: self.several_pictures.or(other.several_pictures),
-            structured_output: self.structured_output.or(other.structured_output),
-            temperature: self.temperature.or_else(|| other.temperature.clone()),
-            top_p: self.top_p.or_else(|| other.top_p.clone()),
-            reasoning: match (self.reasoning, &other.reasoning) {
-                (Some(known), Some(other)) => Some(known.or(other)),
-                (known, other) => known.or_else(|| other.clone()),
-            },
-            max_tokens_field: self.max_tokens_field.or(other.max_tokens_field),
-            largest_side_px: self.largest_side_px.or(other.largest_side_px),
-            largest_area_px: self.largest_area_px.or(other.largest_area_px),
-            image_tokens: self.image_tokens.or(other.image_tokens),
-            coordinates: self.coordinates.or(other.coordinates),
-            price: self.price.or_else(|| other.price.clone()),
-            shutdown: self.shutdown.or(other.shutdown),
-            // The replacement belongs to the day.
-            replaced_by: match self.shutdown {
-                Some(_) => self.replaced_by,
-                None => self.replaced_by.or_else(|| other.replaced_by.clone()),
-            },
-            moving: self.moving.or(other.moving),
-        }
+        lowering
     }
 }

@@ -1,15 +1,11 @@
-//! The catalogue of known models and providers.
+//! The catalogue of models and providers.
 //!
-//! In: the embedded `models.toml`, and a user's file of the same form that overrides it. Out: the [`Profile`] of a
-//! `PROVIDER:NAME`, its notices, prices and estimates. Facts without a source are absent, and absent means unknown.
-//! Nothing here sends anything or reads the date.
+//! In: the embedded files of `families/`, and a user's file of the same form that overrides them. Out: the [`Profile`] of a
+//! `PROVIDER:NAME`, and its prices. Each entry of the embedded files states its source; what is absent is unknown, and
+//! never guessed. Nothing here sends anything or reads the date.
 
 mod date;
-mod error;
 mod facts;
-mod file;
-mod names;
-mod notice;
 mod price;
 mod provider;
 #[cfg(test)]
@@ -17,138 +13,229 @@ mod tests;
 pub mod tokens;
 
 pub use date::{Date, NoDate};
-pub use error::CatalogueError;
 pub use facts::{Accepted, Facts, MaxTokensField, PositionFormat, ReasoningFacts, ReasoningKind};
-pub use notice::Notice;
 pub use price::{Price, Priced, SAFETY};
 pub(crate) use provider::is_key_name;
-pub use provider::{KeyNeed, Provider, RunsOn, Source, Wire};
-pub use tokens::{Flat, ImageTokens, Patches, Tiles, Tokens};
+pub use provider::{KeyNeed, Provider, RunsOn, Wire};
+pub use tokens::{ImageTokens, Tokens};
 
-use fab_base::files;
+use fab_base::files::{self, line_of};
 use fab_model::Lowering;
 use fab_program::nearest::{among, nearest};
-use file::{AtLine, Gateway, ModelEntry, ProviderForm, Subject};
-use serde::Serialize;
+use rust_embed::Embed;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::path::Path;
+use toml::{Spanned, Table};
 
-const BUILTIN: &str = include_str!("models.toml");
+/// One file for each family of models, or for providers alone; dropping another into the folder adds it.
+#[derive(Embed)]
+#[folder = "src/catalogue/families/"]
+struct Families;
+
+/// The longest file accepted, bytes.
+const MAX_BYTES: u64 = 1 << 20;
+
+/// What belongs to a vendor's interface, and so is unknown where another server stands before it.
+const OF_THE_INTERFACE: [&str; 3] = ["price", "structured_output", "max_tokens_field"];
+
+/// Why facts cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum CatalogueError {
+    /// The file cannot be read.
+    #[error("cannot read `{file}`: {why}")]
+    Unreadable {
+        /// The file.
+        file: String,
+        /// The system's error.
+        why: String,
+    },
+    /// It is not TOML, or an entry is wrong.
+    #[error("`{file}`, line {line}: {why}")]
+    Wrong {
+        /// The file.
+        file: String,
+        /// Where the fault or the entry with the fault begins, from 1.
+        line: usize,
+        /// What is wrong, and what would be right.
+        why: String,
+    },
+    /// A model name is not in the form PROVIDER:NAME.
+    #[error("`{0}` is not a model; write PROVIDER:NAME, on one line")]
+    NoModel(String),
+    /// There is no such provider.
+    #[error("there is no provider `{name}`{near}; there is {among}", near = meant(near.as_deref()))]
+    NoProvider {
+        /// The requested name.
+        name: String,
+        /// The one that was probably meant.
+        near: Option<String>,
+        /// All providers.
+        among: String,
+    },
+}
 
 /// Everything known about models.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Catalogue {
     providers: Vec<Provider>,
-    models: Vec<ModelEntry>,
-    gateways: Vec<Gateway>,
+    /// In the order in which they were read: later ones override earlier ones.
+    entries: Vec<Entry>,
 }
 
 /// Everything known about one model at one provider.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     /// The provider that offers it.
     pub provider: Provider,
     /// The provider's id for it.
     pub id: String,
-    /// How it was found.
-    pub listed: FactsSource,
     /// The known facts.
     pub facts: Facts,
-    /// Sources of the facts, highest precedence first.
+    /// The most similar id of another entry.
+    pub near: Option<String>,
+    /// Whether its vendor has shut it down.
+    pub is_retired: bool,
+}
+
+/// An entry's models, with all that is known of them.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Listed {
+    /// `PROVIDER:ID`, or `PROVIDER:BEGINNING*` for all ids that begin so; open weights have no provider.
+    pub model: String,
+    /// The facts.
+    pub facts: Facts,
+    /// Their sources, the most specific first.
     pub sources: Vec<Source>,
 }
 
-/// What models have in common whose ids hold the same words.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct Family<'c> {
-    /// The words.
-    pub part: &'c str,
-    /// Other words for the same.
-    pub aliases: &'c [String],
-    /// The vendor; `None`: the weights are open.
-    pub provider: Option<&'c str>,
-    /// The facts.
-    pub facts: &'c Facts,
-    /// Their sources.
-    pub sources: &'c [Source],
+/// A source of facts.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Source {
+    /// When they were gathered.
+    pub as_of: Option<Date>,
+    /// Their origin.
+    pub source: Option<String>,
 }
 
-/// How the facts of a model were found.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum FactsSource {
-    /// An entry has its id.
-    ById,
-    /// An entry has a name that matches the id.
-    ByName(String),
-    /// Family entries match words of its id.
-    ByFamily,
-    /// No entry matches.
-    Not {
-        /// A similar known id.
-        near: Option<String>,
-    },
+/// The structure of a file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    #[serde(default)]
+    provider: Vec<Spanned<Table>>,
+    #[serde(default)]
+    model: Vec<Spanned<Table>>,
+}
+
+/// An entry without its facts.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Head {
+    /// The vendor, or the server; `None`: open weights, which answer alike wherever they are served.
+    provider: Option<String>,
+    /// The only id that the entry is about.
+    id: Option<String>,
+    /// Beginnings of ids that it is about.
+    #[serde(default)]
+    family: Vec<String>,
+    as_of: Option<Date>,
+    source: Option<String>,
+}
+
+#[derive(Clone, Debug)]
+struct Entry {
+    head: Head,
+    /// Facts as written; they were read once.
+    facts: Table,
 }
 
 impl Catalogue {
     /// Returns the catalogue without any user's file.
     pub fn builtin() -> Catalogue {
-        let empty = Catalogue {
-            providers: Vec::new(),
-            models: Vec::new(),
-            gateways: Vec::new(),
-        };
-        empty
-            .overlaid(BUILTIN, "models.toml")
-            .expect("a test reads the embedded facts")
+        let names: BTreeSet<_> = Families::iter().collect();
+        names.iter().fold(Catalogue::default(), |catalogue, name| {
+            let file = Families::get(name).expect("its name was listed");
+            let text = std::str::from_utf8(&file.data).expect("a test reads the embedded facts");
+            let overlaid = catalogue.overlaid(text, name);
+            overlaid.expect("a test reads the embedded facts")
+        })
     }
 
     /// Overrides the catalogue with a file: fields given in an entry replace existing ones, others stay.
     ///
     /// `file` names it in errors.
     pub fn overlaid(mut self, text: &str, file: &str) -> Result<Catalogue, CatalogueError> {
-        let read = file::read(text, file)?;
-        let wrong = |line: usize, why: String| CatalogueError::Entry {
+        let wrong = |offset: usize, why: String| CatalogueError::Wrong {
             file: file.to_owned(),
-            line,
+            line: line_of(text, offset),
             why,
         };
-        for AtLine { line, entry } in read.providers {
-            self.lay_provider(entry).map_err(|why| wrong(line, why))?;
+        // Only the message: an excerpt of the file could show a key.
+        let read: File = toml::from_str(text).map_err(|error| {
+            let start = error.span().map_or(0, |span| span.start);
+            wrong(start, error.message().to_owned())
+        })?;
+        for provider in read.provider {
+            let start = provider.span().start;
+            let result = self.lay_provider(provider.into_inner());
+            result.map_err(|why| wrong(start, why))?;
         }
-        if let Some(lost) = self.providers.iter().find_map(|provider| {
-            let other = provider.models_of.as_ref()?;
-            self.provider(other)
-                .is_err()
-                .then_some((&provider.name, other))
-        }) {
-            let (name, other) = lost;
-            return Err(wrong(
-                1,
-                format!("`{name}` has the models of `{other}`, which is not a provider"),
-            ));
+        for model in read.model {
+            let start = model.span().start;
+            let result = self.lay_model(model.into_inner());
+            result.map_err(|why| wrong(start, why))?;
         }
-        for AtLine { line, entry } in read.models {
-            if let Some(Err(error)) = entry.provider.as_deref().map(|name| self.provider(name)) {
-                return Err(wrong(line, error.to_string()));
-            }
-            self.lay_model(entry);
-        }
-        self.gateways.extend(read.gateways);
         Ok(self)
     }
 
     /// Overrides the catalogue with a file of at most 1 MiB.
     pub fn overlaid_by(self, path: &Path) -> Result<Catalogue, CatalogueError> {
         let name = path.display().to_string();
-        let unreadable = |why: String| CatalogueError::Unreadable {
+        let text = files::read_text(path, MAX_BYTES);
+        let text = text.map_err(|why| CatalogueError::Unreadable {
             file: name.clone(),
             why,
-        };
-        let text = files::read_text(path, file::MAX_BYTES as u64).map_err(unreadable)?;
+        })?;
         self.overlaid(&text, &name)
     }
 
-    /// Returns all providers, in the file's order.
+    fn lay_provider(&mut self, changes: Table) -> Result<(), String> {
+        let name = changes.get("name").and_then(|name| name.as_str());
+        let before = { self.providers.iter() }.position(|it| Some(it.name.as_str()) == name);
+        let mut table = match before {
+            Some(index) => Table::try_from(&self.providers[index]).map_err(|it| it.to_string())?,
+            None => Table::new(),
+        };
+        table.extend(changes);
+        let provider: Provider = from_table(table)?;
+        provider.check()?;
+        match before {
+            Some(index) => self.providers[index] = provider,
+            None => self.providers.push(provider),
+        }
+        Ok(())
+    }
+
+    fn lay_model(&mut self, mut facts: Table) -> Result<(), String> {
+        let names = ["provider", "id", "family", "as_of", "source"];
+        let head = names.map(|name| Some((name.to_owned(), facts.remove(name)?)));
+        let head: Head = from_table(head.into_iter().flatten().collect())?;
+        if head.id.is_none() && head.family.is_empty() {
+            return Err("a model needs `id`, or `family` with the beginnings of ids".to_owned());
+        }
+        if let Some(name) = &head.provider {
+            self.provider(name).map_err(|error| error.to_string())?;
+        } else if head.id.is_some() {
+            return Err("a model with `id` needs `provider`: ids are a provider's".to_owned());
+        }
+        let read: Facts = from_table(facts.clone())?;
+        { read.price.iter().flatten() }.try_for_each(Price::check)?;
+        self.entries.push(Entry { head, facts });
+        Ok(())
+    }
+
+    /// Returns all providers, in the order of their files.
     pub fn providers(&self) -> &[Provider] {
         &self.providers
     }
@@ -164,246 +251,136 @@ impl Catalogue {
         })
     }
 
-    /// Returns the profiles of all models listed with an id or a name, at their first provider.
-    ///
-    /// If only a model's name is known, the name serves as the id.
-    pub fn profiles(&self) -> Vec<Profile> {
-        let listed = self.models.iter().filter_map(|entry| {
-            let provider = self.provider(entry.provider.as_deref()?).ok()?;
-            let (Subject::Id(id) | Subject::Name(id)) = &entry.subject else {
-                return None;
-            };
-            Some(self.profile(provider, id))
-        });
-        listed.collect()
-    }
-
-    /// Returns the model families.
-    pub fn families(&self) -> impl Iterator<Item = Family<'_>> {
-        self.models.iter().filter_map(|entry| match &entry.subject {
-            Subject::Part(part) => Some(Family {
-                part,
-                aliases: &entry.aliases,
-                provider: entry.provider.as_deref(),
-                facts: &entry.facts,
-                sources: &entry.sources,
-            }),
-            Subject::Id(_) | Subject::Name(_) => None,
-        })
-    }
-
-    /// Returns the prefixes of ids that are seen through, with their sources.
-    pub fn gateways(&self) -> impl Iterator<Item = (&[String], &Source)> {
-        let gateways = self.gateways.iter();
-        gateways.map(|gateway| (gateway.prefixes.as_slice(), &gateway.source))
-    }
-
-    /// Finds a model by `PROVIDER:NAME`; for a name without a matching entry nothing is known.
+    /// Finds a model by `PROVIDER:NAME`; for a name that matches no entry nothing is known.
     pub fn find(&self, model: &str) -> Result<Profile, CatalogueError> {
         let no_model = || CatalogueError::NoModel(model.chars().take(80).collect());
         let (provider, id) = model.split_once(':').ok_or_else(no_model)?;
         let provider = self.provider(provider)?;
-        if !(1..=file::MAX_NAME).contains(&id.len()) || id.chars().any(char::is_control) {
+        if id.is_empty() || id.chars().any(char::is_control) {
             return Err(no_model());
         }
-        Ok(self.profile(provider, id))
-    }
-
-    /// Collects what is known about an id at a provider.
-    ///
-    /// A vendor's entries also hold where another server stands before it, but for its interface: a gateway's prefix is
-    /// seen through, and so is a server that passes the vendor's id on.
-    fn profile(&self, provider: &Provider, id: &str) -> Profile {
-        let prefixes: Vec<&str> = self
-            .gateways
-            .iter()
-            .flat_map(|gateway| gateway.prefixes.iter().map(String::as_str))
-            .collect();
-        let bare = names::without_prefixes(id, &prefixes);
-        let entries: Vec<(&ModelEntry, Reach)> = self
-            .models
-            .iter()
-            .filter_map(|entry| Some((entry, self.reach(entry, provider)?)))
-            .collect();
-        let own = own_entries(&entries, id, bare);
-        let mut families: Vec<(&ModelEntry, Reach, usize)> = entries
-            .iter()
-            .filter_map(|(entry, reach)| {
-                let Subject::Part(part) = &entry.subject else {
-                    return None;
-                };
-                let parts = std::iter::once(part).chain(&entry.aliases);
-                let longest = parts
-                    .filter(|part| names::holds(id, part))
-                    .map(String::len)
-                    .max()?;
-                Some((*entry, *reach, longest))
-            })
-            .collect();
-        // More specific families take precedence.
-        families.sort_by_key(|(.., length)| std::cmp::Reverse(*length));
-        let listed = match own.first().map(|(entry, _)| &entry.subject) {
-            Some(Subject::Name(name)) => FactsSource::ByName(name.clone()),
-            Some(_) => FactsSource::ById,
-            None if !families.is_empty() => FactsSource::ByFamily,
-            None => FactsSource::Not {
-                near: nearest(
-                    id,
-                    entries
-                        .iter()
-                        .filter(|(entry, reach)| {
-                            *reach == Reach::Whole && entry.facts.shutdown.is_none()
-                        })
-                        .filter_map(|(entry, _)| entry.id()),
-                )
-                .map(str::to_owned),
-            },
-        };
-        let mut profile = Profile {
+        let (facts, _) = self.known(Some(provider), id);
+        let of_provider = |entry: &&Entry| entry.head.provider.as_deref() == Some(provider.owner());
+        let ids = self.entries.iter().filter(of_provider);
+        let near = nearest(id, ids.filter_map(|entry| entry.head.id.as_deref()));
+        Ok(Profile {
             provider: provider.clone(),
             id: id.to_owned(),
-            listed,
-            facts: Facts::default(),
-            sources: Vec::new(),
-        };
-        let families = families.into_iter().map(|(entry, reach, _)| (entry, reach));
-        for (entry, reach) in own.into_iter().chain(families) {
-            profile.facts = match reach {
-                Reach::Whole => profile.facts.or(&entry.facts),
-                Reach::BehindAServer => profile.facts.or(&entry.facts.behind_a_server()),
+            facts,
+            near: near.filter(|near| *near != id).map(str::to_owned),
+            is_retired: self.provider(provider.owner())?.has_retired(id),
+        })
+    }
+
+    /// Lists the models of all entries that hold at a provider, or of all; open weights come last.
+    pub fn listed(&self, wanted: Option<&Provider>) -> Vec<Listed> {
+        let mut heads: Vec<&Head> = self.entries.iter().map(|entry| &entry.head).collect();
+        heads.sort_by_key(|head| head.provider.is_none());
+        let mut listed: Vec<Listed> = Vec::new();
+        for head in heads {
+            let owner = head.provider.as_deref();
+            if let (Some(wanted), Some(owner)) = (wanted, owner)
+                && wanted.owner() != owner
+            {
+                continue;
+            }
+            let provider = owner.and_then(|owner| wanted.or(self.provider(owner).ok()));
+            let (name, end) = match (&head.id, head.family.first()) {
+                (Some(id), _) => (id.as_str(), ""),
+                (None, family) => (family.map_or("", String::as_str), "*"),
             };
-            let new = entry
-                .sources
-                .iter()
-                .filter(|source| !profile.sources.contains(source));
-            let new: Vec<Source> = new.cloned().collect();
-            profile.sources.extend(new);
-        }
-        profile
-    }
-
-    /// Returns how much of an entry holds at a provider; `None`: nothing.
-    fn reach(&self, entry: &ModelEntry, provider: &Provider) -> Option<Reach> {
-        let Some(owner) = entry.provider.as_deref() else {
-            return Some(Reach::Whole);
-        };
-        if owner == provider.owner() {
-            return Some(Reach::Whole);
-        }
-        let is_vendors = |name: &str| {
-            let provider = self.provider(name).ok();
-            provider.is_some_and(|provider| provider.runs_on == Some(RunsOn::Vendor))
-        };
-        (is_vendors(owner) && !is_vendors(&provider.name)).then_some(Reach::BehindAServer)
-    }
-
-    fn lay_provider(&mut self, form: ProviderForm) -> Result<(), String> {
-        let source = form.source();
-        let known = self
-            .providers
-            .iter_mut()
-            .find(|provider| provider.name == form.name);
-        let Some(provider) = known else {
-            let (Some(wire), Some(key)) = (form.wire, form.key) else {
-                return Err(format!(
-                    "the new provider `{}` needs `wire` and `key`",
-                    form.name
-                ));
-            };
-            self.providers.push(Provider {
-                name: form.name,
-                wire,
-                base_url: form.base_url,
-                key_env: form.key_env.unwrap_or_default(),
-                key,
-                runs_on: form.runs_on,
-                models_of: form.models_of,
-                start: form.start,
-                reasoning: form.reasoning.unwrap_or_default(),
-                sources: vec![source],
-            });
-            return Ok(());
-        };
-        provider.wire = form.wire.unwrap_or(provider.wire);
-        provider.key = form.key.unwrap_or(provider.key);
-        provider.base_url = form.base_url.or(provider.base_url.take());
-        provider.runs_on = form.runs_on.or(provider.runs_on);
-        provider.models_of = form.models_of.or(provider.models_of.take());
-        provider.start = form.start.or(provider.start.take());
-        if let Some(reasoning) = form.reasoning {
-            provider.reasoning = reasoning.or(&provider.reasoning);
-        }
-        if let Some(names) = form.key_env {
-            provider.key_env = names;
-        }
-        provider.sources.insert(0, source);
-        Ok(())
-    }
-
-    fn lay_model(&mut self, entry: ModelEntry) {
-        let is_same = |other: &&mut ModelEntry| {
-            other.provider == entry.provider && other.subject == entry.subject
-        };
-        match self.models.iter_mut().find(is_same) {
-            None => self.models.push(entry),
-            Some(known) => {
-                known.facts = entry.facts.or(&known.facts);
-                known.aliases.extend(entry.aliases);
-                known.sources.splice(..0, entry.sources);
+            let at = provider.map_or(String::new(), |provider| format!("{}:", provider.name));
+            let model = format!("{at}{name}{end}");
+            if listed.iter().all(|it| it.model != model) {
+                let (facts, sources) = self.known(provider, name);
+                listed.push(Listed {
+                    model,
+                    facts,
+                    sources,
+                });
             }
         }
+        listed
     }
-}
 
-impl ModelEntry {
-    fn id(&self) -> Option<&str> {
-        match &self.subject {
-            Subject::Id(id) => Some(id),
-            Subject::Name(_) | Subject::Part(_) => None,
-        }
-    }
-}
-
-/// How much of an entry holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Reach {
-    /// All of it.
-    Whole,
-    /// What does not belong to the vendor's interface.
-    BehindAServer,
-}
-
-/// Returns the entries of one model, most precise first: by its id, by an alias, the longest, or else by its name.
-fn own_entries<'e>(
-    entries: &[(&'e ModelEntry, Reach)],
-    id: &str,
-    bare: &str,
-) -> Vec<(&'e ModelEntry, Reach)> {
-    let fits = |(entry, _): &&(&'e ModelEntry, Reach)| {
-        let aliases = entry.aliases.iter();
-        let longest = aliases.filter(|alias| names::is_alias(bare, alias));
-        longest.map(String::len).max()
-    };
-    let by_id = |id: &str| {
-        entries
-            .iter()
-            .find(move |(entry, _)| entry.id() == Some(id))
-    };
-    let by_alias = entries
-        .iter()
-        .filter(|(entry, _)| !matches!(entry.subject, Subject::Part(_)))
-        .filter(|entry| fits(entry).is_some())
-        .max_by_key(fits);
-    let found = [by_id(id), by_id(bare), by_alias];
-    let mut own: Vec<_> = found.into_iter().flatten().copied().collect();
-    own.dedup_by(|one, other| std::ptr::eq(one.0, other.0));
-    if own.is_empty() {
-        let by_name = entries.iter().find(|(entry, _)| {
-            matches!(&entry.subject, Subject::Name(name) if name == bare || names::spells(bare, name))
+    /// Joins what is known about an id at a provider: the entry with exactly this id counts before families, and among
+    /// these the one with the longest beginning.
+    fn known(&self, provider: Option<&Provider>, id: &str) -> (Facts, Vec<Source>) {
+        let entries = self.entries.iter().filter_map(|entry| {
+            let facts = self.facts_at(entry, provider)?;
+            Some((fit(&entry.head, id)?, &entry.head, facts))
         });
-        own.extend(by_name);
+        let mut entries: Vec<_> = entries.collect();
+        // Stable: of two that fit alike, the later one overrides.
+        entries.sort_by_key(|(fit, ..)| *fit);
+        let (mut facts, mut sources) = (Table::new(), Vec::new());
+        for (_, head, own) in entries {
+            facts.extend(own);
+            let source = Source {
+                as_of: head.as_of,
+                source: head.source.clone(),
+            };
+            if !sources.contains(&source) {
+                sources.insert(0, source);
+            }
+        }
+        let facts = from_table(facts).expect("whole facts were read, and replace each other");
+        (facts, sources)
     }
-    own
+
+    /// Returns an entry's facts as far as they hold at a provider; `None`: not at all.
+    fn facts_at(&self, entry: &Entry, provider: Option<&Provider>) -> Option<Table> {
+        let mut facts = entry.facts.clone();
+        let Some(owner) = entry.head.provider.as_deref() else {
+            return Some(facts);
+        };
+        let provider = provider?;
+        if owner != provider.owner() {
+            let is_vendor = |provider: &Provider| provider.runs_on == Some(RunsOn::Vendor);
+            if is_vendor(provider) || !self.provider(owner).is_ok_and(is_vendor) {
+                return None;
+            }
+            // A server that passes a vendor's model on.
+            facts.retain(|name, _| !OF_THE_INTERFACE.contains(&name));
+        }
+        Some(facts)
+    }
+}
+
+/// Returns how well an entry fits an id; `None`: not at all.
+fn fit(head: &Head, id: &str) -> Option<usize> {
+    // What stands before the last `/` names who serves or packed the model.
+    let last = id.rsplit('/').next().unwrap_or(id);
+    let is_own = |own: &str| own == id || own == last;
+    if head.id.as_deref().is_some_and(is_own) {
+        return Some(usize::MAX);
+    }
+    let last = beginning(last);
+    let family = head.family.iter().map(|family| beginning(family));
+    let fitting = family.filter(|family| last.starts_with(family));
+    fitting.map(|family| family.len()).max()
+}
+
+/// Returns the beginning of an id in lower case, with `-` for each separator.
+fn beginning(id: &str) -> String {
+    let id = id.chars().flat_map(char::to_lowercase);
+    let separated = id.map(|c| {
+        if c.is_alphanumeric() || c == '.' {
+            c
+        } else {
+            '-'
+        }
+    });
+    separated.collect()
+}
+
+fn from_table<T: for<'de> Deserialize<'de>>(table: Table) -> Result<T, String> {
+    let read = table.try_into();
+    read.map_err(|error: toml::de::Error| error.to_string().trim_end().replace('\n', " "))
+}
+
+fn meant(near: Option<&str>) -> String {
+    near.map_or(String::new(), |near| format!(" (did you mean `{near}`?)"))
 }
 
 impl Profile {
@@ -426,5 +403,20 @@ impl Profile {
     /// Returns whether no call is billed, because the user's own machine answers.
     pub fn is_free(&self) -> bool {
         self.provider.runs_on == Some(RunsOn::Own)
+    }
+
+    /// Returns what makes a run with the model likely to fail or to mislead, in words.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if self.is_retired {
+            warnings.push("its vendor has shut it down".to_owned());
+        }
+        if self.facts.coordinates.is_none() {
+            warnings.push(format!(
+                "it is not known how it states positions in a picture{}: `fabc probe` finds out",
+                meant(self.near.as_deref())
+            ));
+        }
+        warnings
     }
 }

@@ -34,7 +34,7 @@ pub struct Price {
 
 impl Price {
     /// The highest plausible price of a million tokens, US dollars.
-    pub const MOST: f64 = 1e6;
+    pub(super) const MOST: f64 = 1e6;
 
     /// The price of zero.
     pub const FREE: Price = Price {
@@ -43,6 +43,20 @@ impl Price {
         cached_input: None,
         output: 0.0,
     };
+
+    /// Returns what is wrong with the price.
+    pub(super) fn check(&self) -> Result<(), String> {
+        let dollars = [Some(self.input), self.cached_input, Some(self.output)];
+        let mut dollars = dollars.into_iter().flatten();
+        // NaN must fail this check.
+        match dollars.find(|dollars| !(0.0..=Price::MOST).contains(dollars)) {
+            Some(wrong) => Err(format!(
+                "the price {wrong} is not from 0 to {} USD per million tokens",
+                Price::MOST
+            )),
+            None => Ok(()),
+        }
+    }
 
     /// Returns the cost of a call.
     ///
@@ -80,9 +94,9 @@ impl Profile {
         if self.is_free() {
             return Some(Price::FREE);
         }
-        let prices = self.facts.price.as_ref()?;
-        let counts = |price: &&Price| price.from.is_none_or(|from| from.days_until(today) >= 0);
-        prices.iter().rfind(counts).copied()
+        let prices = self.facts.price.iter().flatten();
+        let begun = prices.filter(|price| price.from.is_none_or(|from| from <= today));
+        begun.max_by_key(|price| price.from).copied()
     }
 
     /// Fixes the date, so that all calls of a run have the same price.

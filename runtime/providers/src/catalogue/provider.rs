@@ -7,39 +7,50 @@ use super::facts::ReasoningFacts;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// A provider of models.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+/// A provider of models. All fields but the name have defaults: those of a server of one's own that speaks OpenAI's Chat
+/// Completions.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Provider {
     /// The part of `--model PROVIDER:NAME` before the colon.
     pub name: String,
     /// The form of its messages.
+    #[serde(default)]
     pub wire: Wire,
     /// The base of its interface's paths; `None`: the user has to state it.
     pub base_url: Option<String>,
     /// Variable names that may hold its key; the first one found counts.
+    #[serde(default)]
     pub key_env: Vec<String>,
     /// Whether it needs a key.
+    #[serde(default)]
     pub key: KeyNeed,
-    /// Whose machine answers; None: unknown.
+    /// Whose machine answers; `None`: unknown, and prices have to be known.
     pub runs_on: Option<RunsOn>,
     /// Another provider with the same models.
     pub models_of: Option<String>,
     /// The command that starts its server at the known address.
     pub start: Option<String>,
     /// How it takes `reasoning`, unless a model's own facts say otherwise.
-    #[serde(skip_serializing_if = "ReasoningFacts::is_empty")]
+    #[serde(default)]
     pub reasoning: ReasoningFacts,
-    /// Sources of these facts, newest layer first.
-    pub sources: Vec<Source>,
+    /// The ids that no longer answer; one that ends in `*` stands for all that begin so.
+    #[serde(default)]
+    pub retired: Vec<String>,
+    /// When these facts were gathered.
+    pub as_of: Option<Date>,
+    /// Their origin.
+    pub source: Option<String>,
 }
 
 fab_base::named! {
     /// The form of a provider's messages.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
     pub enum Wire {
         /// OpenAI's Responses.
         OpenaiResponses = "openai_responses",
         /// OpenAI's Chat Completions, which many others speak too.
+        #[default]
         OpenaiChat = "openai_chat",
         /// Anthropic's Messages.
         Anthropic = "anthropic",
@@ -56,12 +67,13 @@ impl fmt::Display for Wire {
 }
 
 /// Whether a provider needs a key.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum KeyNeed {
     /// It does not answer without a key.
     Required,
     /// It may be configured to require a key.
+    #[default]
     Optional,
 }
 
@@ -75,15 +87,6 @@ pub enum RunsOn {
     Own,
 }
 
-/// A source of facts.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Source {
-    /// When they were gathered.
-    pub as_of: Date,
-    /// Their origin.
-    pub source: String,
-}
-
 /// Returns whether a name can hold a key: 1 to 60 capital letters, digits and `_`, as for variables.
 pub(crate) fn is_key_name(name: &str) -> bool {
     let is_of_it = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_';
@@ -94,5 +97,32 @@ impl Provider {
     /// Returns the name of the provider whose models it offers: its own, or another's.
     pub fn owner(&self) -> &str {
         self.models_of.as_ref().unwrap_or(&self.name)
+    }
+
+    /// Returns whether a model no longer answers.
+    pub(super) fn has_retired(&self, id: &str) -> bool {
+        self.retired
+            .iter()
+            .any(|retired| match retired.strip_suffix('*') {
+                Some(beginning) => id.starts_with(beginning),
+                None => id == retired,
+            })
+    }
+
+    /// Returns what is wrong with an address or a variable's name. Neither is repeated: it may be a key, put there by
+    /// mistake.
+    pub(super) fn check(&self) -> Result<(), &'static str> {
+        let holds_more = |url: &String| url.contains(['@', '?', '#']);
+        if self.base_url.as_ref().is_some_and(holds_more) {
+            return Err(
+                "`base_url` holds `@`, `?` or `#`; it is an address alone, and a key has no place in it",
+            );
+        }
+        if !self.key_env.iter().all(|name| is_key_name(name)) {
+            return Err(
+                "`key_env` lists names of variables, such as `OPENAI_API_KEY`, and never keys",
+            );
+        }
+        Ok(())
     }
 }

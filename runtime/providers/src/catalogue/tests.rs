@@ -1,7 +1,8 @@
-//! Tests of the catalogue: lookup, merging, rejection, notices and prices.
+//! Tests of the catalogue: the embedded facts, which entries an id gets, warnings and days.
 
 mod files;
 mod money;
+mod tokens;
 
 use super::*;
 
@@ -18,31 +19,20 @@ fn the_embedded_facts_are_read_and_every_entry_has_a_source() {
     let catalogue = Catalogue::builtin();
     assert_eq!(catalogue.providers().len(), 10);
     for provider in catalogue.providers() {
-        assert!(!provider.sources.is_empty(), "{}", provider.name);
-    }
-    let gathered = ["2026-11-20", "2026-11-24", "2026-11-25"].map(date);
-    for profile in catalogue.profiles() {
         assert!(
-            profile
-                .sources
-                .iter()
-                .all(|source| gathered.contains(&source.as_of)),
+            provider.as_of.is_some() && provider.source.is_some(),
             "{}",
-            profile.id
+            provider.name
         );
-        let again = catalogue.find(&profile.title()).expect("its own provider");
-        assert_eq!(again, profile, "a listed model is found by its own title");
-        assert!(!matches!(
-            profile.listed,
-            FactsSource::ByFamily | FactsSource::Not { .. }
-        ));
+    }
+    for Entry { head, .. } in &catalogue.entries {
+        assert!(head.as_of.is_some() && head.source.is_some(), "{head:?}");
     }
 }
 
 #[test]
-fn what_is_listed_is_found_with_all_that_is_known_and_nothing_else() {
+fn an_id_gets_its_own_facts_before_those_of_its_families() {
     let sol = find("openai:gpt-6.2-sol");
-    assert_eq!(sol.listed, FactsSource::ById);
     assert_eq!(
         (sol.facts.vision, sol.facts.structured_output),
         (Some(true), Some(true))
@@ -56,15 +46,23 @@ fn what_is_listed_is_found_with_all_that_is_known_and_nothing_else() {
         sol.facts.max_tokens_field,
         Some(MaxTokensField::MaxCompletionTokens)
     );
-    assert!(sol.facts.coordinates.is_some());
     assert_eq!(sol.lowering(), Lowering::PIXELS);
-    assert_eq!(sol.facts.shutdown, None);
     let terra = find("openai:gpt-6.1-terra");
     assert_eq!(terra.facts.temperature, None, "no source says so");
     assert_eq!(
         find("openai:gpt-5.5-pro").facts.structured_output,
         Some(false),
-        "unlike its family"
+        "the longer beginning counts before `gpt-5`"
+    );
+    assert!(
+        find("openai:gpt-6.2-sol-mini").facts.price.is_none(),
+        "a price is that of one id"
+    );
+    assert!(
+        find("anthropic:claude-opus-5-5-20260901")
+            .facts
+            .price
+            .is_some()
     );
     let chat = find("openai-chat:gpt-6.2-sol");
     assert_eq!(
@@ -95,14 +93,9 @@ fn families_say_how_weights_answer_wherever_they_are_served() {
         ("google:gemini-3.5-flash", "y x, 0-1000"),
         ("anthropic:claude-sonnet-5-5", "x y, pixels"),
         (
-            "compatible:openrouter/qwen/qwen3-vl-8b-instruct",
-            "x y, 0-1000",
-        ),
-        (
             "litellm:hosted_vllm/Qwen/Qwen3-VL-30B-A3B-Thinking-FP8",
             "x y, 0-1000",
         ),
-        ("ollama:qwen3-vl:8b-instruct-q4_K_M", "x y, 0-1000"),
         (
             "ollama:hf.co/unsloth/Qwen3-VL-8B-Instruct-GGUF:Q4_K_M",
             "x y, 0-1000",
@@ -112,10 +105,6 @@ fn families_say_how_weights_answer_wherever_they_are_served() {
         (
             "compatible:accounts/fireworks/models/qwen2p5-vl-7b-instruct",
             "x y, pixels in multiples of 28",
-        ),
-        (
-            "litellm:bedrock/us.anthropic.claude-sonnet-5-5",
-            "x y, pixels",
         ),
         ("litellm:vertex_ai/gemini-3.5-flash", "y x, 0-1000"),
         ("compatible:openai/gpt-4o-2024-11-20", "x y, pixels"),
@@ -135,6 +124,10 @@ fn families_say_how_weights_answer_wherever_they_are_served() {
         ("vllm:ByteDance-Seed/UI-TARS-1.5-7B", Some(true), None),
         ("lmstudio:qwen/qwen3-vl-4b", Some(true), Some(49)),
         ("lmstudio:qwen3-4b", None, None),
+        ("openai:gpt-4o-2024-08-06", Some(true), Some(255)),
+        ("openai:gpt-4o-mini", Some(true), None),
+        ("google:gemini-3.5-flash", Some(true), Some(1065)),
+        ("google:gemini-4-argon", Some(true), None),
     ] {
         let facts = find(model).facts;
         let tokens = facts
@@ -143,104 +136,104 @@ fn families_say_how_weights_answer_wherever_they_are_served() {
         assert_eq!((facts.vision, tokens), (vision, side_224), "{model}");
     }
     assert_eq!(find("vllm:allenai/Molmo2-8B").facts.coordinates, None);
-    let flash = find("google:gemini-3.5-flash");
-    assert_eq!(flash.listed, FactsSource::ByFamily);
-    assert!(flash.facts.image_tokens.is_some() && flash.facts.price.is_none());
+}
+
+#[test]
+fn every_entry_is_listed_once_with_all_that_holds_of_it() {
+    let catalogue = Catalogue::builtin();
+    let all = catalogue.listed(None);
+    let mut names: Vec<_> = all.iter().map(|listed| &listed.model).collect();
+    names.dedup();
+    assert_eq!(names.len(), all.len(), "{names:?}");
+    let find = |model: &str| {
+        let found = all.iter().find(|listed| listed.model == model);
+        found.unwrap_or_else(|| panic!("no {model} in {names:?}"))
+    };
+    let sol = find("openai:gpt-6.2-sol");
+    assert_eq!(
+        sol.facts,
+        catalogue.find("openai:gpt-6.2-sol").unwrap().facts
+    );
+    assert_eq!(sol.sources.len(), 2, "its own and its family's day are one");
+    assert_eq!(find("qwen3-vl*").sources.len(), 2);
+    let chat = catalogue.provider("openai-chat").expect("known");
+    let chat = catalogue.listed(Some(chat));
     assert!(
-        find("google:gemini-4-argon").facts.image_tokens.is_none(),
-        "told of 3.x alone"
+        chat.iter()
+            .any(|listed| listed.model == "openai-chat:gpt-6.2-sol")
     );
+    assert!(!chat.iter().any(|listed| listed.model.contains("claude")));
 }
 
 #[test]
-fn dated_and_older_ids_are_found_by_alias_and_no_further() {
-    for model in [
-        "openai:gpt-4",
-        "openai:gpt-4-0613",
-        "openai:gpt-4-1106-preview",
-        "openai:gpt-3.5-turbo-0125",
-    ] {
-        assert_eq!(
-            find(model).facts.shutdown,
-            Some(date("2026-10-23")),
-            "{model}"
-        );
-    }
-    for (model, on, instead) in [
-        ("openai:gpt-4-vision-preview", "2024-12-06", None),
-        ("openai:gpt-4-0613", "2026-10-23", Some("gpt-5.6-sol")),
-        ("openai:gpt-3.5-turbo", "2026-10-23", Some("gpt-5.6-terra")),
-        ("openai:gpt-5", "2026-12-11", Some("gpt-6.1-sol")),
-        ("openai:o3", "2026-12-11", Some("gpt-5.6-sol")),
-        ("openai:gpt-4o", "2027-01-14", Some("gpt-6-luna")),
-        ("openai:gpt-4.1-mini", "2027-01-14", Some("gpt-6-luna")),
-        ("openrouter:openai/gpt-4o", "2027-01-14", Some("gpt-6-luna")),
-        ("anthropic:claude-sonnet-4-5", "2026-11-30", None),
-        (
-            "anthropic:claude-opus-4-20250514",
-            "2026-06-15",
-            Some("claude-opus-4-8"),
-        ),
-        (
-            "openrouter:anthropic/claude-sonnet-4-20250514",
-            "2026-06-15",
-            Some("claude-sonnet-4-6"),
-        ),
-        (
-            "anthropic:claude-3-haiku-20240307",
-            "2026-04-20",
-            Some("claude-haiku-4-5-20251001"),
-        ),
-        ("anthropic:claude-opus-4-1-20250805", "2026-08-05", None),
-        ("anthropic:claude-2.1", "2025-07-21", None),
-    ] {
-        let model = model.replace("openrouter:", "compatible:openrouter/");
-        let facts = find(&model).facts;
-        assert_eq!(facts.shutdown, Some(date(on)), "{model}");
-        assert_eq!(facts.replaced_by.as_deref(), instead, "{model}");
-    }
-    let dated = find("openai:gpt-4o-2024-08-06");
-    assert!(dated.facts.image_tokens.is_some() && dated.facts.shutdown.is_some());
+fn a_similar_id_is_named_and_a_wrong_provider_is_refused() {
+    let near = |model: &str| find(model).near;
     assert_eq!(
-        find("openai:gpt-4o-2025-01-01").facts.shutdown,
-        None,
-        "no source names it"
+        near("google:gemni-4-argon").as_deref(),
+        Some("gemini-4-argon")
     );
-}
-
-#[test]
-fn of_an_unlisted_model_nothing_is_known_but_what_it_may_have_been() {
-    let unlisted = find("anthropic:sonnet");
-    assert_eq!(unlisted.facts, Facts::default());
-    assert_eq!(unlisted.listed, FactsSource::Not { near: None });
-    let misspelt = find("google:gemni-4-argon");
-    assert_eq!(
-        misspelt.listed,
-        FactsSource::Not {
-            near: Some("gemini-4-argon".to_owned())
-        }
-    );
-    assert_eq!(
-        find("openai:o4").listed,
-        FactsSource::Not { near: None },
-        "a retired model is not recommended"
-    );
+    assert_eq!(near("anthropic:sonnet"), None);
+    assert_eq!(near("google:gemini-4-argon"), None);
+    assert_eq!(find("anthropic:sonnet").facts, Facts::default());
     let error = Catalogue::builtin()
         .find("opnai:gpt-6.2-sol")
         .expect_err("no such provider");
     assert!(
         error.to_string().starts_with(
-            "there is no provider `opnai` (did you mean `openai`?); there is `openai`"
+            "there is no provider `opnai` (did you mean `openai`?); there is `anthropic`"
         ),
         "{error}"
     );
-    for wrong in [
-        "gpt-6.2-sol",
-        "openai:",
-        "openai:a\nb",
-        &format!("openai:{}", "a".repeat(201)),
-        "",
-    ] {
+    for wrong in ["gpt-6.2-sol", "openai:", "openai:a\nb", ""] {
         assert!(Catalogue::builtin().find(wrong).is_err(), "{wrong:?}");
     }
+}
+
+#[test]
+fn warnings_tell_of_models_that_are_shut_down_and_of_unknown_frames() {
+    let shut_down = "its vendor has shut it down";
+    for model in [
+        "openai:gpt-4-1106-preview",
+        "openai-chat:gpt-3.5-turbo-0125",
+        "anthropic:claude-2.1",
+    ] {
+        let warnings = find(model).warnings();
+        assert_eq!(warnings[0], shut_down, "{model}");
+    }
+    for model in ["openai:gpt-6.2-sol", "openai:gpt-4o", "openai:gpt-4.1"] {
+        assert_eq!(find(model).warnings(), [""; 0], "{model}");
+    }
+    assert_eq!(
+        find("ollama:fabric").warnings(),
+        ["it is not known how it states positions in a picture: `fabc probe` finds out"]
+    );
+}
+
+#[test]
+fn dates_are_days_of_the_calendar_and_written_as_they_are_read() {
+    for text in ["2026-11-20", "2024-02-29", "1970-01-01", "9999-12-31"] {
+        assert_eq!(date(text).to_string(), text);
+    }
+    for text in [
+        "",
+        "2026-11",
+        "2026-13-01",
+        "2026-02-29",
+        "26-11-20",
+        "2026-1-2",
+        "2026-11-20-1",
+        "1969-12-31",
+        "２０２６-11-20",
+    ] {
+        assert!(text.parse::<Date>().is_err(), "{text}");
+    }
+    for (days, expected) in [
+        (0, "1970-01-01"),
+        (11_016, "2000-02-29"),
+        (20_777, "2026-11-20"),
+        (u64::MAX, "9999-12-31"),
+    ] {
+        assert_eq!(Date::from_unix_days(days), date(expected), "{days}");
+    }
+    assert!(date("2026-11-30") < date("2026-12-01"));
 }

@@ -8,6 +8,7 @@ use fab_picture::png;
 pub use fab_program::tokens::of_text;
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use std::iter::Sum;
 use std::ops::Add;
 
 /// A range of token counts; `exactly` makes one with equal bounds.
@@ -40,61 +41,52 @@ impl Add for Tokens {
     }
 }
 
+impl Sum for Tokens {
+    fn sum<I: Iterator<Item = Tokens>>(counts: I) -> Tokens {
+        counts.fold(Tokens::default(), Tokens::add)
+    }
+}
+
 impl fmt::Display for Tokens {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.at_least)?;
-        match self.at_least == self.at_most {
-            true => Ok(()),
-            false => write!(f, "-{}", self.at_most),
+        if self.at_least == self.at_most {
+            write!(f, "{}", self.at_most)
+        } else {
+            write!(f, "{}-{}", self.at_least, self.at_most)
         }
     }
 }
 
 /// How the tokens of a picture are counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ImageTokens {
     /// The number of squares that cover the picture, each `percent` of a token, rounded up in total.
-    Patches(Patches),
+    Patches {
+        /// Side of a square, pixels.
+        side_px: u32,
+        /// Tokens per hundred squares.
+        #[serde(default = "hundred")]
+        percent: u32,
+    },
     /// The number of squares that cover the picture after its short side is scaled, each `each` tokens, plus `base`.
-    Tiles(Tiles),
-    /// Independent of the size.
-    Flat(Flat),
-}
-
-/// Squares that cover a picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Patches {
-    /// Side of a square, pixels.
-    pub side_px: u32,
-    /// Tokens per hundred squares.
-    #[serde(default = "hundred")]
-    pub percent: u32,
-}
-
-/// Squares that cover a scaled picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Tiles {
-    /// Side of a square, pixels.
-    pub side_px: u32,
-    /// Scaled length of the picture's short side, pixels.
-    pub short_side_px: u32,
-    /// Tokens per picture.
-    pub base: u32,
-    /// Tokens per square.
-    pub each: u32,
-}
-
-/// A number of tokens independent of the size.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Flat {
-    /// The lowest observed number.
-    pub at_least: u32,
-    /// The highest.
-    pub at_most: u32,
+    Tiles {
+        /// Side of a square, pixels.
+        side_px: u32,
+        /// Scaled length of the picture's short side, pixels.
+        short_side_px: u32,
+        /// Tokens per picture.
+        base: u32,
+        /// Tokens per square.
+        each: u32,
+    },
+    /// Independent of the size: the lowest and the highest observed number.
+    Flat {
+        /// The lowest.
+        at_least: u32,
+        /// The highest.
+        at_most: u32,
+    },
 }
 
 fn hundred() -> u32 {
@@ -112,16 +104,16 @@ impl ImageTokens {
         };
         let (width, height) = (u64::from(width), u64::from(height));
         match *self {
-            ImageTokens::Patches(Patches { side_px, percent }) => {
+            ImageTokens::Patches { side_px, percent } => {
                 let patches = squares(width, height, side_px);
                 Tokens::exactly(patches.saturating_mul(percent.into()).div_ceil(100))
             }
-            ImageTokens::Tiles(Tiles {
+            ImageTokens::Tiles {
                 side_px,
                 short_side_px,
                 base,
                 each,
-            }) => {
+            } => {
                 let short = width.min(height).max(1);
                 let fit = |side: u64| (side * u64::from(short_side_px)).div_ceil(short);
                 let count = |width, height| {
@@ -140,7 +132,7 @@ impl ImageTokens {
                     },
                 }
             }
-            ImageTokens::Flat(Flat { at_least, at_most }) => Tokens {
+            ImageTokens::Flat { at_least, at_most } => Tokens {
                 at_least: at_least.into(),
                 at_most: at_most.into(),
             },
@@ -156,18 +148,34 @@ pub(crate) fn of_picture(png: &Png, formula: Option<&ImageTokens>) -> Option<Tok
 
 /// Estimates the tokens of a conversation; `None` if it has pictures with unknown tokens.
 pub fn of_messages(messages: &[Message], formula: Option<&ImageTokens>) -> Option<Tokens> {
+    sum(messages, formula, of_text)
+}
+
+/// Estimates the likely tokens of a conversation, without a margin; `None` if it has pictures with unknown tokens.
+pub(crate) fn likely_of_messages(
+    messages: &[Message],
+    formula: Option<&ImageTokens>,
+) -> Option<u64> {
+    let tokens = sum(messages, formula, likely_of_text)?;
+    Some(tokens.at_least.midpoint(tokens.at_most))
+}
+
+fn sum(
+    messages: &[Message],
+    formula: Option<&ImageTokens>,
+    of_text: fn(&str) -> u64,
+) -> Option<Tokens> {
     let parts = messages.iter().flat_map(|message| &message.parts);
-    parts
-        .map(|part| match part {
-            Part::Text(text) => Some(Tokens::exactly(of_text(text))),
-            Part::Image(png) => of_picture(png, formula),
-        })
-        .try_fold(Tokens::default(), |sum, tokens| Some(sum + tokens?))
+    let tokens = parts.map(|part| match part {
+        Part::Text(text) => Some(Tokens::exactly(of_text(text))),
+        Part::Image(png) => of_picture(png, formula),
+    });
+    tokens.sum()
 }
 
 /// Estimates the likely tokens of a text: words in pieces of seven letters, numbers in pieces of three digits, and each
 /// sign. Lists of points come out two to three times longer than by their letters alone.
-pub fn likely_of_text(text: &str) -> u64 {
+pub(super) fn likely_of_text(text: &str) -> u64 {
     let (mut tokens, mut run) = (0_u64, 0_u64);
     let mut last = None;
     for c in text.chars() {
@@ -188,113 +196,4 @@ pub fn likely_of_text(text: &str) -> u64 {
         last = kind;
     }
     tokens
-}
-
-/// Estimates the likely tokens of messages; `None` if they have pictures with unknown tokens.
-pub fn likely_of_messages(messages: &[Message], formula: Option<&ImageTokens>) -> Option<f64> {
-    let parts = messages.iter().flat_map(|message| &message.parts);
-    parts
-        .map(|part| match part {
-            Part::Text(text) => Some(likely_of_text(text) as f64),
-            Part::Image(png) => {
-                let tokens = of_picture(png, formula)?;
-                Some((tokens.at_least as f64 + tokens.at_most as f64) / 2.0)
-            }
-        })
-        .sum()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use fab_model::Speaker;
-
-    const GPT_6: ImageTokens = ImageTokens::Patches(Patches {
-        side_px: 32,
-        percent: 120,
-    });
-    const CLAUDE: ImageTokens = ImageTokens::Patches(Patches {
-        side_px: 28,
-        percent: 100,
-    });
-    const GPT_4O: ImageTokens = ImageTokens::Tiles(Tiles {
-        side_px: 512,
-        short_side_px: 768,
-        base: 85,
-        each: 170,
-    });
-
-    #[test]
-    fn pictures_have_the_tokens_that_the_vendors_formulas_give() {
-        // The first two figures come from the vendor's own page.
-        assert_eq!(GPT_6.of(224, 224), Tokens::exactly(59));
-        assert_eq!(GPT_6.of(720, 720), Tokens::exactly(635));
-        assert_eq!(CLAUDE.of(224, 224), Tokens::exactly(64));
-        assert_eq!(CLAUDE.of(720, 720), Tokens::exactly(676));
-        let flat = ImageTokens::Flat(Flat {
-            at_least: 1065,
-            at_most: 1101,
-        });
-        for side in [1, 224, 4096] {
-            let tokens = flat.of(side, side);
-            assert_eq!((tokens.at_least, tokens.at_most), (1065, 1101));
-        }
-    }
-
-    #[test]
-    fn tiles_are_counted_after_the_short_side_fits() {
-        // 720 pixels are two tiles a side, enlarged or not; 224 are one, or two when enlarged.
-        assert_eq!(GPT_4O.of(720, 720), Tokens::exactly(85 + 4 * 170));
-        let small = GPT_4O.of(224, 224);
-        assert_eq!((small.at_least, small.at_most), (85 + 170, 85 + 4 * 170));
-        // 1536 by 3072 becomes 768 by 1536: 2 by 3 tiles.
-        assert_eq!(GPT_4O.of(1536, 3072), Tokens::exactly(85 + 6 * 170));
-    }
-
-    #[test]
-    fn no_size_and_no_formula_makes_a_count_overflow() {
-        for formula in [GPT_6, CLAUDE, GPT_4O] {
-            for (width, height) in [(0, 0), (0, u32::MAX), (1, u32::MAX), (u32::MAX, u32::MAX)] {
-                let tokens = formula.of(width, height);
-                assert!(
-                    tokens.at_least <= tokens.at_most,
-                    "{formula:?} {width} {height}"
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn likely_tokens_count_words_digits_and_signs() {
-        for (text, expected) in [
-            ("", 0),
-            ("fold", 1),
-            ("counter-clockwise", 4),
-            ("(123, 45)", 5),
-            ("1234567", 3),
-            ("  a \n b", 2),
-        ] {
-            assert_eq!(likely_of_text(text), expected, "{text}");
-        }
-    }
-
-    #[test]
-    fn a_picture_without_a_formula_or_a_size_makes_the_sum_unknown() {
-        let blank = png::encode(&image::RgbImage::new(224, 224));
-        let shown = |bytes: Vec<u8>| {
-            let mut message = Message::text(Speaker::User, "fold");
-            message.parts.push(Part::Image(Png::new(bytes)));
-            [message]
-        };
-        assert_eq!(
-            of_messages(&shown(blank.clone()), Some(&GPT_6)),
-            Some(Tokens::exactly(60))
-        );
-        assert_eq!(of_messages(&shown(blank), None), None);
-        assert_eq!(of_messages(&shown(vec![7; 99]), Some(&GPT_6)), None);
-        assert_eq!(
-            of_messages(&[Message::text(Speaker::User, "fold")], None),
-            Some(Tokens::exactly(1))
-        );
-    }
 }

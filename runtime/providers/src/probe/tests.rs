@@ -1,9 +1,11 @@
 //! Tests with scripted models that see the dots well and answer in their own convention.
 
+use super::reading::pairs;
 use super::*;
-use crate::catalogue::{Accepted, Catalogue, Facts, MaxTokensField, PositionFormat, Wire};
-use fab_model::calls::{Fault, Unrecorded};
+use crate::catalogue::{Accepted, Catalogue, MaxTokensField};
+use fab_model::calls::Unrecorded;
 use fab_model::{ModelKind, Reply};
+use proptest::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -76,16 +78,7 @@ impl Model for Seeing {
                 (self.form)(name, self.numbers(part, got))
             })
             .collect();
-        Ok(Reply {
-            text: lines.join("\n"),
-            usage: Some(Usage {
-                input_tokens: 100,
-                cached_input_tokens: 0,
-                output_tokens: 10,
-                ..Usage::default()
-            }),
-            cost: None,
-        })
+        Ok(Reply::text(lines.join("\n")))
     }
 }
 
@@ -108,9 +101,9 @@ fn multiples() -> Resize {
     }
 }
 
-fn found(told: Lowering, says: Lowering) -> Probe {
+fn found(told: Lowering, says: Lowering) -> Dots {
     let form = plain;
-    probe(&Seeing { told, says, form }, 7, None, &mut Unrecorded).expect("it answers")
+    dots(&Seeing { told, says, form }, 7, None, &mut Unrecorded).expect("it answers")
 }
 
 #[test]
@@ -125,10 +118,10 @@ fn the_way_in_which_a_model_answers_is_found_whichever_was_asked_for() {
         for told in [Lowering::PIXELS, says] {
             let found = found(told, says);
             assert_eq!(found.best(), Some(says), "asked for {told}");
-            let error = found.tried[0].error;
-            assert!(error.max < 1.0, "{says}: {error:?}");
+            let error = found.tried[0].error_px;
+            assert!(error < 0.5, "{says}: {error}");
             assert_eq!(found.agrees(), says == told, "{says}, asked for {told}");
-            assert_eq!((found.read, found.dots), (12, 12));
+            assert_eq!((found.read, found.drawn), (12, 12));
         }
     }
 }
@@ -138,7 +131,7 @@ fn a_model_that_gets_pictures_in_its_size_has_no_reason_to_resize_them() {
     let told = lowering(CoordinateUnit::Pixels, Order::Xy, multiples());
     let found = found(told, Lowering::PIXELS);
     assert!(found.agrees(), "{:?}", found.tried);
-    assert!(found.tried[0].error.max < 1.0, "{:?}", found.tried[0]);
+    assert!(found.tried[0].error_px < 0.5, "{:?}", found.tried[0]);
     assert_eq!(found.tried.len(), 8, "no way is tried twice");
 }
 
@@ -153,7 +146,7 @@ fn what_a_model_resizes_is_the_picture_that_it_was_sent() {
     let says = lowering(CoordinateUnit::Pixels, Order::Xy, multiples());
     let found = found(told, says);
     assert_eq!(found.best(), Some(says));
-    assert!(found.tried[0].error.max < 1.0, "{:?}", found.tried[0]);
+    assert!(found.tried[0].error_px < 0.5, "{:?}", found.tried[0]);
 }
 
 #[test]
@@ -198,11 +191,10 @@ fn errors_count_pixels_of_the_cameras_picture_whatever_was_sent() {
     );
     let form = |name: &str, [x, y]: [f64; 2]| plain(name, [x + 1.0, y]);
     let says = Lowering::PIXELS;
-    let found = probe(&Seeing { told, says, form }, 7, None, &mut Unrecorded).expect("it answers");
-    let error = found.error.expect("it was read");
+    let found = dots(&Seeing { told, says, form }, 7, None, &mut Unrecorded).expect("it answers");
+    let error = found.tried[0].error_px;
     // One pixel of the small picture, which is sent unchanged, and of the large one, which is sent at half its size.
-    assert!((error.mean - 1.5).abs() < 0.2, "{error:?}");
-    assert!((error.max - 2.0).abs() < 0.5, "{error:?}");
+    assert!((error - 1.5).abs() < 0.2, "{error}");
 }
 
 #[test]
@@ -215,26 +207,16 @@ fn coordinates_are_asked_for_where_rollouts_ask_for_numbers() {
     assert!(found.agrees() && found.asked == Lowering::PIXELS);
 }
 
-#[test]
-fn an_answer_in_another_frame_is_seen_by_its_error() {
-    let per_mille = lowering(CoordinateUnit::PerMille, Order::Xy, Resize::Never);
-    let found = found(Lowering::PIXELS, per_mille);
-    let error = found.error.expect("it was read");
-    assert!(error.median > 50.0 && error.mean <= error.max, "{error:?}");
-    assert_eq!(found.usage.expect("it was told").input_tokens, 200);
-    assert_eq!(found.cost, None, "an unknown cost stays unknown");
-}
-
-fn in_pixels(form: fn(&str, [f64; 2]) -> String, seed: u64) -> Probe {
+fn in_pixels(form: fn(&str, [f64; 2]) -> String, seed: u64) -> Dots {
     let [told, says] = [Lowering::PIXELS; 2];
-    probe(&Seeing { told, says, form }, seed, None, &mut Unrecorded).expect("it answers")
+    dots(&Seeing { told, says, form }, seed, None, &mut Unrecorded).expect("it answers")
 }
 
 #[test]
 fn an_answer_that_names_no_place_fits_no_frame() {
     let found = in_pixels(|name, _| format!("I see a {name} dot"), 7);
-    assert_eq!((found.best(), found.error, found.read), (None, None, 0));
-    assert!(!found.agrees());
+    assert_eq!((found.best(), found.read), (None, 0));
+    assert!(!found.agrees() && found.coordinates().is_none());
 }
 
 #[test]
@@ -274,13 +256,9 @@ fn dots_lie_apart_and_inside_whatever_the_seed() {
 #[test]
 #[ignore = "long"]
 fn the_same_seed_asks_the_same_and_another_asks_otherwise() {
-    let places = |seed| {
-        let found = in_pixels(plain, seed);
-        let dots = found.pictures.into_iter().flat_map(|picture| picture.dots);
-        dots.map(|dot| dot.at).collect::<Vec<_>>()
-    };
-    assert_eq!(places(3), places(3));
-    assert_ne!(places(3), places(4));
+    let replies = |seed| in_pixels(plain, seed).replies;
+    assert_eq!(replies(3), replies(3));
+    assert_ne!(replies(3), replies(4));
 }
 
 /// How a character takes a JSON Schema.
@@ -296,35 +274,19 @@ enum Schema {
 struct Character {
     says: Lowering,
     thought: &'static str,
-    hidden_tokens: u64,
     temperature: Option<Accepted>,
     schema: Schema,
-    pictures: usize,
+    sees: bool,
     limit: MaxTokensField,
-    known: Facts,
+    /// The fault of every answer.
+    fault: Option<Fault>,
+    asked: Arc<AtomicU64>,
 }
 
 /// A character under assumed facts.
 struct Assumed {
     character: Character,
     facts: Facts,
-}
-
-impl Subject for Character {
-    fn known(&self) -> &Facts {
-        &self.known
-    }
-
-    fn wire(&self) -> Wire {
-        Wire::OpenaiChat
-    }
-
-    fn under(&self, facts: &Facts) -> Result<Arc<dyn Model>, ModelError> {
-        Ok(Arc::new(Assumed {
-            character: self.clone(),
-            facts: facts.clone(),
-        }))
-    }
 }
 
 impl Model for Assumed {
@@ -342,67 +304,42 @@ impl Model for Assumed {
 
     fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {
         let character = &self.character;
-        let pictures = request.messages[0].parts.iter();
-        let pictures = pictures
-            .filter(|part| matches!(part, Part::Image(_)))
-            .count();
+        character.asked.fetch_add(1, Ordering::SeqCst);
+        let shows = request.messages[0].parts.len() > 1;
         let sends_schema = self.facts.structured_output == Some(true) && request.schema.is_some();
         let field = self
             .facts
             .max_tokens_field
             .unwrap_or(MaxTokensField::MaxTokens);
         let takes = |value: f64| {
-            character
-                .temperature
-                .as_ref()
-                .is_none_or(|it| it.takes(value))
+            let accepted = character.temperature.as_ref();
+            accepted.is_none_or(|it| it.takes(value))
         };
         let is_refused = field != character.limit
-            || pictures > character.pictures
+            || shows && !character.sees
             || !request.temperature.is_none_or(takes)
             || sends_schema && character.schema == Schema::Refuses;
-        if is_refused {
+        let refusal = is_refused.then_some(Fault::BadRequest);
+        if let Some(fault) = character.fault.or(refusal) {
             return Err(ModelError::Failed {
                 model: "character".to_owned(),
-                fault: Fault::BadRequest,
+                fault,
                 why: "HTTP 400\nno".to_owned(),
             });
         }
-        let Part::Text(words) = &request.messages[0].parts[0] else {
-            panic!("a question begins with words");
+        let text = if shows {
+            let seeing = Seeing {
+                told: self.lowering(),
+                says: character.says,
+                form: plain,
+            };
+            seeing.ask(request, calls)?.text
+        } else if sends_schema && character.schema == Schema::Follows {
+            r#"{"reason":"a tree","at":"(0, 0)","colour":"green"}"#.to_owned()
+        } else {
+            "Oak".to_owned()
         };
-        let text = match (words, pictures) {
-            (words, _) if words.contains("the word yes") => "yes".to_owned(),
-            (words, _) if words.contains("tree") => match sends_schema {
-                true if character.schema == Schema::Follows => {
-                    r#"{"reason":"a tree","at":"(0, 0)","colour":"green"}"#.to_owned()
-                }
-                _ => "Oak".to_owned(),
-            },
-            (_, 2) => "first: red\nsecond: blue".to_owned(),
-            (words, _) if words.contains("two pictures") => "first: red\nsecond: red".to_owned(),
-            _ => {
-                let told = self.lowering();
-                let seeing = Seeing {
-                    told,
-                    says: character.says,
-                    form: plain,
-                };
-                seeing.ask(request, calls)?.text
-            }
-        };
-        let text = format!("{}{text}", character.thought);
-        let output_tokens = crate::catalogue::tokens::of_text(&text) + character.hidden_tokens;
-        Ok(Reply {
-            usage: Some(Usage {
-                input_tokens: 10,
-                cached_input_tokens: 0,
-                output_tokens,
-                reasoning_tokens: None,
-            }),
-            cost: Some(Usd::from_nano(1)),
-            text,
-        })
+        Ok(Reply::text(format!("{}{text}", character.thought)))
     }
 }
 
@@ -411,102 +348,66 @@ fn easy() -> Character {
     Character {
         says: Lowering::PIXELS,
         thought: "",
-        hidden_tokens: 0,
         temperature: None,
         schema: Schema::Follows,
-        pictures: 2,
+        sees: true,
         limit: MaxTokensField::MaxTokens,
-        known: Facts::default(),
+        fault: None,
+        asked: Arc::default(),
     }
 }
 
-fn habit(unit: CoordinateUnit, order: Order, multiples_of_px: Option<u32>) -> PositionFormat {
-    PositionFormat {
-        unit,
-        order,
-        multiples_of_px,
-    }
+/// Probes a character as `vllm:my "model"`.
+fn probed(character: &Character) -> (Profile, Result<Findings, ModelError>) {
+    let profile = Catalogue::builtin().find("vllm:my \"model\"");
+    let profile = profile.expect("a known provider");
+    let under = |facts: &Facts| {
+        Ok(Box::new(Assumed {
+            character: character.clone(),
+            facts: facts.clone(),
+        }) as Box<dyn Model>)
+    };
+    let findings = probe(&profile, &under, 7, None, &mut Unrecorded);
+    (profile, findings)
 }
 
 #[test]
 #[ignore = "long"]
 fn every_character_is_found_out_and_its_entry_is_used_when_pasted() {
     use CoordinateUnit::{Fraction, PerMille, Percent, Pixels};
+    let habit = |unit, order, multiples_of_px| PositionFormat {
+        unit,
+        order,
+        multiples_of_px,
+    };
     let easy_facts = Facts {
         vision: Some(true),
-        several_pictures: Some(true),
         structured_output: Some(true),
         max_tokens_field: Some(MaxTokensField::MaxTokens),
         coordinates: Some(habit(Pixels, Order::Xy, None)),
         ..Facts::default()
     };
-    let saying = |unit, order, resize| Character {
-        says: lowering(unit, order, resize),
-        ..easy()
-    };
-    let in_frame = |unit, order, multiples| Facts {
-        coordinates: Some(habit(unit, order, multiples)),
-        ..easy_facts.clone()
-    };
-    let thought = "<think>red: (5, 5)\ngreen: (6, 6). Hm, red: (7, 7)?</think>\n";
-    let cases = [
-        ("easy", easy(), easy_facts.clone(), Some(false)),
-        (
-            "pixels of the resized picture",
-            saying(Pixels, Order::Xy, multiples()),
-            in_frame(Pixels, Order::Xy, Some(28)),
-            Some(false),
-        ),
-        (
-            "thousandths",
-            saying(PerMille, Order::Xy, Resize::Never),
-            in_frame(PerMille, Order::Xy, None),
-            Some(false),
-        ),
-        (
-            "y first",
-            saying(PerMille, Order::Yx, Resize::Never),
-            in_frame(PerMille, Order::Yx, None),
-            Some(false),
-        ),
-        (
-            "percent",
-            saying(Percent, Order::Xy, Resize::Never),
-            in_frame(Percent, Order::Xy, None),
-            Some(false),
-        ),
-        (
-            "fraction",
-            saying(Fraction, Order::Xy, Resize::Never),
-            in_frame(Fraction, Order::Xy, None),
-            Some(false),
-        ),
+    let only_one = Some(Accepted::Only(vec![1.0]));
+    let mut cases = vec![
+        ("easy", easy(), easy_facts.clone()),
         (
             "thinks in the content",
-            Character { thought, ..easy() },
-            easy_facts.clone(),
-            Some(true),
-        ),
-        (
-            "thinks unseen",
             Character {
-                hidden_tokens: 300,
+                thought: "<think>red: (5, 5)\ngreen: (6, 6). Hm, red: (7, 7)?</think>\n",
                 ..easy()
             },
             easy_facts.clone(),
-            Some(true),
         ),
         (
             "fixed sampling",
             Character {
-                temperature: Some(Accepted::Only(vec![1.0])),
+                temperature: only_one.clone(),
                 ..easy()
             },
             Facts {
-                temperature: Some(Accepted::Only(vec![1.0])),
+                temperature: only_one,
                 ..easy_facts.clone()
             },
-            Some(false),
         ),
         (
             "no temperature",
@@ -518,43 +419,6 @@ fn every_character_is_found_out_and_its_entry_is_used_when_pasted() {
                 temperature: Some(Accepted::Refused),
                 ..easy_facts.clone()
             },
-            Some(false),
-        ),
-        (
-            "ignores schemas",
-            Character {
-                schema: Schema::Ignores,
-                ..easy()
-            },
-            Facts {
-                structured_output: Some(false),
-                ..easy_facts.clone()
-            },
-            Some(false),
-        ),
-        (
-            "refuses schemas",
-            Character {
-                schema: Schema::Refuses,
-                ..easy()
-            },
-            Facts {
-                structured_output: Some(false),
-                ..easy_facts.clone()
-            },
-            Some(false),
-        ),
-        (
-            "one picture",
-            Character {
-                pictures: 1,
-                ..easy()
-            },
-            Facts {
-                several_pictures: Some(false),
-                ..easy_facts.clone()
-            },
-            Some(false),
         ),
         (
             "the other limit",
@@ -566,94 +430,59 @@ fn every_character_is_found_out_and_its_entry_is_used_when_pasted() {
                 max_tokens_field: Some(MaxTokensField::MaxCompletionTokens),
                 ..easy_facts.clone()
             },
-            Some(false),
         ),
         (
             "no pictures",
             Character {
-                pictures: 0,
+                sees: false,
                 ..easy()
             },
             Facts {
                 vision: Some(false),
-                several_pictures: None,
                 coordinates: None,
                 ..easy_facts.clone()
             },
-            Some(false),
         ),
     ];
-    for (name, character, expected, reasons) in cases {
-        let calls = &mut Unrecorded;
-        let able = abilities(&character, calls).expect(name);
-        let sees = able.facts.vision != Some(false);
-        let known = Facts {
-            max_tokens_field: able.facts.max_tokens_field,
-            ..Facts::default()
+    for schema in [Schema::Ignores, Schema::Refuses] {
+        let character = Character { schema, ..easy() };
+        let expected = Facts {
+            structured_output: Some(false),
+            ..easy_facts.clone()
         };
-        let model = character.under(&known).expect(name);
-        let dots = sees.then(|| probe(model.as_ref(), 7, None, calls).expect(name));
-        let facts = entry::facts(dots.as_ref(), &able);
-        assert_eq!(facts, expected, "{name}: {:?}", able.notes);
-        assert_eq!(able.reasons, reasons, "{name}");
-        let today = "2026-11-24".parse().expect("a date");
-        let id = "my \"model\"";
-        let toml = entry::toml(
-            "vllm",
-            id,
-            &facts,
-            &["a remark\nvision = false".to_owned()],
-            today,
-        );
+        cases.push(("no schema", character, expected));
+    }
+    for (unit, order, resize, multiples_of_px) in [
+        (Pixels, Order::Xy, multiples(), Some(MULTIPLES_OF_PX)),
+        (PerMille, Order::Xy, Resize::Never, None),
+        (PerMille, Order::Yx, Resize::Never, None),
+        (Percent, Order::Xy, Resize::Never, None),
+        (Fraction, Order::Xy, Resize::Never, None),
+    ] {
+        let character = Character {
+            says: lowering(unit, order, resize),
+            ..easy()
+        };
+        let expected = Facts {
+            coordinates: Some(habit(unit, order, multiples_of_px)),
+            ..easy_facts.clone()
+        };
+        cases.push(("another frame", character, expected));
+    }
+    for (name, character, expected) in cases {
+        let (profile, found) = probed(&character);
+        let mut found = found.expect(name);
+        assert_eq!(found.facts, expected, "{name}: {:?}", found.notes);
+        found.notes.push("a note\nvision = false".to_owned());
+        let toml = found.toml(&profile, "2026-11-24".parse().expect("a date"));
         let catalogue = Catalogue::builtin().overlaid(&toml, "pasted.toml");
         let catalogue = catalogue.unwrap_or_else(|error| panic!("{name}: {error}\n{toml}"));
-        let found = catalogue.find(&format!("vllm:{id}")).expect("pasted");
-        assert_eq!(found.facts, expected, "{name}:\n{toml}");
-        assert_eq!(found.sources[0].source, "fabc probe");
-        assert_eq!(found.sources[0].as_of, today);
-    }
-}
-
-/// Counts the questions that are put to a character.
-struct Counted {
-    character: Character,
-    asked: Arc<AtomicU64>,
-}
-
-impl Subject for Counted {
-    fn known(&self) -> &Facts {
-        &self.character.known
-    }
-
-    fn wire(&self) -> Wire {
-        Wire::OpenaiChat
-    }
-
-    fn under(&self, facts: &Facts) -> Result<Arc<dyn Model>, ModelError> {
-        Ok(Arc::new(Counting {
-            model: self.character.under(facts)?,
-            asked: Arc::clone(&self.asked),
-        }))
-    }
-}
-
-struct Counting {
-    model: Arc<dyn Model>,
-    asked: Arc<AtomicU64>,
-}
-
-impl Model for Counting {
-    fn name(&self) -> &str {
-        self.model.name()
-    }
-
-    fn nature(&self) -> ModelKind {
-        self.model.nature()
-    }
-
-    fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {
-        self.asked.fetch_add(1, Ordering::SeqCst);
-        self.model.ask(request, calls)
+        let pasted = catalogue.find(&profile.title()).expect("pasted");
+        assert_eq!(pasted.facts, expected, "{name}:\n{toml}");
+        let vllm = catalogue.provider("vllm").expect("known");
+        let listed = catalogue.listed(Some(vllm));
+        let source = &listed.first().expect("pasted").sources[0];
+        assert_eq!(source.source.as_deref(), Some("fabc probe"));
     }
 }
 
@@ -662,102 +491,95 @@ fn a_probe_asks_no_more_than_it_says() {
     let stubborn = Character {
         limit: MaxTokensField::MaxCompletionTokens,
         temperature: Some(Accepted::Refused),
-        pictures: 0,
+        sees: false,
         schema: Schema::Refuses,
         ..easy()
     };
-    // Two for the limit, two for the temperature, one each for `top_p` and the schema, two for pictures.
-    for (character, expected) in [(stubborn, 8), (easy(), 5)] {
-        let asked = Arc::new(AtomicU64::new(0));
-        let subject = Counted {
-            character,
-            asked: Arc::clone(&asked),
-        };
-        abilities(&subject, &mut Unrecorded).expect("it answers");
-        assert_eq!(asked.load(Ordering::SeqCst), expected);
+    // Two for the limit, two for the temperature, one each for `top_p`, the schema and the dots.
+    for (character, expected) in [(stubborn, 7), (easy(), 6)] {
+        probed(&character).1.expect("it answers");
+        assert_eq!(character.asked.load(Ordering::SeqCst), expected);
         assert!(
             expected < MOST_QUESTIONS,
-            "a refused `top_p` asks once more"
+            "a refused `top_p` asks once more, and there are two pictures"
         );
     }
 }
 
-/// Gives no answer, for one reason.
-struct Failing {
-    known: Facts,
-    fault: Fault,
-    asked: Arc<AtomicU64>,
-}
-
-impl Subject for Failing {
-    fn known(&self) -> &Facts {
-        &self.known
-    }
-
-    fn wire(&self) -> Wire {
-        Wire::OpenaiChat
-    }
-
-    fn under(&self, _: &Facts) -> Result<Arc<dyn Model>, ModelError> {
-        Ok(Arc::new(FailingModel {
-            fault: self.fault,
-            asked: Arc::clone(&self.asked),
-        }))
-    }
-}
-
-struct FailingModel {
-    fault: Fault,
-    asked: Arc<AtomicU64>,
-}
-
-impl Model for FailingModel {
-    fn name(&self) -> &str {
-        "failing"
-    }
-
-    fn nature(&self) -> ModelKind {
-        ModelKind::Model
-    }
-
-    fn ask(&self, _: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
-        self.asked.fetch_add(1, Ordering::SeqCst);
-        Err(ModelError::Failed {
-            model: "failing".to_owned(),
-            fault: self.fault,
-            why: "it broke".to_owned(),
-        })
+#[test]
+fn a_server_that_answers_nothing_is_asked_no_further() {
+    for (fault, questions) in [
+        (Fault::ServerFailed, 1),
+        (Fault::InvalidReply, 1),
+        (Fault::Truncated, 1),
+        (Fault::BadRequest, 2),
+    ] {
+        let character = Character {
+            fault: Some(fault),
+            ..easy()
+        };
+        let (_, found) = probed(&character);
+        assert_eq!(character.asked.load(Ordering::SeqCst), questions, "{fault}");
+        let Err(ModelError::Failed { why, .. }) = found else {
+            panic!("{fault}: {found:?}");
+        };
+        assert_eq!(why, "HTTP 400\nno");
     }
 }
 
 #[test]
-fn a_server_that_fails_at_the_first_question_is_asked_no_further() {
-    for (fault, questions) in [
-        (Fault::ServerFailed, 1),
-        (Fault::InvalidReply, 1),
-        (Fault::Unreachable, 1),
-        // Models may decline a question, or think too long about it, and answer others.
-        (Fault::Refused, 5),
-        (Fault::Truncated, 5),
+fn pairs_are_read_in_the_forms_that_models_write() {
+    let expected = [Some([12.0, 34.5]), Some([0.25, 1000.0])];
+    for text in [
+        "red: (12, 34.5)\nblue: (0.25, 1000)",
+        "- **Red** dot: [12, 34.5]\n- Blue: 0.25 1000",
+        "{\"red\": [12, 34.5], \"blue\": {\"x\": 0.25, \"y\": 1000}}",
+        "```json\n[{\"point\": [12, 34.5], \"label\": \"red\"}, {\"point\": [0.25, 1000], \"label\": \"blue\"}]\n```",
+        "<point x=\"12\" y=\"34.5\" alt=\"red\">red</point><point x1=\"0.25\" y1=\"1000\">blue</point>",
+        "red: x=12, y=34.5; blue: x=0.25, y=1000. The red dot is left.",
     ] {
-        let subject = Failing {
-            known: Facts::default(),
-            fault,
-            asked: Arc::default(),
-        };
-        let found = abilities(&subject, &mut Unrecorded);
-        assert_eq!(subject.asked.load(Ordering::SeqCst), questions, "{fault}");
-        match (found, questions) {
-            (
-                Err(ModelError::Failed {
-                    fault: told, why, ..
-                }),
-                1,
-            ) => {
-                assert_eq!((told, why.as_str()), (fault, "it broke"));
-            }
-            (Ok(found), 5) => assert!(found.notes[0].contains("it broke")),
-            (found, _) => panic!("{fault}: {found:?}"),
-        }
+        assert_eq!(pairs(text, &["red", "blue"]), expected, "{text}");
+    }
+}
+
+#[test]
+fn what_names_no_pair_is_not_guessed_at() {
+    for text in [
+        "",
+        "red: 12",
+        "redder: (1, 2)",
+        "I cannot see red or blue.",
+        "12, 34",
+        "red blue",
+    ] {
+        assert_eq!(pairs(text, &["red", "blue"]), [None, None], "{text}");
+    }
+    assert_eq!(pairs("red: (1, 2)\nred: (3, 4)", &["red"]), [None]);
+    assert_eq!(
+        pairs("red: (1, 2)\nred: (1, 2)", &["red"]),
+        [Some([1.0, 2.0])]
+    );
+    assert_eq!(pairs("red: (-1, 2)", &["red"]), [Some([-1.0, 2.0])]);
+}
+
+#[test]
+fn thoughts_and_quotations_are_not_read_and_a_correction_is_a_second_value() {
+    for (text, expected) in [
+        (
+            "<think>red: (9, 9), or rather (8, 8)</think>\nred: (1, 2)",
+            Some([1.0, 2.0]),
+        ),
+        ("> red: (9, 9)\nred: (1, 2)", Some([1.0, 2.0])),
+        ("red: (9, 9)\nNo wait, correction:\nred: (1, 2)", None),
+        ("<think>red: (1, 2)", None),
+    ] {
+        assert_eq!(pairs(text, &["red"]), [expected], "{text}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn no_answer_makes_it_panic(text in "\\PC*", more in "[0-9.,()red blue\\[\\]-]*") {
+        pairs(&(text + &more), &["red", "blue"]);
     }
 }

@@ -5,21 +5,17 @@ use super::remote::{self, Providers};
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::verbs::render::camera::TargetModelArguments;
-use crate::verbs::runtime::setting::model_arguments::{
-    ModelArguments, Purpose, ReachArguments, SpendArguments,
-};
+use crate::verbs::runtime::setting::model_arguments::{ModelArguments, Purpose, SpendArguments};
 use fab_agent::rollout::FirstQuestion;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{Budget, Spent};
 use fab_model::lowering::Lowering;
 use fab_model::replay::Replay;
-use fab_model::{Model, ModelError, ModelRole, Models, Request};
-use fab_providers::catalogue::{Facts, Profile, Wire};
-use fab_providers::probe::Subject;
+use fab_model::{Model, ModelRole, Models, Request};
+use fab_providers::catalogue::Profile;
 use fab_providers::remote::{Lengths, Remote};
 use fab_standins::imperfect::Errors;
 use fab_standins::{Geometric, Imperfect, Random};
-use std::cell::RefCell;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -156,66 +152,9 @@ pub fn models(
     })
 }
 
-/// A provider's model that can be asked under other facts than the known ones.
-pub struct Varied {
-    profile: Profile,
-    base_url: Option<String>,
-    providers: RefCell<Providers>,
-}
-
-/// Finds the provider's model that the command line names, for questions about itself.
-pub fn varied(
-    name: &str,
-    reach: &ReachArguments,
-    interrupt: &Interrupt,
-    io: &Io,
-) -> Result<Varied, Failure> {
-    if embedded(name, ModelRole::Vision)?.is_some() {
-        return Err(Failure::usage(format!(
-            "`{name}` has no interface to find out about: name a provider's model, `PROVIDER:NAME`"
-        )));
-    }
-    let [base_url, _] = by_role("--base-url", &reach.base_url)?;
-    let mut providers = Providers::new(reach, interrupt, io)?;
-    let profile = providers.profile(name)?;
-    // Fails here rather than between questions if there is no key or no address.
-    providers.model(&profile, base_url, Purpose::Asking)?;
-    Ok(Varied {
-        profile,
-        base_url: base_url.map(str::to_owned),
-        providers: RefCell::new(providers),
-    })
-}
-
-impl Varied {
-    /// Returns what is known of the model.
-    pub fn profile(&self) -> &Profile {
-        &self.profile
-    }
-}
-
-impl Subject for Varied {
-    fn known(&self) -> &Facts {
-        &self.profile.facts
-    }
-
-    fn wire(&self) -> Wire {
-        self.profile.provider.wire
-    }
-
-    fn under(&self, facts: &Facts) -> Result<Arc<dyn Model>, ModelError> {
-        let profile = Profile {
-            facts: facts.clone(),
-            ..self.profile.clone()
-        };
-        let mut providers = self.providers.borrow_mut();
-        let made = providers.model(&profile, self.base_url.as_deref(), Purpose::Asking);
-        let remote = made.map_err(|failure| ModelError::Unsupported {
-            model: self.profile.title(),
-            why: failure.to_string(),
-        })?;
-        Ok(Arc::new(remote))
-    }
+/// Returns whether a model needs no provider.
+pub fn is_embedded(name: &str) -> Result<bool, Failure> {
+    Ok(embedded(name, ModelRole::Vision)?.is_some())
 }
 
 /// The model for which messages are shown.
@@ -245,7 +184,7 @@ impl TargetModel {
 }
 
 /// Parses `X`, or `vision=X` and `text=Y`; returns the values for vision and for text, if there are any.
-fn by_role<'v>(flag: &str, values: &'v [String]) -> Result<[Option<&'v str>; 2], Failure> {
+pub fn by_role<'v>(flag: &str, values: &'v [String]) -> Result<[Option<&'v str>; 2], Failure> {
     let (mut both, mut vision, mut text) = (None, None, None);
     let mut has_more = false;
     for value in values {

@@ -110,7 +110,7 @@ impl Providers {
         Remote::new(settings, shared).map_err(Failure::environment)
     }
 
-    /// Finds the profile of a `PROVIDER:NAME`, and reports its notices to the user.
+    /// Finds the profile of a `PROVIDER:NAME`, and warns the user of what is likely to fail.
     pub fn profile(&self, name: &str) -> Result<Profile, Failure> {
         if Redactor::of(&self.keys).text(name) != name {
             return Err(Failure::usage(
@@ -120,13 +120,8 @@ impl Providers {
         }
         let profile = self.catalogue.find(name);
         let profile = profile.map_err(|error| Failure::usage(error.to_string()))?;
-        for notice in profile.notices(catalogue::today(&self.io)) {
-            let weight = if notice.is_warning() {
-                "warning"
-            } else {
-                "note"
-            };
-            self.io.talk(&format!("{weight}: {name}: {notice}"));
+        for warning in profile.warnings() {
+            self.io.talk(&format!("warning: {name}: {warning}"));
         }
         Ok(profile)
     }
@@ -137,8 +132,10 @@ impl Providers {
         {
             return Ok(());
         }
+        let near = profile.near.as_ref();
+        let near = near.map_or(String::new(), |near| format!(" (did you mean `{near}`?)"));
         Err(Failure::environment(format!(
-            "what `{}` costs is not known; `--allow-unknown-price` asks it anyway, and a `price` in a file of your own (`--models FILE`) makes it known",
+            "what `{}` costs is not known{near}; `--allow-unknown-price` asks it anyway, and a `price` in a file of your own (`--models FILE`) makes it known",
             profile.title()
         )))
     }

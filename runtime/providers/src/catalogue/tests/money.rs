@@ -1,83 +1,9 @@
-//! Tests of everything that depends on the date: notices, prices, costs.
+//! Tests of prices, costs and the most that a request may cost.
 
 use super::super::*;
 use super::{date, find};
 use fab_model::calls::{Usage, Usd};
 use fab_model::{Message, ModelRole, Part, Png, Request, Speaker};
-
-#[test]
-fn notices_tell_what_a_day_makes_of_a_model() {
-    let told = |model: &str, day: &str| find(model).notices(date(day));
-    assert_eq!(
-        told("openai:gpt-4-0613", "2026-11-20")[0],
-        Notice::Retired {
-            on: date("2026-10-23"),
-            instead: Some("gpt-5.6-sol".to_owned())
-        }
-    );
-    assert_eq!(
-        told("openai:o3", "2026-12-11")[0],
-        Notice::Retired {
-            on: date("2026-12-11"),
-            instead: Some("gpt-5.6-sol".to_owned())
-        }
-    );
-    let soon = Notice::RetiresSoon {
-        on: date("2026-12-11"),
-        days: 21,
-        instead: Some("gpt-5.6-sol".to_owned()),
-    };
-    assert_eq!(told("openai:o3", "2026-11-20")[0], soon);
-    assert_eq!(
-        soon.to_string(),
-        "it will be shut down on 2026-12-11, in 21 days; its vendor recommends `gpt-5.6-sol`"
-    );
-    let on = date("2027-01-14");
-    assert_eq!(
-        told("openai:gpt-4o", "2026-10-16")[0],
-        Notice::RetiresSoon {
-            on,
-            days: 90,
-            instead: Some("gpt-6-luna".to_owned())
-        }
-    );
-    assert!(
-        !told("openai:gpt-4o", "2026-10-15")
-            .iter()
-            .any(|it| matches!(it, Notice::RetiresSoon { .. }))
-    );
-    assert_eq!(told("openai:gpt-6.2-sol", "2026-11-20"), [Notice::Undated]);
-    let argon = told("google:gemini-4-argon", "2026-11-30");
-    assert_eq!(
-        argon,
-        [
-            Notice::PriceChanges {
-                on: date("2026-12-01")
-            },
-            Notice::Undated
-        ]
-    );
-    assert!(
-        !told("google:gemini-4-argon", "2026-12-01")
-            .iter()
-            .any(|it| matches!(it, Notice::PriceChanges { .. }))
-    );
-    let unlisted = Notice::Unlisted { near: None };
-    assert_eq!(
-        told("ollama:fabric", "2026-11-20"),
-        [unlisted.clone(), Notice::CoordinatesUnknown]
-    );
-    assert_eq!(
-        told("anthropic:x-20260101", "2026-11-20"),
-        [unlisted, Notice::PriceUnknown, Notice::CoordinatesUnknown]
-    );
-    for notice in argon {
-        assert!(
-            !notice.to_string().ends_with('.') && !notice.is_warning(),
-            "{notice}"
-        );
-    }
-}
 
 #[test]
 fn costs_are_exact_to_the_last_billionth() {
