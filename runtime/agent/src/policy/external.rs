@@ -149,7 +149,7 @@ impl External {
                 let stderr = folder.join(STDERR_FILE);
                 let child = Child::start(&self.command, Some(&stderr)).map_err(failed)?;
                 let child = absent.insert(child);
-                greet(child, limit, interrupt)?;
+                greet(child, &self.command, limit, interrupt)?;
                 let (refused, line) = answer_of(child, reset, limit, interrupt).map_err(failed)?;
                 if refused.grips.is_some() {
                     let why = "to `reset` it is `{}`, or has only `refuse`";
@@ -169,6 +169,7 @@ impl External {
 /// Makes sure that a program answers this version of the lines.
 fn greet(
     child: &mut Child,
+    command: &CommandLine,
     limit: Duration,
     interrupt: &Interrupt,
 ) -> Result<(), (Outcome, String)> {
@@ -177,7 +178,9 @@ fn greet(
     let why = match answered {
         Ok(protocol::Hello { protocol: PROTOCOL }) => return Ok(()),
         Err(ChildError::Interrupted) => return Err(failed(ChildError::Interrupted)),
-        Ok(protocol::Hello { protocol }) => format!("it answers version {protocol} of the lines"),
+        Ok(protocol::Hello { protocol }) => {
+            format!("`{command}` answers version {protocol} of the lines")
+        }
         Err(error) => error.to_string(),
     };
     let why = format!(
