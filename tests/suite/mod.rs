@@ -39,6 +39,7 @@ mod likely_costs;
 mod model_conformance;
 mod models;
 mod named_ends;
+mod networks;
 mod new_from_pictures;
 mod new_tasks;
 mod other_grids;

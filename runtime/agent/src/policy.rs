@@ -2,13 +2,14 @@
 //!
 //! In: a [`StepView`], the rollout's state at a step. Out: a [`Decision`]: grips to execute, or why there are none.
 //! [`Prompted`] asks models as the task's stages say; [`Random`] draws from the offered choices; [`Expert`] follows the
-//! task's own demonstration; [`External`] is a user's program. Nothing here moves anything: the rollout executes only
-//! what passes the task's checks, whoever proposed it.
+//! task's own demonstration; [`Onnx`] plays a network; [`External`] is a user's program. Nothing here moves anything:
+//! the rollout executes only what passes the task's checks, whoever proposed it.
 
 mod asking;
 mod expert;
 mod external;
 mod judge;
+mod onnx;
 mod prompted;
 mod proposing;
 pub mod protocol;
@@ -19,6 +20,7 @@ mod rehearsing;
 pub use asking::{Asking, StepKind};
 pub use expert::Expert;
 pub use external::{External, Sight};
+pub use onnx::{Onnx, OnnxError};
 pub use prompted::{
     Conversation, MessagePart, PromptError, Prompted, Rehearsed, UndrawnMessage, conversation,
     opening, rehearse,
@@ -117,6 +119,8 @@ pub enum Kind {
     Random,
     /// Follows the task's demonstration.
     Expert,
+    /// A network in an ONNX file.
+    Network,
     /// A user's program.
     Program,
 }

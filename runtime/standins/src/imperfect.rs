@@ -2,18 +2,18 @@
 //!
 //! In: a [`Request`]. Out: the answer of `geometric`, or with the stated probability a wrong one. A quarter of the
 //! errors each are a pick near the last place point, the opposite direction (pick and place swapped if there is none),
-//! an unlisted point, and unreadable words. Each question for an action draws by its own content, its step, its
-//! repetition and the seed; questions for words are passed on. It shows how many such errors the checks catch, and
-//! nothing about the errors of a vision-language model.
+//! an unlisted point, and unreadable words. An error changes what `geometric` decided, before that is put into words;
+//! answers in words alone are passed on. The seed, the start, the repetition, the action and the number of corrections
+//! determine the draws, and the prompt's words do not: two variants of a task meet the same errors. It shows how many
+//! such errors the checks catch, and nothing about the errors of a vision-language model.
 //!
-//! Two other [`Errors`] are harder to catch by asking again: a wrong answer that persists in its scene, and a point
-//! beside the right one.
+//! Two other [`Errors`] are harder to catch by asking again: a wrong answer that persists, and a point beside the right
+//! one.
 
-use super::Geometric;
-use super::choices::{self, Field};
+use super::geometric::{self, Answer, Decision, End};
 use fab_base::chance::Chance;
 use fab_model::calls::Calls;
-use fab_model::{Model, ModelError, ModelKind, Part, Reply, Request, Speaker};
+use fab_model::{Model, ModelError, ModelKind, Reply, Request, Speaker};
 use fab_program::PixelPoint;
 
 /// Distance of an unlisted point from the right one, pixels.
@@ -34,8 +34,8 @@ pub enum Errors {
     /// In four ways, drawn anew for every question.
     #[default]
     Mixed,
-    /// With an offered value in one of two ways: a pick near the last place point, or the opposite direction. Drawn by
-    /// the offered values alone, so that every question about one scene gets the same wrong answer.
+    /// With an offered value in one of two ways: a pick near the last place point, or the opposite direction. Drawn once
+    /// for an action, so that every question about it gets the same wrong answer.
     Persistent,
     /// With the offered point that is nearest to the right one, as pick or as place. Drawn anew for every question.
     Neighbour,
@@ -55,11 +55,24 @@ impl Errors {
             .find(|(known, _)| *known == word)
             .map(|(_, errors)| *errors)
     }
+
+    fn mistakes(self) -> &'static [Mistake] {
+        match self {
+            Errors::Mixed => &[
+                Mistake::NearLastPlace,
+                Mistake::Opposite,
+                Mistake::OffTheList,
+                Mistake::Malformed,
+            ],
+            Errors::Persistent => &[Mistake::NearLastPlace, Mistake::Opposite],
+            Errors::Neighbour => &[Mistake::Neighbour],
+        }
+    }
 }
 
 /// A kind of error in an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum AnswerMistake {
+enum Mistake {
     NearLastPlace,
     Opposite,
     OffTheList,
@@ -90,16 +103,22 @@ impl Imperfect {
         })
     }
 
-    /// Returns what the draws for a question depend on, beside the seed.
-    fn draw(&self, request: &Request, fields: &[Field]) -> Chance {
-        Chance::of(&match self.errors {
-            Errors::Mixed => format!("imperfect {} {}", self.seed, request.key()),
-            Errors::Neighbour => format!("imperfect neighbour {} {}", self.seed, request.key()),
-            Errors::Persistent => {
-                let offered: Vec<_> = fields.iter().map(|it| (&it.name, &it.values)).collect();
-                format!("imperfect persistent {} {offered:?}", self.seed)
-            }
-        })
+    /// Returns the draws for a question.
+    fn draws(&self, request: &Request) -> Chance {
+        let Imperfect { seed, errors, .. } = self;
+        let action = format!(
+            "imperfect {errors:?} {seed} {} {} {}",
+            request.start.unwrap_or(0),
+            request.repetition,
+            request.step
+        );
+        if *errors == Errors::Persistent {
+            return Chance::of(&action);
+        }
+        let answers = request.messages.iter();
+        let answers = answers.filter(|message| message.speaker == Speaker::Assistant);
+        let n_answers = answers.count();
+        Chance::of(&format!("{action} {} {n_answers}", request.candidate))
     }
 }
 
@@ -112,208 +131,91 @@ impl Model for Imperfect {
         ModelKind::StandIn
     }
 
-    fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {
-        let right = Geometric.ask(request, calls)?;
-        let fields = choices::fields(request);
-        let mut chance = self.draw(request, &fields);
-        if fields.is_empty() || chance.fraction() >= self.rate {
-            return Ok(right);
+    fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
+        let mut answer = geometric::answer(request)?;
+        if let Answer::Action(decision) = &mut answer {
+            let mut chance = self.draws(request);
+            if chance.fraction() < self.rate {
+                let mistakes = self.errors.mistakes();
+                let mistake = mistakes[chance.below(mistakes.len())];
+                if spoil(decision, mistake, &mut chance).is_none() {
+                    let words = "I would pull it a little to the side.";
+                    return Ok(Reply::text(words));
+                }
+            }
         }
-        let slips: &[AnswerMistake] = match self.errors {
-            Errors::Mixed => &[
-                AnswerMistake::NearLastPlace,
-                AnswerMistake::Opposite,
-                AnswerMistake::OffTheList,
-                AnswerMistake::Malformed,
-            ],
-            Errors::Persistent => &[AnswerMistake::NearLastPlace, AnswerMistake::Opposite],
-            Errors::Neighbour => &[AnswerMistake::Neighbour],
-        };
-        let slip = slips[chance.below(slips.len())];
-        let wrong = Answer::read(&right.text, fields)
-            .and_then(|answer| answer.spoilt(slip, request, &mut chance));
-        // An unreadable right answer cannot be spoilt either, but an error was drawn.
-        let text = wrong.unwrap_or_else(|| "I would pull it a little to the side.".to_owned());
-        Ok(Reply::text(text))
+        Ok(Reply::text(answer.worded(&request.messages)))
     }
 }
 
-/// A right answer: each field with its value.
-struct Answer(Vec<(Field, String)>);
-
-impl Answer {
-    /// Finds for each field the longest offered value in a line that names it.
-    fn read(text: &str, fields: Vec<Field>) -> Option<Answer> {
-        let found = fields.into_iter().map(|field| {
-            let name = field.name.replace('_', " ");
-            let lines = text
-                .lines()
-                .filter(|line| line.to_lowercase().contains(&name));
-            let values =
-                lines.flat_map(|line| field.values.iter().filter(|value| line.contains(*value)));
-            let longest = values.max_by_key(|value| value.len()).cloned();
-            longest.map(|value| (field, value))
-        });
-        found.collect::<Option<Vec<_>>>().map(Answer)
-    }
-
-    /// Returns the answer with an error in it; `None` for the unreadable kind.
-    fn spoilt(
-        mut self,
-        slip: AnswerMistake,
-        request: &Request,
-        chance: &mut Chance,
-    ) -> Option<String> {
-        let mut points = self.0.iter().enumerate();
-        let pick = points.position(|(_, (_, value))| choices::point(value).is_some())?;
-        match slip {
-            AnswerMistake::Malformed => return None,
-            AnswerMistake::NearLastPlace => {
-                let (field, value) = &self.0[pick];
-                self.0[pick].1 = near_last_place(field, value, request, chance)?;
-            }
-            AnswerMistake::OffTheList => {
-                let (field, value) = &self.0[pick];
-                self.0[pick].1 = off_the_list(field, value, chance)?;
-            }
-            AnswerMistake::Opposite => self.turn_round(pick),
-            AnswerMistake::Neighbour => self.move_beside(chance)?,
-        }
-        let values = self.0.into_iter().map(|(field, value)| (field.name, value));
-        Some(choices::answer(request, values.collect()))
-    }
-
-    /// Replaces one of its points by the nearest other one that the field offers; `None` if there is none.
-    fn move_beside(&mut self, chance: &mut Chance) -> Option<()> {
-        let points = self.0.iter().enumerate();
-        let points = points.filter(|(_, (_, value))| choices::point(value).is_some());
-        let points: Vec<usize> = points.map(|(index, _)| index).collect();
-        let (field, value) = &self.0[points[chance.below(points.len())]];
-        let right = choices::point(value)?;
-        let away = |text: &&String| {
-            choices::point(text).map_or(f64::MAX, |point| point.distance_px(right))
-        };
-        let others = field.values.iter().filter(|text| *text != value);
-        let nearest = others.min_by(|a, b| away(a).total_cmp(&away(b)))?.clone();
-        let name = field.name.clone();
-        let mut fields = self.0.iter_mut();
-        let moved = fields.find(|(field, _)| field.name == name)?;
-        moved.1 = nearest;
-        Some(())
-    }
-
-    fn turn_round(&mut self, pick: usize) {
-        let direction = self
-            .0
-            .iter_mut()
-            .find(|(_, value)| degrees(value).is_some());
-        if let Some((field, value)) = direction {
-            let Some(wanted) = degrees(value).map(|deg| deg + 180.0) else {
-                return;
+/// Puts an error into a decision; `None` for the unreadable kind, and if nothing else is offered.
+fn spoil(decision: &mut Decision, mistake: Mistake, chance: &mut Chance) -> Option<()> {
+    let right = decision.pick;
+    match mistake {
+        Mistake::Malformed => return None,
+        Mistake::NearLastPlace => {
+            decision.pick = match last_place(&decision.question) {
+                Some(last) => nearest(&decision.picks, right, last)?,
+                None => {
+                    let others = decision.picks.iter().filter(|point| **point != right);
+                    let others: Vec<&PixelPoint> = others.collect();
+                    if others.is_empty() {
+                        return None;
+                    }
+                    *others[chance.below(others.len())]
+                }
             };
-            let off = |text: &&String| {
-                let apart = degrees(text).map_or(360.0, |deg| (deg - wanted).rem_euclid(360.0));
-                apart.min(360.0 - apart)
-            };
-            if let Some(opposite) = field.values.iter().min_by(|a, b| off(a).total_cmp(&off(b))) {
-                *value = opposite.clone();
+        }
+        Mistake::OffTheList => {
+            let first = chance.below(4);
+            let mut astray = (0..4).map(|turn| {
+                let (du, dv) = [(1, 1), (-1, 1), (-1, -1), (1, -1)][(first + turn) % 4];
+                PixelPoint::new(right.u + du * ASTRAY_PX, right.v + dv * ASTRAY_PX)
+            });
+            decision.pick = astray.find(|point| !decision.picks.contains(point))?;
+        }
+        Mistake::Opposite => match &mut decision.end {
+            End::Place { at, .. } => std::mem::swap(at, &mut decision.pick),
+            End::Pull {
+                direction, offered, ..
+            } => {
+                let off = |deg: f64| {
+                    let apart = (deg - direction.value - 180.0).rem_euclid(360.0);
+                    apart.min(360.0 - apart)
+                };
+                let mut by_off = offered.clone();
+                by_off.sort_by(|a, b| off(a.value).total_cmp(&off(b.value)));
+                *direction = by_off.into_iter().next()?;
             }
-            return;
-        }
-        let mut others = (0..self.0.len()).filter(|index| *index != pick);
-        let place = others.find(|index| choices::point(&self.0[*index].1).is_some());
-        if let Some(place) = place {
-            let value = self.0[place].1.clone();
-            self.0[place].1 = std::mem::replace(&mut self.0[pick].1, value);
-        }
+        },
+        Mistake::Neighbour => match &mut decision.end {
+            End::Place { at, offered } if chance.below(2) == 1 => {
+                *at = nearest(offered, *at, *at)?;
+            }
+            _ => decision.pick = nearest(&decision.picks, right, right)?,
+        },
     }
+    Some(())
 }
 
-/// Returns the listed point nearest to the last place point according to the prompt, but not the right one; any other
-/// listed point if the prompt does not state it.
-fn near_last_place(
-    field: &Field,
-    right: &str,
-    request: &Request,
-    chance: &mut Chance,
-) -> Option<String> {
-    let others: Vec<&String> = field
-        .values
-        .iter()
-        .filter(|value| *value != right)
-        .collect();
-    let Some(last) = last_place(field, request) else {
-        return (!others.is_empty()).then(|| others[chance.below(others.len())].clone());
-    };
-    let away = |text: &&&String| choices::point(text).map_or(f64::MAX, |it| it.distance_px(last));
-    let nearest = others.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
-    nearest.map(|text| (*text).clone())
+/// Returns the point nearest to another one, but not `right`.
+fn nearest(points: &[PixelPoint], right: PixelPoint, to: PixelPoint) -> Option<PixelPoint> {
+    let others = points.iter().filter(|point| **point != right);
+    let by_distance =
+        |a: &&PixelPoint, b: &&PixelPoint| a.distance_px(to).total_cmp(&b.distance_px(to));
+    others.min_by(by_distance).copied()
 }
 
-/// Returns an unlisted point near the right one.
-fn off_the_list(field: &Field, right: &str, chance: &mut Chance) -> Option<String> {
-    let right = choices::point(right)?;
-    let first = chance.below(4);
-    let astray = (0..4).map(|turn| {
-        let (du, dv) = [(1, 1), (-1, 1), (-1, -1), (1, -1)][(first + turn) % 4];
-        let point = PixelPoint::new(right.u + du * ASTRAY_PX, right.v + dv * ASTRAY_PX);
-        format!("({}, {})", point.u, point.v)
-    });
-    let mut unlisted = astray.filter(|text| !field.values.contains(text));
-    unlisted.next()
-}
-
-/// How many lines after a mention of the last action may give its point.
-const LINES_ON: usize = 2;
-
-/// Reads the last place point: the first point at or after a line that mentions the last or previous action.
-///
-/// The question is the longest user turn that names every listed point; corrections and examples name others.
-fn last_place(field: &Field, request: &Request) -> Option<PixelPoint> {
-    let users = request
-        .messages
-        .iter()
-        .filter(|it| it.speaker == Speaker::User);
-    let texts = users.map(|message| {
-        let parts = message.parts.iter().filter_map(|part| match part {
-            Part::Text(text) => Some(text.as_str()),
-            Part::Image(_) => None,
-        });
-        parts.collect::<Vec<_>>().join("\n")
-    });
-    let questions = texts.filter(|text| field.values.iter().all(|value| text.contains(value)));
-    let question = questions.max_by_key(String::len)?;
+/// Reads the last place point: the first point in a line that mentions the last or previous action, or in the next.
+fn last_place(question: &str) -> Option<PixelPoint> {
     let lines: Vec<&str> = question.lines().collect();
-    let about = |line: &str| {
-        let line = line.to_lowercase();
-        line.contains("last") || line.contains("previous")
-    };
-    let windows = lines.iter().enumerate().filter(|(_, line)| about(line));
-    let mut points = windows.filter_map(|(at, _)| {
-        let end = lines.len().min(at + 1 + LINES_ON);
-        lines[at..end].iter().find_map(|line| first_point(line))
-    });
-    points.next()
-}
-
-fn first_point(line: &str) -> Option<PixelPoint> {
-    let mut rest = line;
-    while let Some(at) = rest.find('(') {
-        rest = &rest[at..];
-        let end = rest.find(')')?;
-        if let Some(point) = choices::point(&rest[..=end]) {
-            return Some(point);
-        }
-        rest = &rest[1..];
-    }
-    None
-}
-
-/// Reads a direction such as `135 deg`.
-fn degrees(text: &str) -> Option<f64> {
-    text.strip_suffix(" deg")?.trim().parse().ok()
+    lines.windows(2).find_map(|pair| {
+        let line = pair[0].to_lowercase();
+        let is_about = line.contains("last") || line.contains("previous");
+        let points = is_about.then(|| geometric::points(&pair.join("\n")))?;
+        points.first().copied()
+    })
 }
 
 #[cfg(test)]
-#[path = "imperfect/tests.rs"]
 mod tests;

@@ -8,8 +8,6 @@ pub mod geometric;
 pub mod imperfect;
 pub mod random;
 
-mod choices;
-
 pub use geometric::Geometric;
 pub use imperfect::Imperfect;
 pub use random::Random;

@@ -4,11 +4,11 @@
 //! its step and repetition, and the seed determine the draw: equal requests get equal answers. Questions for words get
 //! words without content. `fab_agent::policy::Random` draws in the same way, without a prompt.
 
-use super::choices::{self, Field};
 use fab_base::chance::Chance;
 use fab_model::calls::Calls;
-use fab_model::{Model, ModelError, ModelKind, Reply, Request};
+use fab_model::{Model, ModelError, ModelKind, Part, Reply, Request, Speaker};
 use fab_picture::png;
+use serde_json::{Map, Value};
 use std::path::Path;
 
 /// The stand-in.
@@ -39,32 +39,40 @@ impl Model for Random {
 
     fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
         let mut chance = Chance::of(&format!("random {} {}", self.seed, request.key()));
-        let fields = choices::fields(request);
-        if fields.is_empty() {
+        let schema = request.schema.as_ref();
+        let properties = schema.and_then(|schema| schema["properties"].as_object());
+        let (mut answer, mut texts) = (Map::new(), Map::new());
+        for (name, property) in properties.into_iter().flatten() {
+            if property["enum"].is_null() && property["pattern"].is_null() {
+                texts.insert(name.clone(), "I look at nothing.".into());
+                continue;
+            }
+            let value = draw(property, request, &mut chance);
+            let value = value.ok_or_else(|| ModelError::Unsupported {
+                model: self.name.clone(),
+                why: format!("the schema offers nothing for `{name}`"),
+            })?;
+            answer.insert(name.clone(), value.into());
+        }
+        if answer.is_empty() {
             return Ok(Reply::text(idle_words(request)));
         }
-        let mut values = Vec::with_capacity(fields.len());
-        for field in fields {
-            let value =
-                draw(&field, request, &mut chance).ok_or_else(|| ModelError::Unsupported {
-                    model: self.name.clone(),
-                    why: format!("the schema offers nothing for `{}`", field.name),
-                })?;
-            values.push((field.name, value));
-        }
-        Ok(Reply::text(choices::answer(request, values)))
+        answer.append(&mut texts);
+        Ok(Reply::text(Value::Object(answer).to_string()))
     }
 }
 
-/// Draws a value; if any pixel may be named, a pixel of the last picture.
-fn draw(field: &Field, request: &Request, chance: &mut Chance) -> Option<String> {
-    if !field.values.is_empty() {
-        return Some(field.values[chance.below(field.values.len())].clone());
+/// Draws a value of a field; if any pixel may be named, a pixel of the last picture.
+fn draw(property: &Value, request: &Request, chance: &mut Chance) -> Option<String> {
+    let values = property["enum"].as_array().into_iter().flatten();
+    let values: Vec<&str> = values.filter_map(Value::as_str).collect();
+    if !values.is_empty() {
+        return Some(values[chance.below(values.len())].to_owned());
     }
     let images = request.messages.iter().flat_map(|message| &message.parts);
     let mut last = images.filter_map(|part| match part {
-        fab_model::Part::Image(png) => Some(png),
-        fab_model::Part::Text(_) => None,
+        Part::Image(png) => Some(png),
+        Part::Text(_) => None,
     });
     let picture = png::decode(last.next_back()?.bytes(), Path::new("the last picture")).ok()?;
     let (width, height) = picture.dimensions();
@@ -72,9 +80,11 @@ fn draw(field: &Field, request: &Request, chance: &mut Chance) -> Option<String>
     Some(format!("({u}, {v})"))
 }
 
-/// Fills every line that the question asks for, such as `- Instructions: …`, with words without content.
+/// Fills every line that the last question asks for, such as `- Instructions: …`, with words without content.
 fn idle_words(request: &Request) -> String {
-    let asked = choices::last_asked(request);
+    let mut turns = request.messages.iter().rev();
+    let question = turns.find(|message| message.speaker == Speaker::User);
+    let asked = question.map_or(String::new(), super::geometric::spoken);
     let labels = asked.lines().filter_map(|line| {
         let (label, _) = line.trim().strip_prefix("- ")?.split_once(": ")?;
         let is_word = label.chars().all(|c| c.is_alphabetic() || c == ' ');

@@ -6,9 +6,10 @@
 //! its results appear, and its scores say nothing about models.
 //!
 //! It knows no task. If it cannot understand a prompt, it answers with words that hold no instruction and no point,
-//! which the caller reports like any other unusable answer. A question for anything other than a pick point and a place
-//! point is a model error.
+//! which the caller reports like any other unusable answer. A question for anything other than a pick point with a place
+//! point, or with a direction and a distance, is a model error.
 
+mod decision;
 mod frame;
 mod plan;
 mod prompt;
@@ -19,15 +20,16 @@ mod words;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use decision::{Decision, End};
 use fab_model::calls::Calls;
 use fab_model::{Message, Model, ModelError, ModelKind, Part, Reply, Request, Speaker};
 use fab_picture::hull;
 use fab_program::PixelPoint;
-pub use smooth::{FEATURES, Offer, offers};
+pub(crate) use prompt::points;
 
 use frame::Frame;
 use plan::{Candidate, ListedPoints};
-use prompt::AnswerLine;
+use prompt::Choice;
 use see::Sighting;
 use words::{Compass, Instruction, Sides, Spot};
 
@@ -49,28 +51,55 @@ impl Model for Geometric {
     }
 
     fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
-        let asked = all_words(&request.messages);
-        let carried = |text: String| {
-            let lines = [text].into_iter().chain(prompt::manner_lines(&asked));
-            Reply::text(lines.collect::<Vec<_>>().join("\n"))
-        };
-        if smooth::is_asked(&asked) {
-            return Ok(carried(smooth::answer(&request.messages)));
-        }
-        if let Some(more) = prompt::asks_for_more(&asked) {
-            return Err(ModelError::Unsupported {
-                model: self.name().to_owned(),
-                why: format!(
-                    "it can only answer with a pick point and a place point, and the prompt asks {more}; a model, `random` and `--policy expert` can"
-                ),
-            });
-        }
-        let text = match describe(&request.messages) {
-            Some(description) => description,
-            None => choose(&request.messages),
-        };
-        Ok(carried(text))
+        let answer = answer(request)?;
+        Ok(Reply::text(answer.worded(&request.messages)))
     }
+}
+
+/// An answer before it is put into words.
+pub(crate) enum Answer {
+    /// Words alone.
+    Words(String),
+    /// An action.
+    Action(Box<Decision>),
+}
+
+impl Answer {
+    /// Writes the answer to a conversation, with the lines for the other fields that its format asks for.
+    pub fn worded(&self, messages: &[Message]) -> String {
+        let asked = all_words(messages);
+        let text = match self {
+            Answer::Words(text) => text.clone(),
+            Answer::Action(decision) => decision.worded(&asked),
+        };
+        let lines = [text].into_iter().chain(prompt::manner_lines(&asked));
+        lines.collect::<Vec<_>>().join("\n")
+    }
+}
+
+/// Answers a question.
+pub(crate) fn answer(request: &Request) -> Result<Answer, ModelError> {
+    let messages = &request.messages;
+    let asked = all_words(messages);
+    let decided = |decided: Result<Decision, String>, what: &str| match decided {
+        Ok(decision) => Answer::Action(Box::new(decision)),
+        Err(why) => Answer::Words(format!("I cannot choose {what}: {why}.")),
+    };
+    if smooth::is_asked(&asked) {
+        return Ok(decided(smooth::choose(messages), "a pull"));
+    }
+    if let Some(more) = prompt::asks_for_more(&asked) {
+        return Err(ModelError::Unsupported {
+            model: Geometric.name().to_owned(),
+            why: format!(
+                "it can only answer with a pick point and a place point, and the prompt asks {more}; a model, `random` and `--policy expert` can"
+            ),
+        });
+    }
+    Ok(match describe(messages) {
+        Some(description) => Answer::Words(description),
+        None => decided(choose(messages), "points"),
+    })
 }
 
 /// Describes the pictures of the last turn that has any; `None` if there are no pictures at all.
@@ -94,14 +123,11 @@ fn describe(messages: &[Message]) -> Option<String> {
         Middle::OfOutline
     };
     Some(
-        match see::see(&encoded)
-            .map_err(|unseen| unseen.to_string())
-            .and_then(|seen| put_into_words(&seen, middle))
-        {
+        match see::see(&encoded).and_then(|seen| put_into_words(&seen, middle)) {
             Ok((instruction, sides)) => format!(
                 "Instructions: {instruction}.\n\
              Explanation: The black arrow on the first picture runs from the first of these points to the \
-             second; the cloth there has {sides}, and on the second picture it has left the arrow's tail."
+             second; the cloth there has {sides}."
             ),
             Err(why) => format!("I cannot describe this step: {why}."),
         },
@@ -182,14 +208,7 @@ fn put_into_words(seen: &Sighting, middle: Middle) -> Result<(Instruction, &'sta
 }
 
 /// Picks two points according to the last prompt that lists corners.
-fn choose(messages: &[Message]) -> String {
-    match choice(messages) {
-        Ok(text) => text,
-        Err(why) => format!("I cannot choose points: {why}."),
-    }
-}
-
-fn choice(messages: &[Message]) -> Result<String, String> {
+fn choose(messages: &[Message]) -> Result<Decision, String> {
     let asked = |message: &Message| {
         let text = spoken(message);
         let instruction = prompt::instruction_lines(&text).find_map(Instruction::read)?;
@@ -218,28 +237,31 @@ fn choice(messages: &[Message]) -> Result<String, String> {
         .iter()
         .find(|candidate| refused.leaves(candidate))
         .ok_or("every likely pair of listed points was refused")?;
-    let whole = all_words(messages);
-    let [pick, place] = ["pick", "place"].map(|field| AnswerLine::asked_for(field, &whole));
-    let quadrant = listed
-        .center
-        .and_then(|center| prompt::quadrant_line(&whole, chosen.pick, center))
-        .map_or(String::new(), |line| format!("{line}\n"));
     let again = if refused.is_empty() {
         ""
     } else {
         " that was not refused"
     };
-    Ok(format!(
-        "{quadrant}{}\n{}\nThe rectangle around the listed corners lies turned by about {:.0} degrees against the words; \
-         in it, these are the listed points nearest to the two that the words name{again}.",
-        pick.with(chosen.pick),
-        place.with(chosen.place),
-        plan.turn.to_degrees(),
-    ))
+    let places = listed.corners.iter().chain(&listed.others);
+    Ok(Decision {
+        pick: chosen.pick,
+        end: End::Place {
+            at: chosen.place,
+            offered: places.chain(&listed.center).copied().collect(),
+        },
+        picks: listed.corners,
+        center: listed.center,
+        question: text,
+        why: format!(
+            "The rectangle around the listed corners lies turned by about {:.0} degrees against the words; \
+             in it, these are the listed points nearest to the two that the words name{again}.",
+            plan.turn.to_degrees(),
+        ),
+    })
 }
 
 /// The text of a message, one part per line.
-fn spoken(message: &Message) -> String {
+pub(crate) fn spoken(message: &Message) -> String {
     let parts = message.parts.iter();
     let texts = parts.filter_map(|part| match part {
         Part::Text(text) => Some(text.as_str()),
@@ -254,22 +276,8 @@ fn all_words(messages: &[Message]) -> String {
     texts.join("\n")
 }
 
-/// Earlier answers of a conversation that were refused.
-struct Refused(Vec<Refusal>);
-
-struct Refusal {
-    pick: PixelPoint,
-    place: PixelPoint,
-    blamed: Criticism,
-}
-
-/// What a correction criticises.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Criticism {
-    Pick,
-    Place,
-    Pair,
-}
+/// Earlier answers of a conversation that were refused, each with its correction in small letters.
+struct Refused(Vec<(String, String)>);
 
 impl Refused {
     /// Collects the answers followed by a user's turn.
@@ -277,33 +285,54 @@ impl Refused {
         let pairs = turns.windows(2).filter(|pair| {
             pair[0].speaker == Speaker::Assistant && pair[1].speaker == Speaker::User
         });
-        let refusals = pairs.filter_map(|pair| {
-            let answer = spoken(&pair[0]);
-            let correction = spoken(&pair[1]).to_lowercase();
-            let blamed = match (correction.contains("pick"), correction.contains("place")) {
-                (true, false) => Criticism::Pick,
-                (false, true) => Criticism::Place,
-                _ => Criticism::Pair,
-            };
-            let pick = prompt::answered("pick", &answer)?;
-            Some(Refusal {
-                pick,
-                place: prompt::answered("place", &answer)?,
-                blamed,
-            })
+        let pairs = pairs.map(|pair| {
+            let words = spoken(&pair[1]).to_lowercase();
+            let words: Vec<&str> = words.split_whitespace().collect();
+            (spoken(&pair[0]), words.join(" "))
         });
-        Refused(refusals.collect())
+        Refused(pairs.collect())
     }
 
     fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
+    /// Returns whether a pick and a place may still be right: a correction that mentions one of the two blames it alone.
     fn leaves(&self, candidate: &Candidate) -> bool {
-        self.0.iter().all(|refusal| match refusal.blamed {
-            Criticism::Pick => candidate.pick != refusal.pick,
-            Criticism::Place => candidate.place != refusal.place,
-            Criticism::Pair => (candidate.pick, candidate.place) != (refusal.pick, refusal.place),
+        self.0.iter().all(|(answer, correction)| {
+            let points = ["pick", "place"].map(|field| prompt::answered(field, answer));
+            let [Some(pick), Some(place)] = points else {
+                return true;
+            };
+            match (correction.contains("pick"), correction.contains("place")) {
+                (true, false) => candidate.pick != pick,
+                (false, true) => candidate.place != place,
+                _ => (candidate.pick, candidate.place) != (pick, place),
+            }
+        })
+    }
+
+    /// Returns whether a pull may still be right: a correction may ask for another corner, name a direction, or ask for
+    /// a smaller distance.
+    fn leaves_pull(&self, pick: PixelPoint, direction: &Choice, distance: &Choice) -> bool {
+        self.0.iter().all(|(answer, correction)| {
+            if prompt::answered("pick", answer) != Some(pick) {
+                return true;
+            }
+            let stated = |field| prompt::choices(answer, field).into_iter().next();
+            let is_direction = stated("direction").as_ref() == Some(direction);
+            if let Some((_, named)) = correction.rsplit_once("in the direction ")
+                && !correction.contains("smaller distance")
+            {
+                return named.starts_with(&direction.words.to_lowercase());
+            }
+            if correction.contains("smaller distance") {
+                let is_smaller =
+                    stated("distance").is_some_and(|longer| distance.value < longer.value);
+                return !is_direction || is_smaller;
+            }
+            let is_same = is_direction && stated("distance").as_ref() == Some(distance);
+            !correction.contains("choose a corner") && !is_same
         })
     }
 }

@@ -91,6 +91,52 @@ pub fn instruction_lines(text: &str) -> impl Iterator<Item = &str> {
     likely.chain(text.lines().filter(move |line| !is_likely(line)))
 }
 
+/// One of the values that an answer's line offers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choice {
+    /// As written.
+    pub words: String,
+    /// As a number.
+    pub value: f64,
+}
+
+/// The most values of one field that are read.
+const MAX_CHOICES: usize = 64;
+
+/// Returns the values of a line such as `Direction = 0 deg | 45 deg`; empty if there is none.
+pub fn choices(text: &str, field: &str) -> Vec<Choice> {
+    let listed = text.lines().rev().find_map(|line| {
+        let (name, values) = line.split_once('=')?;
+        name.trim().eq_ignore_ascii_case(field).then_some(values)
+    });
+    let values = listed.into_iter().flat_map(|values| values.split('|'));
+    let choices = values.filter_map(|words| {
+        let words = words.trim();
+        let value: f64 = words.split_whitespace().next()?.parse().ok()?;
+        (value.abs() <= MAX_VALUE).then(|| Choice {
+            words: words.to_owned(),
+            value,
+        })
+    });
+    choices.take(MAX_CHOICES).collect()
+}
+
+/// The largest number of degrees, sides or pixels that is read.
+const MAX_VALUE: f64 = 1e4;
+
+/// Returns for each sentence with a word and a length in `px` the points that it names and that length, pixels.
+pub fn lengths(text: &str, word: &str) -> impl Iterator<Item = (Vec<PixelPoint>, f64)> {
+    let flat = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let sentences: Vec<String> = flat.split(". ").map(str::to_owned).collect();
+    sentences.into_iter().filter_map(move |sentence| {
+        let words: Vec<&str> = sentence.split(' ').collect();
+        let mut pairs = words.windows(2).filter(|pair| pair[1].starts_with("px"));
+        let px: f64 = pairs.find_map(|pair| pair[0].parse().ok())?;
+        let is_it = sentence.to_lowercase().contains(word) && (1.0..=MAX_VALUE).contains(&px);
+        is_it.then(|| (points(&sentence), px))
+    })
+}
+
 /// The line of an answer that gives one point: the text before and after the point.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AnswerLine {

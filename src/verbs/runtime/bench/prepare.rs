@@ -71,6 +71,11 @@ pub fn deciding(
         if !suite.structured {
             models.reach.omit.push(Parameter::Schema.name().to_owned());
         }
+        // A policy of a method's own asks no model: an estimate counts the other methods.
+        let purpose = match &key {
+            [Some(own), _] if own != "prompted" => Purpose::Asking,
+            _ => purpose,
+        };
         deciding.insert(key, Deciding::of(&policy, &models, purpose, interrupt, io)?);
     }
     Ok(deciding)

@@ -24,8 +24,8 @@ pub struct ModelArguments {
 #[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
 pub struct PolicyArguments {
     /// Who decides: `prompted` asks `--model`; `random[:SEED]` draws from the action space; `expert` follows the task's
-    /// demonstration; `exec:"CMD ARG..."` is a program of yours, `exec+particles:` one that looks at true particles.
-    /// Default: `prompted`.
+    /// demonstration; `smoother` is a network that smooths, `onnx:FILE` one of yours; `exec:"CMD ARG..."` is a program of
+    /// yours, `exec+particles:` one that looks at true particles. Default: `prompted`.
     #[arg(long, value_name = "POLICY")]
     policy: Option<String>,
     /// How long one answer of a program may take, seconds. Default: 120.

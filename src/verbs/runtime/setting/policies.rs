@@ -5,13 +5,14 @@ use crate::exit::Failure;
 use crate::io::Io;
 use crate::verbs::runtime::setting::model_arguments::{ModelArguments, PolicyArguments, Purpose};
 use fab_agent::policy::{
-    Description, Expert, External, MakePolicy, Policy, Prompted, Random, Sight,
+    Description, Expert, External, MakePolicy, Onnx, Policy, Prompted, Random, Sight,
 };
 use fab_base::child::CommandLine;
 use fab_base::interrupt::Interrupt;
+use std::path::Path;
 use std::time::Duration;
 
-const POLICIES: &str = "`prompted` (asks the models of `--model`), `random` or `random:SEED` (draws from the action space), `expert` (follows the task's demonstration), `exec:\"CMD ARG...\"` (a program of yours), and `exec+particles:\"CMD ARG...\"` (one that looks at the true particles)";
+const POLICIES: &str = "`prompted` (asks the models of `--model`), `random` or `random:SEED` (draws from the action space), `expert` (follows the task's demonstration), `smoother` (a network that smooths), `onnx:FILE` (a network of yours), `exec:\"CMD ARG...\"` (a program of yours), and `exec+particles:\"CMD ARG...\"` (one that looks at the true particles)";
 
 /// The seed of the random policy if its name has none.
 const DEFAULT_SEED: u64 = 0;
@@ -24,6 +25,8 @@ pub enum Deciding {
     Random(Random),
     /// Follows the demonstration.
     Expert,
+    /// Plays a network.
+    Network(Onnx),
     /// A program of the user's.
     Program {
         /// The command that starts it.
@@ -90,10 +93,15 @@ impl Deciding {
             || Failure::usage(format!("there is no policy `{name}`; there is {POLICIES}"));
         match name.split_once(':') {
             None if name == "expert" => Ok(Deciding::Expert),
+            None if name == "smoother" => Ok(Deciding::Network(Onnx::smoother())),
             None if name == "random" => Ok(Deciding::Random(Random { seed: DEFAULT_SEED })),
             Some(("random", seed)) => match seed.parse() {
                 Ok(seed) => Ok(Deciding::Random(Random { seed })),
                 Err(_) => Err(unknown()),
+            },
+            Some(("onnx", file)) => match Onnx::read(Path::new(file)) {
+                Ok(network) => Ok(Deciding::Network(network)),
+                Err(error) => Err(Failure::usage(format!("`--policy {name}`: {error}"))),
             },
             Some(("exec", command)) => program(Sight::Camera, command),
             Some(("exec+particles", command)) => program(Sight::Particles, command),
@@ -126,6 +134,7 @@ impl MakePolicy for Deciding {
             }),
             Deciding::Random(random) => Box::new(*random),
             Deciding::Expert => Box::new(Expert),
+            Deciding::Network(network) => Box::new(network.clone()),
             Deciding::Program {
                 command,
                 sight,

@@ -8,6 +8,7 @@ mod frames;
 mod missing;
 mod planning;
 mod shortcuts;
+mod smoothing;
 mod vocabulary;
 
 use super::{Geometric, prompt};

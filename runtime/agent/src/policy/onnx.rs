@@ -1,0 +1,422 @@
+//! The policy that plays a network: it takes the offered action with the highest value.
+//!
+//! In: an ONNX file whose inputs are among [`INPUTS`] and whose output is `values`. Out: of the offered actions that the
+//! task's checks accept, the one with the highest value. `docs/policies.md` documents the inputs. `smoother` is such a
+//! network, part of the program.
+//!
+//! The runtime computes with what the processor offers, so the last bits of a value depend on the processor.
+
+use super::expert::least_refused;
+use super::judge::verdict;
+use super::proposing::{Answer, Proposed, until_accepted};
+use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, StepView};
+use crate::action::Action;
+use crate::outcome::Outcome;
+use fab_base::{digest, files};
+use fab_program::verify::{Strictness, Verdict};
+use fab_program::{Choices, Face, Program, Proposal, space};
+use rten::{DataType, Dimension, Model, Value, ValueType};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+
+/// The network that smooths; `scripts/smoother/fit.py` fits such a file.
+const SMOOTHER: &[u8] = include_bytes!("smoother.onnx");
+
+/// The largest file, bytes.
+const MAX_BYTES: u64 = 1 << 30;
+
+/// What a network may take, with its shape: H and W are the picture's height and width, N is the number of actions.
+const INPUTS: [(&str, &[Side]); 7] = [
+    ("color", &[Side::Height, Side::Width, Side::Of(3)]),
+    ("depth", &[Side::Height, Side::Width]),
+    ("cloth", &[Side::Height, Side::Width]),
+    ("faces", &[Side::Of(2), Side::Of(3)]),
+    ("edge", &[]),
+    ("picks", &[Side::Actions, Side::Of(2)]),
+    ("places", &[Side::Actions, Side::Of(2)]),
+];
+
+/// What a network returns.
+const OUTPUT: (&str, &[Side]) = ("values", &[Side::Actions]);
+
+/// The fields by which a network is told an action.
+const MOVING: [&str; 4] = ["pick", "place", "direction", "distance"];
+
+/// The length of a side of a tensor.
+#[derive(Clone, Copy)]
+enum Side {
+    Height,
+    Width,
+    Actions,
+    Of(usize),
+}
+
+/// Plays a network.
+#[derive(Clone)]
+pub struct Onnx {
+    name: String,
+    model: Arc<Model>,
+    /// SHA-256 of the file.
+    code: String,
+}
+
+/// Why a file cannot be played.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum OnnxError {
+    /// It cannot be read.
+    #[error("`{file}` cannot be read: {why}")]
+    Unreadable {
+        /// The file.
+        file: String,
+        /// Why.
+        why: String,
+    },
+    /// It is damaged, of another format, or has an operator that is not supported.
+    #[error("`{file}` is no ONNX network that can be run: {why}")]
+    NotANetwork {
+        /// The file.
+        file: String,
+        /// Why.
+        why: String,
+    },
+    /// Its inputs or its output are not those of a policy.
+    #[error("the network `{file}` {why}")]
+    Interface {
+        /// The file.
+        file: String,
+        /// What is wrong, and what would be right.
+        why: String,
+    },
+}
+
+impl Onnx {
+    /// Reads a network from a file; its name is `onnx:FILE`.
+    pub fn read(path: &Path) -> Result<Onnx, OnnxError> {
+        let file = path.display().to_string();
+        match files::read(path, MAX_BYTES) {
+            Ok(bytes) => Onnx::of(format!("onnx:{file}"), &file, bytes),
+            Err(why) => Err(OnnxError::Unreadable { file, why }),
+        }
+    }
+
+    /// Returns the network that smooths crumpled cloths, one pull at a time.
+    pub fn smoother() -> Onnx {
+        let name = "smoother";
+        Onnx::of(name.to_owned(), name, SMOOTHER.to_vec())
+            .expect("the network in the program is whole")
+    }
+
+    fn of(name: String, file: &str, bytes: Vec<u8>) -> Result<Onnx, OnnxError> {
+        let code = digest::of(&bytes);
+        let file = file.to_owned();
+        let model = match Model::load(bytes) {
+            Ok(model) => Arc::new(model),
+            Err(error) => {
+                let why = error.to_string();
+                return Err(OnnxError::NotANetwork { file, why });
+            }
+        };
+        match check_interface(&model) {
+            Ok(()) => Ok(Onnx { name, model, code }),
+            Err(why) => Err(OnnxError::Interface { file, why }),
+        }
+    }
+}
+
+/// Checks the names, types and shapes of inputs and output; fails with what is wrong.
+fn check_interface(model: &Model) -> Result<(), String> {
+    let names = |ids: &[rten::NodeId]| -> Vec<String> {
+        let infos = ids.iter().filter_map(|id| model.node_info(*id));
+        infos
+            .map(|info| info.name().unwrap_or_default().to_owned())
+            .collect()
+    };
+    let takes = names(model.input_ids());
+    for name in &takes {
+        let Some((_, shape)) = INPUTS.iter().find(|(input, _)| *input == name.as_str()) else {
+            let inputs = INPUTS.map(|(input, _)| format!("`{input}`")).join(", ");
+            return Err(format!(
+                "takes `{name}`, which no policy gets; there is {inputs}"
+            ));
+        };
+        check_shape(model, name, shape)?;
+    }
+    let tells_apart = |name: &String| name == "picks" || name == "places";
+    if !takes.iter().any(tells_apart) {
+        return Err(
+            "takes neither `picks` nor `places`, so it cannot tell actions apart".to_owned(),
+        );
+    }
+    let returned = names(model.output_ids());
+    if returned != [OUTPUT.0] {
+        let returned = returned.iter().map(|name| format!("`{name}`"));
+        return Err(format!(
+            "returns {}, and must return `{}` alone",
+            returned.collect::<Vec<_>>().join(", "),
+            OUTPUT.0
+        ));
+    }
+    check_shape(model, OUTPUT.0, OUTPUT.1)
+}
+
+/// Checks a declared type and shape; a side without a number may have any length.
+fn check_shape(model: &Model, name: &str, shape: &[Side]) -> Result<(), String> {
+    let info = model.find_node(name).and_then(|id| model.node_info(id));
+    let Some(info) = info else {
+        return Err(format!("lacks `{name}`"));
+    };
+    let is_float = |kind| kind == ValueType::Tensor(DataType::Float);
+    if !info.dtype().is_none_or(is_float) {
+        return Err(format!("has a `{name}` that is not of float32"));
+    }
+    let fits = |(declared, side): (&Dimension, &Side)| match (declared, side) {
+        (Dimension::Fixed(declared), Side::Of(length)) => declared == length,
+        (Dimension::Fixed(_), Side::Actions) => false,
+        _ => true,
+    };
+    match info.shape() {
+        Some(declared)
+            if declared.len() != shape.len() || !declared.iter().zip(shape).all(fits) =>
+        {
+            let declared = declared.iter().map(|side| match side {
+                Dimension::Fixed(length) => length.to_string(),
+                Dimension::Symbolic(name) => name.clone(),
+            });
+            let declared = declared.collect::<Vec<_>>().join(", ");
+            let sides = shape.iter().map(|side| match side {
+                Side::Height => "H".to_owned(),
+                Side::Width => "W".to_owned(),
+                Side::Actions => "N".to_owned(),
+                Side::Of(length) => length.to_string(),
+            });
+            let sides = sides.collect::<Vec<_>>().join(", ");
+            Err(format!(
+                "declares `{name}` as [{declared}], and it is [{sides}]"
+            ))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// An offered action, and where it picks and places in the picture, `[column, row]`, pixels.
+struct Offer {
+    proposal: Proposal,
+    pick_px: [f64; 2],
+    place_px: [f64; 2],
+}
+
+impl Policy for Onnx {
+    fn description(&self) -> Description {
+        Description {
+            kind: Kind::Network,
+            name: self.name.clone(),
+            sees_particles: false,
+            models: None,
+            code: Some(self.code.clone()),
+        }
+    }
+
+    fn varies(&self) -> bool {
+        false
+    }
+
+    fn prepare(&self, program: &Program) -> Result<Option<String>, PolicyError> {
+        let listed = |name: &str| match program.field(name).map(|field| &field.choices) {
+            Some(Choices::Region { mask }) => Err(PolicyError::Unfit(format!(
+                "`{name}` of `{}` is any pixel of `{mask}`, and `--policy {}` compares listed points: write `one of`",
+                program.title(),
+                self.name
+            ))),
+            _ => Ok(()),
+        };
+        listed("pick")?;
+        listed("place")?;
+        let image_px = program.camera.image_px as usize;
+        for (input, shape) in INPUTS {
+            let id = self.model.find_node(input);
+            let declared = id.and_then(|id| self.model.node_info(id)?.shape());
+            let sides = shape.iter().zip(declared.into_iter().flatten());
+            for (side, declared) in sides {
+                if let (Side::Height | Side::Width, Dimension::Fixed(length)) = (side, declared)
+                    && length != image_px
+                {
+                    return Err(PolicyError::Unfit(format!(
+                        "`--policy {}` takes a `{input}` of {length} px a side, and the pictures of `{}` have {image_px} px",
+                        self.name,
+                        program.title()
+                    )));
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    fn decide(
+        &mut self,
+        step: &StepView<'_>,
+        exchange: &mut Exchange<'_, '_>,
+    ) -> Result<Decision, PolicyError> {
+        let offers = accepted_first(step, offers(step))?;
+        let ranked = self.values(step, &offers).map(|values| {
+            let mut ranked: Vec<(f32, Offer)> = values.into_iter().zip(offers).collect();
+            // Equal values stay in the order of the offer.
+            ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+            ranked
+        });
+        until_accepted(step, exchange, &mut |refusals, _| {
+            let next = ranked.as_ref().map(|ranked| ranked.get(refusals.len()));
+            let (note, answer) = match next {
+                Ok(Some((value, offer))) => (
+                    Some(format!("value {value:.3}")),
+                    Answer::Grip(offer.proposal.clone()),
+                ),
+                Ok(None) => (
+                    None,
+                    Answer::Stop {
+                        outcome: Outcome::NoCandidates,
+                        why: "no other action is offered".to_owned(),
+                    },
+                ),
+                Err(why) => (
+                    None,
+                    Answer::Stop {
+                        outcome: Outcome::PolicyFailed,
+                        why: why.clone(),
+                    },
+                ),
+            };
+            Ok(Proposed {
+                question: None,
+                reply: None,
+                note,
+                answer,
+            })
+        })
+    }
+}
+
+impl Onnx {
+    /// Returns the value of each offered action; fails with the reason.
+    fn values(&self, step: &StepView<'_>, offers: &[Offer]) -> Result<Vec<f32>, String> {
+        if offers.is_empty() {
+            return Ok(Vec::new());
+        }
+        let inputs = self.model.input_ids().iter().filter_map(|id| {
+            let info = self.model.node_info(*id)?;
+            let (name, shape) = INPUTS.iter().find(|(name, _)| info.name() == Some(*name))?;
+            let (width, height) = step.observation.rgb.dimensions();
+            let shape = shape.iter().map(|side| match side {
+                Side::Height => height as usize,
+                Side::Width => width as usize,
+                Side::Actions => offers.len(),
+                Side::Of(length) => *length,
+            });
+            let shape: Vec<usize> = shape.collect();
+            let value = Value::from_shape(shape, input(name, step, offers));
+            Some(value.map(|value| (*id, value.into())))
+        });
+        let inputs = inputs.collect::<Result<Vec<_>, _>>();
+        let inputs = inputs.map_err(|error| error.to_string())?;
+        let outputs = self.model.run(inputs, self.model.output_ids(), None);
+        let outputs = outputs.map_err(|error| format!("the network failed: {error}"))?;
+        let output = outputs
+            .into_iter()
+            .next()
+            .ok_or("the network returned nothing")?;
+        let ([length], values) = output
+            .into_shape_vec::<f32, 1>()
+            .map_err(|error| format!("`values` is not [N] of float32: {error}"))?;
+        if length != offers.len() {
+            return Err(format!(
+                "the network returned {length} values for {} actions",
+                offers.len()
+            ));
+        }
+        match values.iter().position(|value| !value.is_finite()) {
+            Some(at) => Err(format!(
+                "the network's value of action {at} of {length} is {}, which is not finite",
+                values[at]
+            )),
+            None => Ok(values),
+        }
+    }
+}
+
+/// Returns the numbers of an input, row by row.
+fn input(name: &str, step: &StepView<'_>, offers: &[Offer]) -> Vec<f32> {
+    let observation = step.observation;
+    let cloth = &step.program.cloth;
+    let level = |level: &u8| f32::from(*level) / 255.0;
+    let points = |of: fn(&Offer) -> [f64; 2]| {
+        let points = offers.iter().flat_map(of);
+        points.map(|part| part as f32).collect()
+    };
+    match name {
+        "color" => observation.rgb.as_raw().iter().map(level).collect(),
+        "depth" => observation.depth_m.as_raw().clone(),
+        "cloth" => {
+            let (width, height) = observation.rgb.dimensions();
+            let mask = step.scene.cloth();
+            let pixels = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
+            let is_cloth = |(column, row)| mask.is_some_and(|mask| mask.contains_at(column, row));
+            pixels.map(|at| f32::from(u8::from(is_cloth(at)))).collect()
+        }
+        "faces" => {
+            let faces = [Face::Upper, Face::Under].map(|face| cloth.colour(face).rgb);
+            faces.as_flattened().iter().map(level).collect()
+        }
+        "edge" => vec![(cloth.edge_m() * step.program.camera.px_per_m()) as f32],
+        "picks" => points(|offer| offer.pick_px),
+        _ => points(|offer| offer.place_px),
+    }
+}
+
+/// Lists the offered actions: every combination of the fields that move the gripper, and of each other field the value
+/// that is nearest to the usual.
+fn offers(step: &StepView<'_>) -> Vec<Offer> {
+    let mut all = vec![Proposal::default()];
+    for field in &step.program.actions {
+        let values = if MOVING.contains(&field.name.as_str()) {
+            space::choices(field, step.scene)
+        } else {
+            least_refused(step, field, &[]).into_iter().collect()
+        };
+        let longer = all.iter().flat_map(|shorter| {
+            let with = |value| {
+                let mut proposal = shorter.clone();
+                proposal.fields.push((field.name.clone(), value));
+                proposal
+            };
+            values.iter().cloned().map(with).collect::<Vec<_>>()
+        });
+        all = longer.collect();
+    }
+    let offers = all.into_iter().filter_map(|proposal| {
+        let observation = step.observation;
+        let action = Action::lower(step.program, &proposal, step.scene, observation)?;
+        let pixel = |point| observation.camera.pixel_from_world(point);
+        Some(Offer {
+            pick_px: pixel(action.motion.pick)?,
+            place_px: pixel(action.motion.place)?,
+            proposal,
+        })
+    });
+    offers.collect()
+}
+
+/// Keeps the actions that the task's checks accept; all of them if there is none, for a task that then drops a check.
+fn accepted_first(step: &StepView<'_>, offers: Vec<Offer>) -> Result<Vec<Offer>, PolicyError> {
+    let texts = BTreeMap::new();
+    let facts = step.facts(&texts, step.pixels());
+    let verdicts = offers
+        .iter()
+        .map(|offer| verdict(*step, facts, &offer.proposal, Strictness::Full))
+        .collect::<Result<Vec<_>, _>>()?;
+    if !verdicts.contains(&Verdict::Accept) {
+        return Ok(offers);
+    }
+    let judged = offers.into_iter().zip(verdicts);
+    let accepted = judged.filter(|(_, verdict)| *verdict == Verdict::Accept);
+    Ok(accepted.map(|(offer, _)| offer).collect())
+}

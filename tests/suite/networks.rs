@@ -1,0 +1,146 @@
+//! Policies that play networks: which files are refused, and which action is played.
+//!
+//! `tests/fixtures/networks/make.py` makes the networks. `crumpled.png` is the simulated camera's picture of the first
+//! recorded crumpled start.
+
+use super::support;
+use fab_agent::examples::Examples;
+use fab_agent::outcome::Outcome;
+use fab_agent::pictures::Pictures;
+use fab_agent::policy::{Asking, Decision, Exchange, Onnx, Policy, StepView};
+use fab_agent::scene::Scene;
+use fab_base::interrupt::Interrupt;
+use fab_picture::DepthImage;
+use fab_picture::observation::Observation;
+use fab_program::{PixelPoint, Program, Proposal, Value};
+use image::{Luma, RgbImage};
+use std::path::PathBuf;
+
+fn fixture(name: &str) -> PathBuf {
+    support::root().join("tests/fixtures/networks").join(name)
+}
+
+fn network(name: &str) -> Onnx {
+    Onnx::read(&fixture(&format!("{name}.onnx"))).unwrap()
+}
+
+#[test]
+fn a_file_that_no_policy_can_play_is_refused_with_what_would_be_right() {
+    for (name, expected) in [
+        ("absent.onnx", "cannot be read: No such file"),
+        ("crumpled.png", "is no ONNX network that can be run: "),
+        (
+            "unknown_input.onnx",
+            "takes `image`, which no policy gets; there is `color`, `depth`, `cloth`, `faces`, `edge`, `picks`, `places`",
+        ),
+        (
+            "channels_first.onnx",
+            "declares `color` as [1, 3, H, W], and it is [H, W, 3]",
+        ),
+        (
+            "without_actions.onnx",
+            "takes neither `picks` nor `places`, so it cannot tell actions apart",
+        ),
+        (
+            "scores.onnx",
+            "returns `scores`, and must return `values` alone",
+        ),
+        ("table.onnx", "declares `values` as [N, 2], and it is [N]"),
+        ("whole_numbers.onnx", "has a `picks` that is not of float32"),
+    ] {
+        let error = Onnx::read(&fixture(name)).err();
+        let error = error.map(|error| error.to_string()).unwrap_or_default();
+        assert!(
+            error.contains(name) && error.contains(expected),
+            "{name}: {error}"
+        );
+    }
+}
+
+#[test]
+fn a_task_that_a_network_cannot_do_is_refused_before_the_first_step() {
+    let smoothing = support::task("smoothing");
+    let small = network("small_picture").prepare(&smoothing).unwrap_err();
+    let expected = "takes a `color` of 100 px a side, and the pictures of `smoothing` have 720 px";
+    assert!(small.to_string().contains(expected), "{small}");
+    let pictures = fab_compiler::compile("tasks/smoothing.fab", &support::ProjectFiles).unwrap();
+    let is_region = |it: &&Program| it.variant.as_deref() == Some("without_preprocessing");
+    let program = pictures.programs.iter().find(is_region).unwrap();
+    let region = Onnx::smoother().prepare(program).unwrap_err().to_string();
+    assert!(region.contains("compares listed points"), "{region}");
+    assert!(Onnx::smoother().prepare(&smoothing).unwrap().is_none());
+}
+
+/// What a network decides about the crumpled cloth.
+fn decided(mut policy: Onnx) -> Decision {
+    let program = support::task("smoothing");
+    let bytes = std::fs::read(fixture("crumpled.png")).unwrap();
+    let rgb: RgbImage = image::load_from_memory(&bytes).unwrap().to_rgb8();
+    // The table is grey, 1 m away.
+    let depth = DepthImage::from_fn(rgb.width(), rgb.height(), |column, row| {
+        let [red, green, blue] = rgb.get_pixel(column, row).0;
+        let is_cloth = i32::from(red) - i32::from(green.min(blue)) > 40;
+        Luma([if is_cloth { 0.99 } else { 1.0 }])
+    });
+    let observation = Observation::of_picture(&program.camera, rgb, Some(depth)).unwrap();
+    let scene = Scene::of(&program, &observation, None).unwrap();
+    let examples = Examples::default();
+    let pictures = Pictures::of(&program, &scene, &observation, None, None, examples).unwrap();
+    let view = StepView::without_rollout(&program, &scene, &observation, 1, None, &pictures);
+    let mut exchange = Exchange {
+        asking: &mut Asking::unrecorded(),
+        record: &mut |_| Ok(()),
+        interrupt: &Interrupt::default(),
+        twins: None,
+    };
+    policy.decide(&view, &mut exchange).unwrap()
+}
+
+fn played(decision: Decision) -> Proposal {
+    match decision {
+        Decision::Act { grips, .. } => grips.into_iter().next().unwrap(),
+        other => panic!("{other:?}"),
+    }
+}
+
+fn pull(pick: [i32; 2], deg: f64, length: f64) -> Proposal {
+    let fields = [
+        ("pick", Value::Point(PixelPoint::new(pick[0], pick[1]))),
+        ("direction", Value::Direction { deg }),
+        ("distance", Value::Length { length }),
+    ];
+    Proposal {
+        fields: fields.map(|(name, value)| (name.to_owned(), value)).into(),
+    }
+}
+
+/// The networks that were computed by hand before they were an ONNX file chose this pull as well.
+#[test]
+fn the_smoother_pulls_what_its_networks_always_pulled() {
+    assert_eq!(
+        played(decided(Onnx::smoother())),
+        pull([394, 278], 0.0, 0.5)
+    );
+}
+
+#[test]
+fn a_network_made_elsewhere_plays_its_highest_value_among_accepted_actions() {
+    let short = played(decided(network("shortest")));
+    assert_eq!(short.get("distance"), Some(&Value::Length { length: 0.1 }));
+}
+
+#[test]
+fn a_network_that_returns_no_usable_values_ends_the_rollout() {
+    for (name, expected) in [
+        ("one_value", "returned 1 values for "),
+        ("not_a_number", "is NaN, which is not finite"),
+    ] {
+        match decided(network(name)) {
+            Decision::Stop {
+                outcome: Outcome::PolicyFailed,
+                why,
+            } => assert!(why.contains(expected), "{name}: {why}"),
+            other => panic!("{name}: {other:?}"),
+        }
+    }
+}
