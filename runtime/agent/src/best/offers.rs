@@ -111,7 +111,8 @@ impl Situation<'_> {
         let grip = action.grip;
         let ends = [&grip.pick, &grip.place];
         let is_beyond = |point| self.world.out_of_reach(point).is_some();
-        let is_refused = ends.into_iter().any(is_beyond) || self.world.refuses(&grip.into()).is_some();
+        let is_refused =
+            ends.into_iter().any(is_beyond) || self.world.refuses(&grip.into()).is_some();
         (!is_refused).then_some(action)
     }
 }

@@ -397,8 +397,8 @@ fn offers(step: &StepView<'_>) -> Vec<Offer> {
         let action = Action::lower(step.program, &proposal, step.scene, observation)?;
         let pixel = |point| observation.camera.pixel_from_world(point);
         Some(Offer {
-            pick_px: pixel(action.motion.pick)?,
-            place_px: pixel(action.motion.place)?,
+            pick_px: pixel(action.grip.pick)?,
+            place_px: pixel(action.grip.place)?,
             proposal,
         })
     });
