@@ -13,7 +13,7 @@ mod cloths;
 use cloths::CLOTHS;
 use divan::{Bencher, black_box, counter::ItemsCount};
 use fab_sim::{
-    Aim, Grid, Look, Manner, Params, RestShortcut, Simulator, TopDownCamera, diagonal_fold,
+    Aim, Grid, Look, Params, RestShortcut, Simulator, TopDownCamera, diagonal_fold,
 };
 use std::time::{Duration, Instant};
 
@@ -138,11 +138,10 @@ fn fold_square(dim: usize, params: &Params) -> Simulator {
     diagonal_fold(square(dim), params, &|| false).expect("a fold within reach")
 }
 
-/// Pulls of a crumpled cloth of 40 by 40 particles as a smoothing search tries them: 4 picks, 8 directions each, with
-/// every motion computed whole, or with those that share a pick computed from one lift, on one thread or two side by side.
-/// Its items are pulls of one thread; 8.3 a second on each of two would be 1,000 a minute. Contacts bound it (record 0089).
-#[divan::bench(args = ["whole", "shared lift"], threads = [1, 2], sample_count = 1, sample_size = 1)]
-fn pulls_40(bencher: Bencher, how: &str) {
+/// Pulls of a crumpled cloth of 40 by 40 particles as a smoothing search tries them: 4 picks, 8 directions each, on one
+/// thread or two side by side. Its items are pulls of one thread. Contacts bound it (record 0089).
+#[divan::bench(threads = [1, 2], sample_count = 1, sample_size = 1)]
+fn pulls_40(bencher: Bencher) {
     let grid = Grid::new(40, 40, 0.00625).expect("40 particles are within bounds");
     let mut heap = Simulator::flat(grid, &Params::default());
     heap.crumple(3, &|| false).expect("a cloth stays finite");
@@ -158,23 +157,15 @@ fn pulls_40(bencher: Bencher, how: &str) {
         .flat_map(|[x, y]| [[x, y], [-x, -y]])
         .collect();
     let place = |pick: [f32; 3], [x, y]: [f32; 2]| [pick[0] + 0.12 * x, pick[1] + 0.12 * y];
-    let manner = Manner::default();
     bencher
         .counter(ItemsCount::new(picks.len() * directions.len()))
         .bench(|| {
             for pick in picks {
                 let at = [pick[0], pick[1]];
-                let lifted = cloth.lift(&manner, at, &|| false);
-                let lifted = lifted.expect("a pick within reach");
                 for direction in &directions {
-                    let place = place(pick, *direction);
-                    if how == "whole" {
-                        let mut whole = cloth.clone();
-                        let done = whole.pick_and_place(at, place, &|| false);
-                        black_box(done.expect("a pull within reach"));
-                    } else {
-                        black_box(lifted.place(place, &|| false).expect("a pull within reach"));
-                    }
+                    let mut cloth = cloth.clone();
+                    let done = cloth.pick_and_place(at, place(pick, *direction), &|| false);
+                    black_box(done.expect("a pull within reach"));
                 }
             }
         });

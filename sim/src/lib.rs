@@ -95,7 +95,7 @@ pub use params::{
 pub use picker::Manner;
 pub use scenario::diagonal_fold;
 pub use scene::Marker;
-pub use simulator::{Aim, Lifted, PickAndPlace, RestShortcut, Simulator};
+pub use simulator::{Aim, PickAndPlace, RestShortcut, Simulator};
 pub use slanted::{Picture, SlantedCamera, SlantedView};
 pub use snapshot::{Snapshot, Texture};
 

@@ -136,9 +136,6 @@ fn distance_2(a: [f32; 3], b: [f32; 3]) -> f32 {
     dx * dx + dy * dy + dz * dz
 }
 
-/// How many of [`legs`] come before the sphere leaves the pick point: over it, down to it, and up with the cloth.
-pub(crate) const LEGS_OVER_PICK: usize = 3;
-
 /// Lists the legs of one pick-and-place, up to where the sphere is open again over the place.
 ///
 /// - `surface_m`: height of the cloth at the pick point, metres.

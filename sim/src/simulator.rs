@@ -66,43 +66,6 @@ pub enum Aim {
     Uppermost,
 }
 
-/// How the picker took hold.
-#[derive(Clone, Debug)]
-struct Grip {
-    manner: Manner,
-    /// Where, table coordinates, world frame, metres.
-    pick: [f32; 2],
-    /// Height of the cloth there, metres.
-    surface_m: f32,
-    /// The only particle that may be grasped; `None` if any may.
-    aimed_at: Option<usize>,
-}
-
-/// A cloth lifted at one point, from which every place can be tried without computing the lift again.
-#[derive(Clone, Debug)]
-pub struct Lifted {
-    cloth: Simulator,
-    grip: Grip,
-    done: PickAndPlace,
-}
-
-impl Lifted {
-    /// Carries a copy of the cloth to a place; state and report are those of the whole
-    /// [`Simulator::pick_and_place_in`], bit for bit.
-    ///
-    /// - `place`: table coordinates, world frame, metres.
-    pub fn place(
-        &self,
-        place: [f32; 2],
-        interrupted: &dyn Fn() -> bool,
-    ) -> Result<(Simulator, PickAndPlace), SimError> {
-        reachable(place)?;
-        let (mut cloth, mut done) = (self.cloth.clone(), self.done.clone());
-        cloth.carry_to(&self.grip, place, &mut done, interrupted, &mut |_| {})?;
-        Ok((cloth, done))
-    }
-}
-
 /// Fails on a point of the table that the picker does not reach.
 fn reachable([x_m, y_m]: [f32; 2]) -> Result<(), SimError> {
     // Written so that a NaN is out of reach too.
@@ -270,83 +233,25 @@ impl Simulator {
             steps: 0,
             time_s: 0.0,
         };
-        let grip = self.lift_at(manner, pick, &mut done, interrupted, watch)?;
-        self.carry_to(&grip, place, &mut done, interrupted, watch)?;
-        Ok(done)
-    }
-
-    /// Does what a pick and place does before its place matters, on a copy of the cloth.
-    ///
-    /// Fails as [`Simulator::pick_and_place_in`] does.
-    pub fn lift(
-        &self,
-        manner: &Manner,
-        pick: [f32; 2],
-        interrupted: &dyn Fn() -> bool,
-    ) -> Result<Lifted, SimError> {
-        manner.check()?;
-        reachable(pick)?;
-        let mut cloth = self.clone();
-        let mut done = PickAndPlace {
-            grasped: None,
-            released_at: None,
-            steps: 0,
-            time_s: 0.0,
-        };
-        let grip = cloth.lift_at(manner, pick, &mut done, interrupted, &mut |_| {})?;
-        Ok(Lifted { cloth, grip, done })
-    }
-
-    /// Takes hold at a point and goes up.
-    fn lift_at(
-        &mut self,
-        manner: &Manner,
-        pick: [f32; 2],
-        done: &mut PickAndPlace,
-        interrupted: &dyn Fn() -> bool,
-        watch: &mut dyn FnMut(&Simulator),
-    ) -> Result<Grip, SimError> {
         if !self.solver.held().is_empty() {
             self.let_go();
         }
         let points = self.positions();
         // A picture's pixel at the cloth's rim may lie beside every triangle, so that the particle says how high.
         let uppermost = picker::uppermost(&self.mask, &points, pick);
-        let grip = Grip {
-            manner: *manner,
-            pick,
-            surface_m: uppermost.map_or(0.0, |particle| points[particle][2]),
-            aimed_at: uppermost.filter(|_| self.aim == Aim::Uppermost),
-        };
-        // These legs lead nowhere but over the pick point, so any place gives the same.
-        let legs = picker::legs(pick, pick, grip.surface_m, manner, &self.params);
-        let legs = &legs[..picker::LEGS_OVER_PICK];
-        self.go(legs, grip.aimed_at, done, interrupted, watch)?;
-        Ok(grip)
-    }
-
-    /// Goes on from [`Simulator::lift_at`] to a place, and home.
-    fn carry_to(
-        &mut self,
-        grip: &Grip,
-        place: [f32; 2],
-        done: &mut PickAndPlace,
-        interrupted: &dyn Fn() -> bool,
-        watch: &mut dyn FnMut(&Simulator),
-    ) -> Result<(), SimError> {
-        let Grip { manner, pick, .. } = grip;
-        let legs = picker::legs(*pick, place, grip.surface_m, manner, &self.params);
-        let legs = &legs[picker::LEGS_OVER_PICK..];
-        self.go(legs, grip.aimed_at, done, interrupted, watch)?;
+        let surface_m = uppermost.map_or(0.0, |particle| points[particle][2]);
+        let aimed_at = uppermost.filter(|_| self.aim == Aim::Uppermost);
+        let legs = picker::legs(pick, place, surface_m, manner, &self.params);
+        self.go(&legs, aimed_at, &mut done, interrupted, watch)?;
         if let Some(press_m) = manner.press_m {
-            self.open(done);
-            let legs = picker::presses(*pick, place, press_m, &self.params);
-            self.go(&legs, None, done, interrupted, watch)?;
+            self.open(&mut done);
+            let legs = picker::presses(pick, place, press_m, &self.params);
+            self.go(&legs, None, &mut done, interrupted, watch)?;
         }
         let home = [picker::home(&self.params)];
-        self.go(&home, None, done, interrupted, watch)?;
+        self.go(&home, None, &mut done, interrupted, watch)?;
         done.time_s = f64::from(done.steps) * f64::from(self.params.step_secs);
-        Ok(())
+        Ok(done)
     }
 
     /// Takes the sphere along legs, one step after the other, and notes in `done` what comes of it.

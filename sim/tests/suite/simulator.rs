@@ -35,39 +35,6 @@ fn the_nearest_particle_and_no_other_is_held() {
 }
 
 #[test]
-fn a_place_tried_from_a_lift_ends_as_the_whole_motion_does() {
-    let drops = Params::with_dropping_picker();
-    let press = Manner {
-        lift_m: Some(0.05),
-        speed_m_s: Some(0.3),
-        release_height_m: Some(0.02),
-        press_m: Some(0.05),
-    };
-    for (params, manner) in [(Params::default(), press), (drops, Manner::default())] {
-        let mut folded = Simulator::flat(grid(12, 12), &params);
-        let [low, high] = [0, 12 * 12 - 1].map(|particle: usize| folded.positions()[particle]);
-        // The second motion begins on a cloth with a fold, which may not lie still yet.
-        let fold = folded.pick_and_place([low[0], low[1]], [0.01, 0.0], &never);
-        assert!(fold.unwrap().grasped.is_some());
-        let lifted = folded.lift(&manner, [high[0], high[1]], &never).unwrap();
-        for place in [[0.0, 0.01], [0.02, -0.03]] {
-            let (tried, done) = lifted.place(place, &never).unwrap();
-            let mut whole = folded.clone();
-            let pick = [high[0], high[1]];
-            let expected = whole.pick_and_place_in(&manner, pick, place, &never, &mut |_| {});
-            assert_eq!(done, expected.unwrap());
-            assert!(done.grasped.is_some());
-            assert_eq!(tried.snapshot(), whole.snapshot());
-        }
-        let unreachable = lifted.place([f32::NAN, 0.0], &never).unwrap_err();
-        assert!(
-            matches!(unreachable, SimError::OutOfReach { .. }),
-            "{unreachable}"
-        );
-    }
-}
-
-#[test]
 fn the_held_particle_keeps_its_offset_to_the_sphere() {
     let mut cloth = flat(20, 20);
     let from = cloth.positions()[0];
