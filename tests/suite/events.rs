@@ -149,7 +149,7 @@ fn events_on_stdout_send_the_report_to_stderr_and_exclude_a_document() {
         said.stderr
     );
     let refused = run(&["-", "--json"]);
-    assert_eq!((refused.code, refused.stdout.as_str()), (64, ""));
+    assert_eq!(refused.code, 64);
     let why = "`--events -` and `--json` both write to stdout: give `--events FILE`";
     assert!(refused.stderr.contains(why), "{}", refused.stderr);
     let unwritable = run(&["absent/events.jsonl"]);
@@ -180,7 +180,9 @@ fn a_suite_writes_the_events_of_all_its_rollouts() {
     }
     assert_eq!(rollouts.len(), 2, "{rollouts:?}");
     for (run, counts) in rollouts {
-        assert_eq!(counts, [1; 3], "{run}");
+        let [starts, motions, ends] = counts;
+        assert!(motions > 0, "{run}");
+        assert_eq!([starts, ends], [1; 2], "{run}");
         assert!(
             folder.path().join(&run).join("rollout.jsonl").is_file(),
             "{run}"

@@ -25,16 +25,14 @@ pub struct EventLog<'io> {
     io: &'io Io,
     begun: Instant,
     to: Destination,
+    /// Why the file can no longer be written; locked while a line is written, so that lines come in the order of their times.
+    failed: Mutex<Option<io::Error>>,
 }
 
 enum Destination {
     Nowhere,
     Stdout,
-    File {
-        path: PathBuf,
-        /// The file, or why it can no longer be written.
-        file: Mutex<io::Result<File>>,
-    },
+    File { path: PathBuf, file: File },
 }
 
 impl EventArguments {
@@ -58,9 +56,7 @@ impl EventArguments {
             }
             Some(path) if path == Path::new("-") => Destination::Stdout,
             Some(path) => Destination::File {
-                file: Mutex::new(Ok(
-                    File::create(path).map_err(|error| Failure::unwritable(path, error))?
-                )),
+                file: File::create(path).map_err(|error| Failure::unwritable(path, error))?,
                 path: path.clone(),
             },
         };
@@ -68,6 +64,7 @@ impl EventArguments {
             io,
             begun: Instant::now(),
             to,
+            failed: Mutex::default(),
         })
     }
 }
@@ -75,6 +72,7 @@ impl EventArguments {
 impl EventLog<'_> {
     /// Writes an event of the rollout in a run folder.
     pub fn write(&self, run: &Path, event: Event) {
+        let mut failed = self.failed.lock().unwrap_or_else(PoisonError::into_inner);
         let line = Line {
             at_s: self.begun.elapsed().as_secs_f64(),
             run: run.display().to_string(),
@@ -82,15 +80,12 @@ impl EventLog<'_> {
         };
         let text = || serde_json::to_string(&line).expect("events have string keys");
         match &self.to {
-            Destination::Nowhere => {}
             Destination::Stdout => self.io.data(&text()),
-            Destination::File { file, .. } => {
-                let mut file = file.lock().unwrap_or_else(PoisonError::into_inner);
-                let written = file.as_mut().map(|file| writeln!(file, "{}", text()));
-                if let Ok(Err(error)) = written {
-                    *file = Err(error);
-                }
+            Destination::File { file, .. } if failed.is_none() => {
+                let mut file = file;
+                *failed = writeln!(file, "{}", text()).err();
             }
+            Destination::Nowhere | Destination::File { .. } => {}
         }
     }
 
@@ -100,14 +95,10 @@ impl EventLog<'_> {
             Destination::Stdout => self.io.talk(&result.text()),
             _ => self.io.result(json, result),
         }
-        match &self.to {
-            Destination::File { path, file } => {
-                let mut file = file.lock().unwrap_or_else(PoisonError::into_inner);
-                file.as_mut()
-                    .map_err(|error| Failure::unwritable(path, error.kind().into()))
-                    .map(drop)
-            }
-            Destination::Nowhere | Destination::Stdout => Ok(()),
+        let mut failed = self.failed.lock().unwrap_or_else(PoisonError::into_inner);
+        match (&self.to, failed.take()) {
+            (Destination::File { path, .. }, Some(error)) => Err(Failure::unwritable(path, error)),
+            _ => Ok(()),
         }
     }
 }
