@@ -165,7 +165,11 @@ fn proposals(step: &StepView<'_>, aim: Aim, refused: &[&Proposal]) -> Vec<Propos
 }
 
 /// Returns the value of a field that was refused least often; of equals, that nearest to how the fold is demonstrated.
-pub(super) fn least_refused(step: &StepView<'_>, field: &ActionField, refused: &[&Proposal]) -> Option<Value> {
+pub(super) fn least_refused(
+    step: &StepView<'_>,
+    field: &ActionField,
+    refused: &[&Proposal],
+) -> Option<Value> {
     let name = &field.name;
     let usual = step.program.manner.or_usual(name);
     let cost = |value: &Value| {
