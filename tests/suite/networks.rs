@@ -46,6 +46,7 @@ fn a_file_that_no_policy_can_play_is_refused_with_what_would_be_right() {
             "returns `scores`, and must return `values` alone",
         ),
         ("table.onnx", "declares `values` as [N, 2], and it is [N]"),
+        ("one_value.onnx", "declares `values` as [1], and it is [N]"),
         ("whole_numbers.onnx", "has a `picks` that is not of float32"),
     ] {
         let error = Onnx::read(&fixture(name)).err();
@@ -132,7 +133,7 @@ fn a_network_made_elsewhere_plays_its_highest_value_among_accepted_actions() {
 #[test]
 fn a_network_that_returns_no_usable_values_ends_the_rollout() {
     for (name, expected) in [
-        ("one_value", "returned 1 values for "),
+        ("two_values", " values for "),
         ("not_a_number", "is NaN, which is not finite"),
     ] {
         match decided(network(name)) {
