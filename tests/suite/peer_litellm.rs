@@ -132,7 +132,7 @@ fn proxy(folder: &Path, behind: &str) -> (Running, String) {
         let log = || fs::read_to_string(folder.join("proxy.log")).unwrap_or_default();
         assert!(ended.is_none(), "the proxy ended: {}", log());
         assert!(
-            begun.elapsed() < Duration::from_secs(120),
+            begun.elapsed() < Duration::from_secs(300),
             "the proxy does not listen: {}",
             log()
         );

@@ -30,7 +30,7 @@ pub(super) struct Exchange<'a> {
 /// What came instead of an answer.
 pub(super) enum Came {
     /// A reply.
-    Reply(Received),
+    Reply(Box<Received>),
     /// Nothing.
     Nothing(NoReply),
 }
@@ -54,11 +54,11 @@ pub(super) struct Message {
 
 impl Came {
     pub(super) fn reply(incoming: Incoming, problem: Option<String>) -> Came {
-        Came::Reply(Received {
+        Came::Reply(Box::new(Received {
             error: ErrorBody::of_bytes(&incoming.body),
             incoming,
             problem,
-        })
+        }))
     }
 }
 

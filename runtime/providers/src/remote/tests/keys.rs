@@ -117,7 +117,7 @@ fn broken_files_are_refused_without_quoting_them() {
             "A = \"a\"\nsk-canary-0123456789 = \"OPENAI_API_KEY\"\n",
             "line 2",
         ),
-        ("Z = \"a\"\n[sk-canary-0123456789]\nB = 1\n[A]\n", "line 2"),
+        ("Z = \"a\"\n[sk-canary-0123456789]\nB = 1\n", "line 2"),
     ] {
         let (_folder, path) = file(content);
         let error = in_file(&path, "OPENAI_API_KEY").expect_err("refused");
