@@ -81,7 +81,8 @@ class World:
         with open(__file__, "rb") as file:
             texts = SETTINGS.encode(), file.read() + mujoco.__version__.encode()
         parameters, code = (hashlib.sha256(text).hexdigest()[:16] for text in texts)
-        return {"name": "mujoco", "parameters": parameters, "code": code, "particles": True}
+        about = {"name": "mujoco", "parameters": parameters, "code": code}
+        return {"protocol": 2, "grippers": 1, "particles": True, **about}
 
     def reset(self, camera, picker, start, **_):
         grid, positions = start["grid"], np.load(start["positions"])
@@ -137,11 +138,13 @@ class World:
         lens = {"focal_px": [focal, focal], "center_px": [size / 2, size / 2]}
         return {**paths, "time_s": self.data.time, "camera": {**lens, "world_from_camera": pose}}
 
-    def act(self, pick, place, **_):
+    def act(self, grips, **_):
+        [grip] = grips
+        pick, place = grip["pick"], grip["place"]
         points, began = self.cloth(*self.coarse).reshape(-1, 3), self.data.time
         aside = np.linalg.norm(points[:, :2] - pick[:2], axis=1)
         if aside.min() > GRASP_REACH:
-            return {"pick": pick, "place": place, "grasp": "missed", "duration_s": 0.0}
+            return {"grips": [{"pick": pick, "place": place, "grasp": "missed"}], "duration_s": 0.0}
         # Of the layers at this point, the gripper takes the uppermost.
         held = np.where(aside < aside.min() + RADIUS, points[:, 2], -np.inf).argmax()
         x, y, z = points[held].tolist()
@@ -162,7 +165,7 @@ class World:
             self.step()
             fastest = np.linalg.norm(self.data.qvel.reshape(-1, 3), axis=1).max()
         end, seconds = self.data.mocap_pos[0].tolist(), self.data.time - began
-        return {"pick": [x, y, z], "place": end, "grasp": "held", "duration_s": seconds}
+        return {"grips": [{"pick": [x, y, z], "place": end, "grasp": "held"}], "duration_s": seconds}
 
     def step(self):
         if self.interrupt.is_set():

@@ -13,7 +13,7 @@ use fab_program::scene::SceneView;
 use fab_program::{PixelPoint, Program, Proposal, Sequence};
 use fab_world::metrics::mean_particle_distance_m;
 use fab_world::start::Start;
-use fab_world::{Motion, SimulatedWorld, World, expert};
+use fab_world::{Grip, SimulatedWorld, World, expert};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -224,8 +224,8 @@ impl<'a> ByHand<'a> {
             let mut world = SimulatedWorld::of(program).unwrap();
             world.reset(&start).unwrap();
             for fold in &sequence.folds {
-                let motion = expert::motion(fold, &start, &world).unwrap();
-                let motion = motion.with_manner(program.manner);
+                let grip = expert::grip(fold, &start, &world).unwrap();
+                let motion = grip.with_manner(program.manner).into();
                 world.act(&motion, &Interrupt::default()).unwrap();
             }
             world.particles().unwrap()
@@ -247,13 +247,13 @@ impl<'a> ByHand<'a> {
     }
 
     /// Executes some steps, and then each that may come next; `None` is a skipped step.
-    fn follow(&mut self, steps: &[Option<Motion>]) {
+    fn follow(&mut self, steps: &[Option<Grip>]) {
         let mut world = SimulatedWorld::of(self.program).unwrap();
         world.reset(&self.start).unwrap();
         let observation = world.observe().unwrap();
         let first = Scene::of(self.program, &observation, None).unwrap();
-        for motion in steps.iter().flatten() {
-            world.act(motion, &Interrupt::default()).unwrap();
+        for grip in steps.iter().flatten() {
+            world.act(&(*grip).into(), &Interrupt::default()).unwrap();
         }
         self.tried += u32::from(matches!(steps.last(), Some(Some(_))));
         if steps.len() == self.program.horizon as usize {
@@ -285,7 +285,7 @@ impl<'a> ByHand<'a> {
                     fields: fields.to_vec(),
                 };
                 let action = Action::lower(self.program, &proposal, &scene, &observation);
-                next.push(Some(action.unwrap().motion));
+                next.push(Some(action.unwrap().grip));
             }
         }
         if self.may_skip {

@@ -7,7 +7,7 @@ use fab_base::interrupt::Interrupt;
 use fab_program::{Manner, Picker};
 use fab_world::conformance::{PROMISES, camera};
 use fab_world::start::Start;
-use fab_world::{ExternalWorld, Motion, SimulatedWorld, World, WorldError, WorldPoint};
+use fab_world::{ExternalWorld, Grip, Motion, SimulatedWorld, World, WorldError, WorldPoint};
 use std::path::Path;
 
 const FABC: &str = env!("CARGO_BIN_EXE_fabc");
@@ -36,8 +36,8 @@ fn played(command: &CommandLine) -> Result<(), WorldError> {
     world.reset(&start)?;
     world.observe()?;
     let [x, y, z] = start.positions[0].map(f64::from);
-    let motion = Motion::new(WorldPoint::new(x, y, z), WorldPoint::new(0.0, 0.0, 0.005));
-    world.act(&motion, &Interrupt::default()).map(drop)
+    let grip = Grip::new(WorldPoint::new(x, y, z), WorldPoint::new(0.0, 0.0, 0.005));
+    world.act(&grip.into(), &Interrupt::default()).map(drop)
 }
 
 #[test]
@@ -69,6 +69,23 @@ fn wrong_answers_are_named_with_their_values() {
         (
             "s/\"limits_s\":{}/\"limits_s\":{\"dance\":1}/",
             "states the limit `dance` as 1 s; the questions are `hello`",
+        ),
+        (
+            "s/\"protocol\":2,//",
+            "answers version 1 of the lines, and this fabc asks in version 2, in which `act` and its answer have a list of \
+             `grips`; let it answer that, and add `\"protocol\": 2` to its `hello`",
+        ),
+        (
+            "s/\"grippers\":1/\"grippers\":0/",
+            "states `grippers` as 0; a world has at least 1",
+        ),
+        (
+            "s/\"grippers\":1/\"grippers\":2/",
+            "the motion has 1 grip, and the world `sim` has 2 grippers",
+        ),
+        (
+            "s/\"grips\":\\[.*\\]/\"grips\":[]/",
+            "`sim`: it says what 0 grips did, and was asked for 1",
         ),
         ("s/particles.npy/gone.npy/", "`sim`: its positions `"),
         (
@@ -129,8 +146,8 @@ fn wrong_answers_are_named_with_their_values() {
 #[test]
 fn a_world_is_asked_only_for_the_manners_that_it_announces() {
     let lift = Manner::default().with("lift", 0.03);
-    let motion = Motion::new(WorldPoint::new(0.05, 0.05, 0.005), WorldPoint::origin());
-    let motion = motion.with_manner(lift);
+    let grip = Grip::new(WorldPoint::new(0.05, 0.05, 0.005), WorldPoint::origin());
+    let motion = Motion::from(grip.with_manner(lift));
     let acts_on = |names: &str| {
         let script = format!("s/\"acts_on\":\\[[^]]*/\"acts_on\":[{names}/");
         let mut world = started(&edited(&script)).unwrap();
@@ -142,7 +159,7 @@ fn a_world_is_asked_only_for_the_manners_that_it_announces() {
     };
     let (why, done) = acts_on("\"lift\",\"speed\"");
     assert_eq!(why, None);
-    assert_eq!(done.unwrap().motion.manner, lift);
+    assert_eq!(done.unwrap().grips[0].grip.manner, lift);
     let (why, done) = acts_on("\"speed\"");
     let why = why.unwrap();
     assert_eq!(why, "the world `sim` does not act on `lift`");
@@ -268,6 +285,23 @@ fn a_world_that_does_not_repeat_is_not_gone_on_with() {
         again.stderr
     );
     assert_eq!(std::fs::read_to_string(&record).unwrap(), whole[..cut]);
+}
+
+#[test]
+#[ignore = "long"]
+fn a_world_with_two_grippers_is_refused_before_anything_moves() {
+    let folder = tempfile::tempdir().unwrap();
+    let script = folder.path().join("two.sh");
+    let text = format!("'{FABC}' world serve | sed -u 's/\"grippers\":1/\"grippers\":2/'");
+    std::fs::write(&script, text).unwrap();
+    let world = format!("exec:sh '{}'", script.display());
+    let refused = run(folder.path(), &world, "two");
+    assert_eq!(refused.code, 2, "{}", refused.stderr);
+    let why = "`double_triangle` cannot be executed in the world `sim`: the task's actions are for 1 gripper, and the world has \
+               2 grippers";
+    assert!(refused.stderr.contains(why), "{}", refused.stderr);
+    let lines = std::fs::read_to_string(folder.path().join("two/rollout.jsonl"));
+    assert_eq!(lines.unwrap_or_default(), "");
 }
 
 #[test]

@@ -33,7 +33,7 @@ fn any_pixel_of_the_cloth_may_be_picked_and_no_other() {
     let told = words_of(&played.asked[1]);
     let expected = "The pick point (5, 5) is not on the cloth. Choose any point on the cloth.";
     assert!(told.contains(expected), "{told}");
-    let pick = &played.steps[0]["action"]["pick_px"];
+    let pick = &played.steps[0]["action"][0]["pick_px"];
     assert_eq!(*pick, serde_json::json!([90, 131]));
     let schema = played.asked[0].schema.as_ref().unwrap();
     assert!(schema["properties"]["pick"]["pattern"].is_string());

@@ -43,7 +43,7 @@ impl Wrapper for Short {
             None,
             "it was sent all the same"
         );
-        for point in [motion.pick, motion.place] {
+        for point in motion.grips.iter().flat_map(|grip| [grip.pick, grip.place]) {
             assert_eq!(
                 Wrapper::out_of_reach(self, &point),
                 None,
@@ -64,7 +64,8 @@ impl Wrapper for Short {
     }
 
     fn refuses(&self, motion: &Motion) -> Option<String> {
-        let lift_m = motion.manner.lift_m.filter(|lift_m| *lift_m > 0.15)?;
+        let lifts = motion.grips.iter().filter_map(|grip| grip.manner.lift_m);
+        let lift_m = lifts.into_iter().find(|lift_m| *lift_m > 0.15)?;
         let lift_mm = lift_m * 1000.0;
         Some(format!(
             "`lift` of {lift_mm:.0} mm is above the arm's 150 mm"
@@ -377,16 +378,16 @@ task own extends folding {
     );
     let words = words_of(&played.asked[1]);
     assert!(words.contains("Lift = "), "{words}");
-    for motion in [
-        &played.lines[1]["action"]["motion"],
-        &played.lines[1]["executed"]["motion"],
+    for grip in [
+        &played.lines[1]["action"][0],
+        &played.lines[1]["executed"]["grips"][0],
     ] {
         let expected = serde_json::json!({"lift_m": 0.03, "speed_m_s": 0.25});
-        assert_eq!(motion["manner"], expected);
+        assert_eq!(grip["manner"], expected);
     }
     let took_s = |played: &Played| played.lines[1]["executed"]["duration_s"].as_f64().unwrap();
     let drags = play(&program, f64::INFINITY, &lifts("0 mm"));
-    assert_eq!(drags.lines[1]["action"]["motion"]["manner"]["lift_m"], 0.0);
+    assert_eq!(drags.lines[1]["action"][0]["manner"]["lift_m"], 0.0);
     // Up and down 30 mm at 250 mm/s.
     let longer_s = took_s(&played) - took_s(&drags);
     assert!((longer_s - 0.24).abs() < 0.05, "{longer_s}");

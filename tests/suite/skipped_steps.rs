@@ -30,7 +30,7 @@ fn a_skipped_step_moves_nothing_is_counted_and_lets_the_rollout_go_on() {
     assert_eq!(report.outcome, Outcome::HorizonReached, "{report:?}");
     assert_eq!((report.steps, report.skipped_steps), (1, 1));
     assert_eq!(json!(report.skipped), json!({ "attempts_exhausted": 1 }));
-    assert_eq!(played.motions.len(), 1);
+    assert_eq!(played.grips.len(), 1);
     let [skipped, taken] = &played.steps[..] else {
         panic!("two steps are written down")
     };

@@ -24,7 +24,7 @@ fn play(program: &Program, look: &Look, change: &dyn Fn(&mut SubgoalSet)) -> Pla
     let mut points = Vec::new();
     let mut watch = |event: Event<'_>| {
         if let Event::Stepped { action, .. } = event {
-            let (pick, place) = (action.motion.pick, action.motion.place);
+            let (pick, place) = (action.grip.pick, action.grip.place);
             points.push([pick.x, pick.y, place.x, place.y]);
         }
     };

@@ -10,7 +10,7 @@ use fab_compiler::{LoadError, Loader};
 use fab_model::Models;
 use fab_model::{Part, Request, Speaker};
 use fab_program::{Program, Reasoning};
-use fab_world::{Look, Motion};
+use fab_world::{Grip, Look};
 use serde_json::Value;
 
 const FILE: &str = "tests/fixtures/tasks/steered.fab";
@@ -53,7 +53,7 @@ pub(super) fn steered_but(changes: &[(&str, &str)]) -> Program {
 pub(super) struct Played {
     pub report: Ended,
     pub asked: Vec<Request>,
-    pub motions: Vec<Motion>,
+    pub grips: Vec<Grip>,
     /// The journal's step lines.
     pub steps: Vec<Value>,
 }
@@ -73,10 +73,10 @@ pub(super) fn play_with(
     let mut trial = Trial::new(program, folder.path(), Look::default());
     trial.cache = Cache::none();
     change(&mut trial);
-    let mut motions = Vec::new();
+    let mut grips = Vec::new();
     let mut watch = |event: Event<'_>| {
         if let Event::Stepped { action, .. } = event {
-            motions.push(action.motion);
+            grips.push(action.grip);
         }
     };
     let models = Models {
@@ -94,7 +94,7 @@ pub(super) fn play_with(
     Played {
         report,
         asked: model.asked.into_inner().unwrap(),
-        motions,
+        grips,
         steps,
     }
 }
@@ -111,7 +111,7 @@ pub(super) const LEFT: &str = "(66, 66)";
 fn a_direction_is_one_of_the_picture_whichever_way_is_up() {
     for (variant, expected) in [(None, [0.02, 0.0]), (Some("turned"), [0.0, -0.02])] {
         let played = play(&steered(variant), &[&answer(RIGHT, "0 deg", "20 mm")]);
-        let Motion { pick, place, .. } = played.motions[0];
+        let Grip { pick, place, .. } = played.grips[0];
         let moved = place - pick;
         assert!(
             (moved.x - expected[0]).abs() < 1e-9 && (moved.y - expected[1]).abs() < 1e-9,
@@ -174,7 +174,7 @@ fn at_last_the_answers_are_judged_without_what_the_task_leaves_out() {
     let right = answer("(112, 112)", "0 deg", "10 mm");
     let left = answer("(112, 112)", "180 deg", "10 mm");
     let played = play(&steered(None), &[&right, &left, &left]);
-    assert_eq!(played.motions.len(), 2, "{:?}", played.report);
+    assert_eq!(played.grips.len(), 2, "{:?}", played.report);
     let accepted = &played.steps[1]["accepted"];
     assert_eq!(
         (&accepted["attempt"], &accepted["without"][0]),
@@ -191,7 +191,7 @@ fn answers_that_fail_another_check_are_not_executed() {
     let inward = answer(LEFT, "0 deg", "10 mm");
     let played = play(&steered(None), &[&inward, &inward]);
     assert_eq!(played.report.outcome, Outcome::AttemptsExhausted);
-    assert!(played.motions.is_empty());
+    assert!(played.grips.is_empty());
     let told = words_of(&played.asked[1]);
     assert!(told.contains("0 deg leads inward; take"), "{told}");
 }
@@ -222,7 +222,7 @@ fn a_value_that_was_not_offered_is_refused_with_the_choices() {
         told.contains("45 deg") && told.contains("0 deg, 90 deg, 180 deg, 270 deg"),
         "{told}"
     );
-    assert_eq!(played.motions.len(), 1);
+    assert_eq!(played.grips.len(), 1);
 }
 
 #[test]

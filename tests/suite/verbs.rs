@@ -377,7 +377,7 @@ fn an_interrupt_ends_a_run_with_130_and_keeps_what_was_finished() {
     );
     let journal = std::fs::read_to_string(folder.path().join("run/rollout.jsonl")).unwrap();
     let lines: Vec<Value> = journal.lines().map(json).collect();
-    assert_eq!(lines[1]["executed"]["grasp"]["particle"], 0);
+    assert_eq!(lines[1]["executed"]["grips"][0]["grasp"]["particle"], 0);
     assert_eq!(lines.last().unwrap()["report"]["outcome"], "interrupted");
 }
 

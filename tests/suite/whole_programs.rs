@@ -19,7 +19,7 @@ use fab_program::{
     PixelPoint, Point, Program, Spot,
 };
 use fab_world::start::Start;
-use fab_world::{Look, Motion};
+use fab_world::{Grip, Look};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -27,7 +27,7 @@ use std::path::Path;
 struct Played {
     report: Ended,
     said: Vec<Request>,
-    motions: Vec<(PixelPoint, Motion)>,
+    grips: Vec<(PixelPoint, Grip)>,
     /// The journal's step lines.
     steps: Vec<Value>,
 }
@@ -35,10 +35,10 @@ struct Played {
 fn play(program: &Program, folder: &Path, replies: &[&str]) -> Played {
     let (vision, text) = (Scripted::new(&[]), Scripted::new(replies));
     let trial = Trial::new(program, folder, Look::default());
-    let mut motions = Vec::new();
+    let mut grips = Vec::new();
     let mut watch = |event: Event<'_>| {
         if let Event::Stepped { action, .. } = event {
-            motions.push((action.place_px, action.motion));
+            grips.push((action.place_px, action.grip));
         }
     };
     let models = Models {
@@ -54,7 +54,7 @@ fn play(program: &Program, folder: &Path, replies: &[&str]) -> Played {
     Played {
         report,
         said: text.asked.into_inner().unwrap(),
-        motions,
+        grips,
         steps: lines.filter(|line| line["type"] == "step").collect(),
     }
 }
@@ -112,7 +112,7 @@ fn an_exhausted_step_executes_the_newest_answer_that_passes_the_relaxed_checks()
         played.steps[0]["accepted"],
         json!({ "stage": "plan", "attempt": 2, "without": ["moves"] })
     );
-    assert_eq!(played.steps[0]["action"]["pick_px"], json!(corners[1]));
+    assert_eq!(played.steps[0]["action"][0]["pick_px"], json!(corners[1]));
 }
 
 #[test]
@@ -292,8 +292,8 @@ fn a_direction_and_a_distance_lead_along_the_table_as_the_picture_shows_it() {
             let reply = steered(&program, pick, index);
             let played = play(&program, folder.path(), &[&reply]);
             assert_eq!(played.report.outcome, Outcome::HorizonReached, "{reply}");
-            let (place_px, motion) = played.motions[0];
-            let way = motion.place - motion.pick;
+            let (place_px, grip) = played.grips[0];
+            let way = grip.place - grip.pick;
             for axis in 0..2 {
                 let expected = 0.06 * (right * rightwards[axis] + above * upwards[axis]);
                 assert!((way[axis] - expected).abs() < 1e-6, "{up:?} {index}: {way}");

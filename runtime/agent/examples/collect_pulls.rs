@@ -372,11 +372,11 @@ fn smooth(
             .iter()
             .map(|(.., action)| Trial {
                 from: &world,
-                motion: action.motion,
+                grip: action.grip,
             })
             .collect();
         let ends = try_motions(&trials, 1, &interrupt, |_, end| {
-            Ok::<_, Failure>((end.state.positions, end.executed.grasp))
+            Ok::<_, Failure>((end.state.positions, end.executed.grips[0].grasp))
         })?;
         let mut tried: Vec<Tried> = Vec::new();
         let mut lines = String::new();
@@ -392,7 +392,7 @@ fn smooth(
             let (deg, far) = (candidate.direction_deg, candidate.distance);
             let name = KINDS.iter().find(|(_, known)| *known == kind);
             let kind = name.map_or("own", |(name, _)| name);
-            let took = lie.took(action.motion.pick, grasp);
+            let took = lie.took(action.grip.pick, grasp);
             writeln!(
                 lines,
                 "{seed},{step},{before:.5},{gain:.6},{u},{v},{deg},{far},{took},{kind}"

@@ -8,14 +8,14 @@ use fab_picture::camera::center_of;
 use fab_picture::observation::Observation;
 use fab_program::{Choices, PixelPoint, Program, Value};
 use fab_program::{Proposal, space};
-use fab_world::{Motion, WorldPoint};
+use fab_world::{Grip, WorldPoint};
 use serde::{Deserialize, Serialize};
 
 /// How far a keypoint may lie from the nearest cloth pixel and still be picked at its exact position, pixels: as far as
 /// the detector may place a corner beside the cloth.
 const BESIDE_PX: f64 = 3.5;
 
-/// A pick and a place, ready for execution.
+/// What one gripper does, ready for execution.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Action {
     /// The pixel that the model chose for the pick.
@@ -25,7 +25,8 @@ pub struct Action {
     /// The pixel that the model chose for the place.
     pub place_px: PixelPoint,
     /// Both points on the table, and how the cloth is carried between them.
-    pub motion: Motion,
+    #[serde(flatten)]
+    pub grip: Grip,
 }
 
 impl Action {
@@ -51,7 +52,7 @@ impl Action {
             pick_px,
             pick_on_cloth_px,
             place_px,
-            motion: Motion::new(pick, place).with_manner(space::manner(program, proposal)?),
+            grip: Grip::new(pick, place).with_manner(space::manner(program, proposal)?),
         })
     }
 }

@@ -120,8 +120,8 @@ pub struct Step {
     pub attempts: Vec<Asked>,
     /// The answer that was taken, if any.
     pub accepted: Option<Accepted>,
-    /// The action to be executed, if any.
-    pub action: Option<Action>,
+    /// What each gripper is to do; null if nothing.
+    pub action: Option<Vec<Action>>,
     /// What the world really did.
     pub executed: Option<Executed>,
     /// SHA-256 of all positions' bits after the action, as `fabc sim replay` prints it, if the world knows them.

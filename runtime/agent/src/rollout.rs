@@ -35,7 +35,7 @@ use fab_vision::VisionError;
 use fab_world::expert::MakeWorld;
 use fab_world::metrics::ClothMoved;
 use fab_world::start::{RESTING_HEIGHT_M, Start};
-use fab_world::{Grasp, Motion, World, WorldError, WorldPoint};
+use fab_world::{Grasp, Grip, World, WorldError, WorldPoint};
 use score::{Scored, meets, score};
 use serde::Serialize;
 use std::ops::Deref;
@@ -284,7 +284,7 @@ pub fn run(
             world.name()
         )));
     }
-    if let Some(why) = unfit_manner(job.program, world.as_ref()) {
+    if let Some(why) = unfit(job.program, world.as_ref()) {
         return Err(RunError::Unfit(why));
     }
     let asking = Asking::in_folder(folder.path(), job.budget, job.recorder);
@@ -386,16 +386,22 @@ pub fn run(
     )
 }
 
-/// Returns why no action can be executed as the task says: the world refuses what the task states, or every value that
-/// a field offers. It is asked about a way through the table's middle.
-fn unfit_manner(program: &Program, world: &dyn World) -> Option<String> {
+/// Returns why no action can be executed as the task says: the world has more grippers, or it refuses what the task states,
+/// or every value that a field offers. It is asked about a way through the table's middle.
+fn unfit(program: &Program, world: &dyn World) -> Option<String> {
     let [pick, place] = [-0.02, 0.02].map(|x| WorldPoint::new(x, 0.0, RESTING_HEIGHT_M));
-    let across = Motion::new(pick, place);
-    let refused = |manner: Manner| world.refuses(&across.with_manner(manner));
+    let across = Grip::new(pick, place);
+    let refused = |manner: Manner| world.refuses(&across.with_manner(manner).into());
     let told = |why: String| {
         let (task, name) = (program.title(), world.name());
         format!("`{task}` cannot be executed in the world `{name}`: {why}")
     };
+    if world.grippers() != 1 {
+        let grippers = counted(world.grippers(), "gripper");
+        return Some(told(format!(
+            "the task's actions are for 1 gripper, and the world has {grippers}"
+        )));
+    }
     if let Some(why) = refused(program.manner) {
         return Some(told(why));
     }

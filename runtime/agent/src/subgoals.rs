@@ -16,7 +16,7 @@ use fab_program::{
 use fab_vision::VisionError;
 use fab_world::metrics::{ClothMoved, cloth_moved};
 use fab_world::start::Start;
-use fab_world::{Motion, World, WorldError, expert, smallest_fold};
+use fab_world::{Grip, World, WorldError, expert, smallest_fold};
 use image::RgbImage;
 use pins::Pinned;
 use serde::{Deserialize, Serialize};
@@ -248,7 +248,7 @@ fn load_images(images: &[SubgoalImage], folder: &Path) -> Result<SubgoalSet, Sub
 struct DoneStep {
     /// The particles before it.
     before: Vec<[f32; 3]>,
-    motion: Motion,
+    grip: Grip,
     moved: ClothMoved,
 }
 
@@ -268,7 +268,7 @@ fn tried(
         steps: Vec::new(),
     };
     for step in steps {
-        let DoneStep { motion, moved, .. } = step;
+        let DoneStep { grip, moved, .. } = step;
         let effect = match moved.held {
             None => Effect::Missed,
             Some(held) if held.went_back => {
@@ -281,12 +281,12 @@ fn tried(
                     carried_mm: tenths(held.carried_mm),
                     stayed_mm: tenths(held.stayed_mm),
                     slid_mm: tenths(moved.slid_mm),
-                    smallest: smallest_fold::find(&cloth, &motion, world, interrupt)?,
+                    smallest: smallest_fold::find(&cloth, &grip, world, interrupt)?,
                 }
             }
             Some(_) => Effect::Changed,
         };
-        let way = motion.place - motion.pick;
+        let way = grip.place - grip.pick;
         trial.steps.push(StepTrial {
             planned_mm: tenths(way.x.hypot(way.y) * 1000.0),
             effect,
@@ -315,9 +315,9 @@ fn draw_until(
         notes: Vec::new(),
     };
     for (number, fold) in folds.iter().enumerate() {
-        let motion = expert::motion(fold, &start, world)?.with_manner(program.manner);
+        let grip = expert::grip(fold, &start, world)?.with_manner(program.manner);
         let camera = &observation.camera;
-        let ends = [motion.pick, motion.place].map(|point| camera.pixel_from_world(point));
+        let ends = [grip.pick, grip.place].map(|point| camera.pixel_from_world(point));
         set.arrows.push(match ends {
             [Some(tail), Some(tip)] => Some([tail, tip]),
             _ => None,
@@ -332,13 +332,13 @@ fn draw_until(
             ends_px: ends,
         });
         let before = world.particles().unwrap_or_default();
-        let executed = world.act(&motion, interrupt)?;
+        let executed = world.act(&grip.into(), interrupt)?;
         let after = world.particles().unwrap_or_default();
         // Folds are executed only where particles are known.
         if let Some(moved) = cloth_moved(&before, &after, &executed) {
             steps.push(DoneStep {
                 before,
-                motion,
+                grip,
                 moved,
             });
         }

@@ -372,7 +372,7 @@ impl Twins {
             })
         });
         Ok(Tried {
-            motion: *motion,
+            motion: motion.clone(),
             results: results.collect::<Result<_, WorldError>>()?,
         })
     }
@@ -412,8 +412,8 @@ impl Twins {
     }
 
     /// Notes what the world has done; the next [`Twins::look`] does it on the twins.
-    pub fn follow(&mut self, executed: &Motion) {
-        self.behind = Some(*executed);
+    pub fn follow(&mut self, executed: Motion) {
+        self.behind = Some(executed);
     }
 
     /// Returns the time spent on twins since the last call.

@@ -30,7 +30,7 @@ use crate::table::ClothTable;
 use fab_base::interrupt::Interrupt;
 use fab_picture::observation::Observation;
 use fab_world::start::Start;
-use fab_world::{Executed, Grasp, Motion, World, WorldError, WorldPoint};
+use fab_world::{Executed, ExecutedGrip, Grasp, Grip, Motion, World, WorldError, WorldPoint};
 use nalgebra::{Isometry3, Point3, Vector3};
 use reach::{ArmReach, base_point};
 use std::cell::RefCell;
@@ -97,8 +97,8 @@ impl ArmWorld {
         ArmWorld { flat, ..self }
     }
 
-    /// Plans a motion from where the arm is; the route is there if all of it is possible.
-    fn plan(&self, from: &ArmState, asked: &Motion) -> (Plan, Option<Checked<Route>>) {
+    /// Plans a grip from where the arm is; the route is there if all of it is possible.
+    fn plan(&self, from: &ArmState, asked: &Grip) -> (Plan, Option<Checked<Route>>) {
         let (settings, guard) = (&self.parts.settings, self.reach.guard());
         let points = [&asked.pick, &asked.place];
         let points = points.map(|point| base_point(settings, guard.surface(), point));
@@ -226,12 +226,13 @@ impl World for ArmWorld {
         if !self.is_laid {
             return Err(WorldError::NotReset);
         }
+        let asked = motion_asked.only(self.name())?;
         if let Some(why) = self.refuses(motion_asked) {
             return Err(motion(why));
         }
         let from = self.arm.state();
         let from = from.map_err(|error| motion(error.to_string()))?;
-        let (plan, route) = self.plan(&from, motion_asked);
+        let (plan, route) = self.plan(&from, &asked);
         let Some(route) = route else {
             return Err(motion(plan.refusal().unwrap_or_default()));
         };
@@ -252,11 +253,11 @@ impl World for ArmWorld {
         .run([plan.pick_m, plan.place_m].map(Point3::from), &route);
         let done = done.map_err(world_error)?;
         let world_from_base = self.base_from_world.inverse();
-        Ok(Executed {
-            motion: Motion {
+        let done_grip = ExecutedGrip {
+            grip: Grip {
                 pick: world_from_base * done.grasped_at,
                 place: world_from_base * done.released_at,
-                manner: motion_asked.manner,
+                manner: asked.manner,
             },
             grasp: match done.contents {
                 HandContents::Something => Grasp::Held,
@@ -265,6 +266,9 @@ impl World for ArmWorld {
             },
             // It holds cloth, and does not know which particle.
             released_at: None,
+        };
+        Ok(Executed {
+            grips: vec![done_grip],
             duration_s: done.duration_s,
         })
     }

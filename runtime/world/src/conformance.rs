@@ -5,7 +5,7 @@
 
 use crate::metrics::coverage;
 use crate::start::Start;
-use crate::{Grasp, Motion, World, WorldError, WorldPoint};
+use crate::{Grasp, Grip, Motion, World, WorldError, WorldPoint};
 use fab_base::interrupt::Interrupt;
 use fab_program::{Camera, Cloth, ClothStart, ImageUp, Manner};
 use std::time::{Duration, Instant};
@@ -54,7 +54,7 @@ impl Promise {
 }
 
 /// All promises.
-pub const PROMISES: [Promise; 10] = [
+pub const PROMISES: [Promise; 11] = [
     Promise {
         name: "equal worlds have equal parameters and code",
         check: equal_worlds_say_the_same,
@@ -78,6 +78,10 @@ pub const PROMISES: [Promise; 10] = [
     Promise {
         name: "a pick beside the cloth grasps nothing and moves nothing",
         check: a_pick_beside_the_cloth_grasps_nothing,
+    },
+    Promise {
+        name: "a motion for another number of grippers is refused, and moves nothing",
+        check: a_motion_for_other_grippers_is_refused,
     },
     Promise {
         name: "an interrupt ends an action",
@@ -124,9 +128,9 @@ fn start() -> Start {
     })
 }
 
-fn corner_to_center() -> Motion {
+fn corner_to_center() -> Grip {
     let [x, y, z] = start().positions[0];
-    Motion::new(
+    Grip::new(
         WorldPoint::new(x.into(), y.into(), z.into()),
         WorldPoint::new(0.0, 0.0, 0.005),
     )
@@ -153,7 +157,7 @@ fn looks_only_after_a_reset(make: &MakeWorld<'_>) -> Result<Conformance, Violati
     let mut world = make()?;
     let seen = matches!(world.observe(), Err(WorldError::NotReset));
     demand(seen, "it takes a picture before any cloth was laid")?;
-    let done = world.act(&corner_to_center(), &Interrupt::default());
+    let done = world.act(&corner_to_center().into(), &Interrupt::default());
     demand(
         matches!(done, Err(WorldError::NotReset)),
         "it acts before any cloth was laid",
@@ -188,9 +192,9 @@ fn a_fold_moves_the_cloth_and_a_reset_brings_it_back(
     let mut world = make()?;
     world.reset(&start())?;
     let before = world.observe()?;
-    let executed = world.act(&corner_to_center(), &Interrupt::default())?;
+    let executed = world.act(&corner_to_center().into(), &Interrupt::default())?;
     demand(
-        executed.grasp != Grasp::Missed,
+        !executed.has_missed(),
         "a pick at the cloth's corner grasps nothing",
     )?;
     demand(executed.duration_s > 0.0, "a fold takes no time")?;
@@ -236,7 +240,7 @@ fn equal_actions_have_equal_results(make: &MakeWorld<'_>) -> Result<Conformance,
     }
     for world in [&mut one, &mut other] {
         world.reset(&start())?;
-        world.act(&corner_to_center(), &Interrupt::default())?;
+        world.act(&corner_to_center().into(), &Interrupt::default())?;
     }
     demand(
         one.particles() == other.particles(),
@@ -253,23 +257,43 @@ fn a_pick_beside_the_cloth_grasps_nothing(make: &MakeWorld<'_>) -> Result<Confor
     let mut world = make()?;
     world.reset(&start())?;
     let before = world.particles();
-    let beside = Motion::new(
+    let beside = Grip::new(
         WorldPoint::new(0.2, 0.2, 0.0),
         WorldPoint::new(0.2, -0.2, 0.0),
     );
-    let executed = world.act(&beside, &Interrupt::default())?;
-    let grasp = executed.grasp;
-    demand(
-        grasp == Grasp::Missed,
-        &format!("a pick beside the cloth is called {grasp:?} in place of missed"),
-    )?;
-    demand(
-        executed.released_at.is_none(),
-        "a pick beside the cloth says where it let go of a particle",
-    )?;
+    for done in world.act(&beside.into(), &Interrupt::default())?.grips {
+        let grasp = done.grasp;
+        demand(
+            grasp == Grasp::Missed,
+            &format!("a pick beside the cloth is called {grasp:?} in place of missed"),
+        )?;
+        demand(
+            done.released_at.is_none(),
+            "a pick beside the cloth says where it let go of a particle",
+        )?;
+    }
     demand(
         world.particles() == before,
         "an empty gripper moved the cloth",
+    )?;
+    Ok(Conformance::Whole)
+}
+
+fn a_motion_for_other_grippers_is_refused(make: &MakeWorld<'_>) -> Result<Conformance, Violation> {
+    let mut world = make()?;
+    world.reset(&start())?;
+    let before = world.particles();
+    let motion = Motion {
+        grips: vec![corner_to_center(); world.grippers() + 1],
+    };
+    let done = world.act(&motion, &Interrupt::default());
+    demand(
+        matches!(done, Err(WorldError::Motion { .. })),
+        "it executes a motion for more grippers than it has",
+    )?;
+    demand(
+        world.particles() == before,
+        "a motion that it refused moved the cloth",
     )?;
     Ok(Conformance::Whole)
 }
@@ -280,13 +304,13 @@ fn a_manner_is_followed_or_refused(make: &MakeWorld<'_>) -> Result<Conformance, 
         release_height_m: Some(0.01),
         ..Manner::default()
     };
-    let motion = corner_to_center().with_manner(manner);
+    let motion = Motion::from(corner_to_center().with_manner(manner));
     let mut world = make()?;
     world.reset(&start())?;
     let Some(why) = world.refuses(&motion) else {
         let executed = world.act(&motion, &Interrupt::default())?;
         demand(
-            executed.motion.manner == manner,
+            executed.grips.iter().all(|done| done.grip.manner == manner),
             "an action is reported in another manner than it was asked for",
         )?;
         return Ok(Conformance::Whole);
@@ -311,7 +335,7 @@ fn an_interrupt_ends_an_action(make: &MakeWorld<'_>) -> Result<Conformance, Viol
     let interrupt = Interrupt::default();
     interrupt.raise();
     let begun = Instant::now();
-    let done = world.act(&corner_to_center(), &interrupt);
+    let done = world.act(&corner_to_center().into(), &interrupt);
     let took = begun.elapsed();
     match done {
         Err(WorldError::Interrupted | WorldError::Halted { .. }) if took < LONGEST_HALT => {

@@ -7,7 +7,7 @@ use crate::metrics::cloth_moved;
 use crate::simulated::Params;
 use crate::smallest_fold;
 use crate::start::Start;
-use crate::{Motion, SimulatedWorld, World, WorldError, WorldPoint};
+use crate::{Grip, SimulatedWorld, World, WorldError, WorldPoint};
 use fab_base::interrupt::Interrupt;
 use fab_program::{Camera, Cloth, ClothStart, ImageUp, Picker, SmallestFold, particles_along};
 
@@ -53,7 +53,7 @@ impl CornerFold {
     /// Carries the corner by [`CARRIED_MM`] and returns how far from its place it comes to rest, millimetres; `None` if
     /// nothing was held.
     pub fn stays_mm(&mut self, interrupt: &Interrupt) -> Result<Option<f64>, WorldError> {
-        let motion = self.motion(CARRIED_MM);
+        let motion = self.grip(CARRIED_MM).into();
         self.world.reset(&self.cloth)?;
         let executed = self.world.act(&motion, interrupt)?;
         let after = self.world.particles().unwrap_or_default();
@@ -66,18 +66,14 @@ impl CornerFold {
     /// Searches the smallest fold that stays.
     pub fn smallest(&mut self, interrupt: &Interrupt) -> Result<SmallestFold, WorldError> {
         // Hardly longer than the distance of two particles, so that it goes back.
-        let motion = self.motion(10);
-        smallest_fold::find(&self.cloth, &motion, &mut self.world, interrupt)
+        let grip = self.grip(10);
+        smallest_fold::find(&self.cloth, &grip, &mut self.world, interrupt)
     }
 
-    fn motion(&self, carried_mm: u32) -> Motion {
+    fn grip(&self, carried_mm: u32) -> Grip {
         let share = 0.001 * f64::from(carried_mm) / 2.0_f64.sqrt();
         let [x, y] = [self.corner.x + share, self.corner.y - share];
-        Motion {
-            pick: self.corner,
-            place: WorldPoint::new(x, y, self.corner.z),
-            manner: Default::default(),
-        }
+        Grip::new(self.corner, WorldPoint::new(x, y, self.corner.z))
     }
 }
 

@@ -4,7 +4,7 @@
 //! read particle positions that no camera shows (protocol, section 6), so they only score rollouts.
 
 use crate::start::{Grid, RESTING_HEIGHT_M, Start};
-use crate::{Motion, World, WorldError, WorldPoint};
+use crate::{Grip, World, WorldError, WorldPoint};
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_program::{ClothPoint, Fold, Manner, Sequence};
@@ -159,22 +159,22 @@ fn end_of(
     let mut world = make_world()?;
     world.reset(start)?;
     for fold in &sequence.folds {
-        let motion = motion(fold, start, world.as_ref())?;
-        world.act(&motion.with_manner(manner), interrupt)?;
+        let grip = grip(fold, start, world.as_ref())?;
+        world.act(&grip.with_manner(manner).into(), interrupt)?;
     }
     world.particles().ok_or_else(no_particles)
 }
 
 /// Returns where a fold picks and places in a world, in the world's own manner; fails in one that does not know its particles.
-pub fn motion(fold: &Fold, start: &Start, world: &dyn World) -> Result<Motion, WorldError> {
+pub fn grip(fold: &Fold, start: &Start, world: &dyn World) -> Result<Grip, WorldError> {
     let particles = world.particles().ok_or_else(no_particles)?;
-    motion_of(fold, start, &particles).ok_or_else(no_particles)
+    grip_of(fold, start, &particles).ok_or_else(no_particles)
 }
 
 /// Returns where a fold picks and places, given where the cloth's particles are now; none where one is missing.
 ///
 /// `place = pick + fraction * (target - pick)`; the centre is that of the start, on the table.
-pub fn motion_of(fold: &Fold, start: &Start, particles: &[[f32; 3]]) -> Option<Motion> {
+pub fn grip_of(fold: &Fold, start: &Start, particles: &[[f32; 3]]) -> Option<Grip> {
     let locate = |point: &ClothPoint| match *point {
         ClothPoint::Particle { right, front } => {
             let [x, y, z] = *particles.get(particle_index(start.grid, right, front))?;
@@ -187,7 +187,7 @@ pub fn motion_of(fold: &Fold, start: &Start, particles: &[[f32; 3]]) -> Option<M
     };
     let pick = locate(&fold.pick)?;
     let target = locate(&fold.place)?;
-    Some(Motion::new(pick, pick + (target - pick) * fold.fraction))
+    Some(Grip::new(pick, pick + (target - pick) * fold.fraction))
 }
 
 /// Returns the index of the particle at a place in the flat cloth; edge middles round down, as in

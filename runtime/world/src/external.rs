@@ -4,13 +4,14 @@
 //! Every answer is checked here before anybody uses it.
 
 use crate::protocol::{
-    Arrangement, CameraView, ClothState, Done, Hello, LIMITS_S, Nothing, PROTOCOL, Positions,
-    Question, ReachAnswer,
+    Arrangement, CameraView, ClothState, Hello, LIMITS_S, Nothing, PROTOCOL, Positions, Question,
+    ReachAnswer,
 };
 use crate::start::Start;
 use crate::{Executed, Motion, World, WorldError, WorldPoint, simulated, unknown_manner};
 use fab_base::child::{Child, ChildError, CommandLine};
 use fab_base::interrupt::Interrupt;
+use fab_base::wording::counted;
 use fab_base::{files, npy};
 use fab_picture::observation::Observation;
 use fab_picture::{DepthImage, dropouts, png};
@@ -98,6 +99,18 @@ impl ExternalWorld {
         }
         let about = Hello::deserialize(&about)
             .map_err(|error| failed(format!("`{command}` answers `hello` wrongly: {error}")))?;
+        if about.protocol != PROTOCOL {
+            return Err(failed(format!(
+                "`{command}` answers version {} of the lines, and this fabc asks in version {PROTOCOL}, in which `act` and its \
+                 answer have a list of `grips`; let it answer that, and add `\"protocol\": {PROTOCOL}` to its `hello`",
+                about.protocol
+            )));
+        }
+        if about.grippers == 0 {
+            return Err(failed(format!(
+                "`{command}` states `grippers` as 0; a world has at least 1"
+            )));
+        }
         for (key, value) in [
             ("name", &about.name),
             ("parameters", &about.parameters),
@@ -322,6 +335,10 @@ impl World for ExternalWorld {
         self.about.repeats
     }
 
+    fn grippers(&self) -> usize {
+        self.about.grippers as usize
+    }
+
     fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
         let question = Question::Reset {
             camera: self.camera.clone(),
@@ -393,42 +410,48 @@ impl World for ExternalWorld {
         if !self.is_laid {
             return Err(WorldError::NotReset);
         }
-        let [pick, place] = [motion.pick, motion.place].map(|point| [point.x, point.y, point.z]);
+        if motion.grips.len() != self.grippers() {
+            let why = motion.unequal(self.name(), self.grippers());
+            return Err(WorldError::Motion { why });
+        }
         if let Some(why) = self.refuses(motion) {
             return Err(WorldError::Motion { why });
         }
         let question = Question::Act {
-            pick,
-            place,
-            manner: motion.manner,
+            grips: motion.grips.clone(),
         };
-        let done: Done = match self.ask(&question, interrupt)? {
+        let mut done: Executed = match self.ask(&question, interrupt)? {
             Answered::Given(done) => done,
             Answered::Refused(why) => return Err(WorldError::Motion { why }),
         };
-        let numbers = done.pick.iter().chain(&done.place);
-        let numbers = numbers.chain(done.released_at.iter().flatten());
-        if !numbers
-            .chain([&done.duration_s])
-            .all(|number| number.is_finite())
-            || done.duration_s < 0.0
-        {
+        if done.grips.len() != motion.grips.len() {
+            return Err(self.wrong(format!(
+                "it says what {} did, and was asked for {}",
+                counted(done.grips.len(), "grip"),
+                motion.grips.len()
+            )));
+        }
+        let points = done.grips.iter().flat_map(|done| {
+            let points = [
+                Some(done.grip.pick),
+                Some(done.grip.place),
+                done.released_at,
+            ];
+            points.into_iter().flatten()
+        });
+        let mut numbers = points.flat_map(|point| [point.x, point.y, point.z]);
+        if !(numbers.all(f64::is_finite) && done.duration_s.is_finite() && done.duration_s >= 0.0) {
             return Err(
                 self.wrong("what it did has a number that is not finite, or a negative duration")
             );
         }
+        // A world acts in the manner that it was asked for, or refuses it.
+        for (done, asked) in done.grips.iter_mut().zip(&motion.grips) {
+            done.grip.manner = asked.manner;
+        }
         let count = self.particles.as_ref().map_or(0, Vec::len);
         self.look_at_particles(count)?;
-        Ok(Executed {
-            motion: Motion {
-                pick: WorldPoint::from(done.pick),
-                place: WorldPoint::from(done.place),
-                manner: motion.manner,
-            },
-            grasp: done.grasp,
-            released_at: done.released_at.map(WorldPoint::from),
-            duration_s: done.duration_s,
-        })
+        Ok(done)
     }
 
     fn crumple(
@@ -456,7 +479,7 @@ impl World for ExternalWorld {
     }
 
     fn refuses(&self, motion: &Motion) -> Option<String> {
-        unknown_manner(&self.about.name, &motion.manner, &self.about.acts_on)
+        unknown_manner(&self.about.name, motion, &self.about.acts_on)
     }
 
     /// If the program fails to answer, the next action reports it.

@@ -26,6 +26,7 @@ mod wrapper;
 use crate::start::Start;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
+use fab_base::wording::counted;
 use fab_picture::observation::Observation;
 use fab_program::{Manner, Material};
 use nalgebra::Point3;
@@ -73,13 +74,18 @@ pub trait World {
         false
     }
 
+    /// Returns how many grippers move at the same time.
+    fn grippers(&self) -> usize {
+        1
+    }
+
     /// Lays the cloth as `start` says and sets the clock to zero.
     fn reset(&mut self, start: &Start) -> Result<(), WorldError>;
 
     /// Takes a picture. Two pictures without an action between them are equal.
     fn observe(&mut self) -> Result<Observation, WorldError>;
 
-    /// Picks at one point, carries the cloth to another and releases it.
+    /// Executes a motion; one with another number of grips than [`World::grippers`] fails.
     ///
     /// Returns what was really done, which may differ from what was asked. Ends early when `interrupt` is raised: with
     /// [`WorldError::Interrupted`] if there is nothing more to report, otherwise with [`WorldError::Halted`].
@@ -127,13 +133,15 @@ pub trait World {
     /// The reason is a sentence for the model without a full stop, such as `` `lift` of 300 mm is beyond the arm ``. It
     /// depends on the motion and the world's parameters alone. A world that says nothing here acts on no manner at all.
     fn refuses(&self, motion: &Motion) -> Option<String> {
-        unknown_manner(self.name(), &motion.manner, &[])
+        unknown_manner(self.name(), motion, &[])
     }
 }
 
-/// Returns why a world cannot follow a manner, given the fields that it acts on; `None` if it acts on all that are stated.
-pub fn unknown_manner(world: &str, manner: &Manner, acts_on: &[String]) -> Option<String> {
-    let mut unknown = manner.stated().map(|(name, _)| name);
+/// Returns why a world cannot follow a motion's manner, given the fields that it acts on; `None` if it acts on all that are
+/// stated.
+pub fn unknown_manner(world: &str, motion: &Motion, acts_on: &[String]) -> Option<String> {
+    let grips = motion.grips.iter();
+    let mut unknown = grips.flat_map(|grip| grip.manner.stated().map(|(name, _)| name));
     let name = unknown.find(|name| !acts_on.iter().any(|known| known == name))?;
     Some(format!("the world `{world}` does not act on `{name}`"))
 }
@@ -194,9 +202,9 @@ pub fn everywhere(_: &WorldPoint) -> Option<String> {
     None
 }
 
-/// A pick and a place.
+/// What one gripper does: it picks at one point, carries the cloth to another and releases it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Motion {
+pub struct Grip {
     /// Where the cloth is picked.
     pub pick: WorldPoint,
     /// Where it is released.
@@ -206,34 +214,88 @@ pub struct Motion {
     pub manner: Manner,
 }
 
-impl Motion {
-    /// Returns a motion in the world's own manner.
-    pub fn new(pick: WorldPoint, place: WorldPoint) -> Motion {
-        Motion {
+impl Grip {
+    /// Returns a grip in the world's own manner.
+    pub fn new(pick: WorldPoint, place: WorldPoint) -> Grip {
+        Grip {
             pick,
             place,
             manner: Manner::default(),
         }
     }
 
-    /// Returns the same motion in a stated manner.
-    pub fn with_manner(self, manner: Manner) -> Motion {
-        Motion { manner, ..self }
+    /// Returns the same grip in a stated manner.
+    pub fn with_manner(self, manner: Manner) -> Grip {
+        Grip { manner, ..self }
+    }
+}
+
+/// What the grippers of a world do at the same time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Motion {
+    /// One grip for each of the world's [`World::grippers`].
+    pub grips: Vec<Grip>,
+}
+
+impl From<Grip> for Motion {
+    fn from(grip: Grip) -> Motion {
+        Motion { grips: vec![grip] }
+    }
+}
+
+impl Motion {
+    /// Returns the grip of a world that has one gripper; fails if the motion has another number of grips.
+    pub fn only(&self, world: &str) -> Result<Grip, WorldError> {
+        match self.grips[..] {
+            [grip] => Ok(grip),
+            _ => Err(WorldError::Motion {
+                why: self.unequal(world, 1),
+            }),
+        }
+    }
+
+    /// Says that a motion does not fit the grippers of a world.
+    fn unequal(&self, world: &str, grippers: usize) -> String {
+        let grips = counted(self.grips.len(), "grip");
+        let grippers = counted(grippers, "gripper");
+        format!("the motion has {grips}, and the world `{world}` has {grippers}")
     }
 }
 
 /// What a world really did.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Executed {
-    /// The motion as executed; a world with limits may have clipped it.
-    pub motion: Motion,
+    /// What each gripper did.
+    pub grips: Vec<ExecutedGrip>,
+    /// Duration in the world, seconds.
+    pub duration_s: f64,
+}
+
+impl Executed {
+    /// Returns the motion as executed.
+    pub fn motion(&self) -> Motion {
+        Motion {
+            grips: self.grips.iter().map(|done| done.grip).collect(),
+        }
+    }
+
+    /// Returns whether a gripper held nothing.
+    pub fn has_missed(&self) -> bool {
+        self.grips.iter().any(|done| done.grasp == Grasp::Missed)
+    }
+}
+
+/// What one gripper really did.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ExecutedGrip {
+    /// The grip as executed; a world with limits may have clipped it.
+    #[serde(flatten)]
+    pub grip: Grip,
     /// What was held between pick and place.
     pub grasp: Grasp,
     /// Where the held particle was when it was let go of; `None` if none was held, or if the world does not know it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub released_at: Option<WorldPoint>,
-    /// Duration in the world, seconds.
-    pub duration_s: f64,
 }
 
 /// What was held between pick and place.

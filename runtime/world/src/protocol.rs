@@ -2,16 +2,16 @@
 //!
 //! `docs/worlds.md` documents them. Lengths are metres in the world frame, times seconds.
 
-use crate::Grasp;
+use crate::Grip;
 use crate::start::Grid;
 use fab_picture::camera::Pinhole;
-use fab_program::{Camera, Manner, Material, Picker};
+use fab_program::{Camera, Material, Picker};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// Version of the protocol.
-pub const PROTOCOL: u32 = 1;
+/// Version of the protocol. An action has `grips` since version 2.
+pub const PROTOCOL: u32 = 2;
 
 /// The questions that have an answer, and the default limit for each, seconds.
 pub const LIMITS_S: [(&str, u64); 7] = [
@@ -46,15 +46,10 @@ pub enum Question {
     },
     /// Take a picture.
     Observe,
-    /// Pick and place.
+    /// Execute a motion; an [`Executed`](crate::Executed) answers it.
     Act {
-        /// Where the cloth is picked.
-        pick: [f64; 3],
-        /// Where it is released.
-        place: [f64; 3],
-        /// How the gripper goes about it, in metres and seconds; left out if nothing is stated.
-        #[serde(default, skip_serializing_if = "Manner::is_default")]
-        manner: Manner,
+        /// What each gripper does.
+        grips: Vec<Grip>,
     },
     /// Stop the current action; has no answer of its own.
     Interrupt,
@@ -119,12 +114,18 @@ pub enum Arrangement {
 /// What a world reports about itself.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Hello {
+    /// The version of the lines that it answers: [`PROTOCOL`]. Version 1 had no such key.
+    #[serde(default = "one")]
+    pub protocol: u32,
     /// Its name in reports.
     pub name: String,
     /// A hash of every setting that changes results.
     pub parameters: String,
     /// A hash of its code.
     pub code: String,
+    /// How many grippers move at the same time.
+    #[serde(default = "one")]
+    pub grippers: u32,
     /// Whether it knows where each particle is.
     #[serde(default)]
     pub particles: bool,
@@ -148,6 +149,10 @@ pub struct Hello {
     pub limits_s: BTreeMap<String, u64>,
 }
 
+fn one() -> u32 {
+    1
+}
+
 fn yes() -> bool {
     true
 }
@@ -168,22 +173,6 @@ pub struct CameraView {
     pub time_s: f64,
     /// The camera that took it.
     pub camera: Pinhole,
-}
-
-/// What was really done.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Done {
-    /// Where the cloth was picked.
-    pub pick: [f64; 3],
-    /// Where it was released.
-    pub place: [f64; 3],
-    /// What was held in between.
-    pub grasp: Grasp,
-    /// Where the held particle was when it was let go of, if the world knows it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub released_at: Option<[f64; 3]>,
-    /// How long it took in the world.
-    pub duration_s: f64,
 }
 
 /// Where the particles are.

@@ -3,9 +3,9 @@
 //! In: questions of [`protocol`], line by line. Out: their answers. It serves as an example of the protocol; a rollout
 //! in it equals one in [`SimulatedWorld`], bit for bit.
 
-use crate::protocol::{self, CameraView, ClothState, Done, Hello, Nothing, Positions, Question};
+use crate::protocol::{self, CameraView, ClothState, Hello, Nothing, Positions, Question};
 use crate::start::Start;
-use crate::{Motion, SimulatedWorld, World, WorldError, WorldPoint, conformance};
+use crate::{Motion, SimulatedWorld, World, WorldError, conformance};
 use fab_base::interrupt::Interrupt;
 use fab_base::{files, npy};
 use fab_picture::camera::Pinhole;
@@ -127,22 +127,9 @@ impl Served {
                         .expect("the simulated lens has no distortion"),
                 })
             }
-            Question::Act {
-                pick,
-                place,
-                manner,
-            } => {
+            Question::Act { grips } => {
                 let world = self.world.as_mut().ok_or(WorldError::NotReset)?;
-                let [pick, place] = [pick, place].map(WorldPoint::from);
-                let motion = Motion::new(pick, place).with_manner(manner);
-                let done = world.act(&motion, interrupt)?;
-                written(Done {
-                    pick: done.motion.pick.into(),
-                    place: done.motion.place.into(),
-                    grasp: done.grasp,
-                    released_at: done.released_at.map(Into::into),
-                    duration_s: done.duration_s,
-                })
+                written(world.act(&Motion { grips }, interrupt)?)
             }
             Question::Particles => {
                 let particles = self.world.as_ref().and_then(World::particles);
@@ -175,9 +162,11 @@ fn standard() -> Result<SimulatedWorld, WorldError> {
 
 fn hello(world: &SimulatedWorld) -> Hello {
     Hello {
+        protocol: protocol::PROTOCOL,
         name: world.name().to_owned(),
         parameters: world.parameters(),
         code: world.code(),
+        grippers: 1,
         particles: true,
         crumples: true,
         reach: false,

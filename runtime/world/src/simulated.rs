@@ -4,7 +4,7 @@ pub mod film;
 pub mod trials;
 
 use self::film::Recorder;
-use super::{Executed, Grasp, Motion, World, WorldError};
+use super::{Executed, ExecutedGrip, Grasp, Grip, Motion, World, WorldError};
 use crate::crumple;
 use crate::start::Start;
 use crate::vary::{AxisValues, Setup};
@@ -174,11 +174,12 @@ impl World for SimulatedWorld {
 
     fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError> {
         let cloth = self.cloth.as_mut().ok_or(WorldError::NotReset)?;
-        let (manner, [pick, place]) = in_metres(motion);
+        let grip = motion.only("sim")?;
+        let (manner, [pick, place]) = in_metres(&grip);
         let recorder = self.recorder.as_ref();
         let done = film::pick_and_place(cloth, &manner, pick, place, recorder, interrupt)
             .map_err(stopped)?;
-        Ok(executed(motion, &done))
+        Ok(executed(grip, &done))
     }
 
     fn crumple(
@@ -260,27 +261,30 @@ pub fn pictures(frame: Frame) -> (RgbImage, DepthImage) {
     )
 }
 
-/// Returns a motion as the simulator takes it: its manner, and where on the table it picks and places.
-fn in_metres(motion: &Motion) -> (Manner, [[f32; 2]; 2]) {
+/// Returns a grip as the simulator takes it: its manner, and where on the table it picks and places.
+fn in_metres(grip: &Grip) -> (Manner, [[f32; 2]; 2]) {
     let metres = |value: Option<f64>| value.map(|value| value as f32);
     let manner = Manner {
-        lift_m: metres(motion.manner.lift_m),
-        speed_m_s: metres(motion.manner.speed_m_s),
-        release_height_m: metres(motion.manner.release_height_m),
-        press_m: metres(motion.manner.press_m),
+        lift_m: metres(grip.manner.lift_m),
+        speed_m_s: metres(grip.manner.speed_m_s),
+        release_height_m: metres(grip.manner.release_height_m),
+        press_m: metres(grip.manner.press_m),
     };
     let on_table = |point: &super::WorldPoint| [point.x as f32, point.y as f32];
-    (manner, [&motion.pick, &motion.place].map(on_table))
+    (manner, [&grip.pick, &grip.place].map(on_table))
 }
 
-/// Returns what a motion really did, as a world says it.
-fn executed(motion: &Motion, done: &PickAndPlace) -> Executed {
-    Executed {
-        motion: *motion,
+/// Returns what a grip really did, as a world says it.
+fn executed(grip: Grip, done: &PickAndPlace) -> Executed {
+    let done_grip = ExecutedGrip {
+        grip,
         grasp: done
             .grasped
             .map_or(Grasp::Missed, |particle| Grasp::Particle(particle as u32)),
         released_at: done.released_at.map(|point| point.map(f64::from).into()),
+    };
+    Executed {
+        grips: vec![done_grip],
         duration_s: done.time_s,
     }
 }

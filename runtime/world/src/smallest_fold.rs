@@ -7,7 +7,7 @@
 
 use crate::metrics::cloth_moved;
 use crate::start::Start;
-use crate::{Motion, World, WorldError};
+use crate::{Grip, World, WorldError};
 use fab_base::interrupt::Interrupt;
 use fab_program::SmallestFold;
 
@@ -26,25 +26,25 @@ const MOST_BOUNDARIES: u32 = 4;
 /// Returns the smallest fold that stays, and that stays when it is carried a little farther; tries at most about 80.
 ///
 /// - `cloth`: where the cloth lies before the fold; each trial begins there, at rest.
-/// - `motion`: the fold that goes back.
+/// - `grip`: the fold that goes back.
 ///
 /// Ways up to the diagonal of the flat cloth are tried, or up to what the world can reach.
 pub fn find(
     cloth: &Start,
-    motion: &Motion,
+    grip: &Grip,
     world: &mut dyn World,
     interrupt: &Interrupt,
 ) -> Result<SmallestFold, WorldError> {
-    let way = motion.place - motion.pick;
+    let way = grip.place - grip.pick;
     let length_mm = way.x.hypot(way.y) * 1000.0;
     // Two points on top of each other have no direction.
     if length_mm < 1.0 {
         return Ok(SmallestFold::NoneUpTo { mm: 0 });
     }
     let mut stays = |mm: u32| {
-        let place = motion.pick + way * (f64::from(mm) / length_mm);
+        let place = grip.pick + way * (f64::from(mm) / length_mm);
         world.reset(cloth)?;
-        let executed = world.act(&Motion { place, ..*motion }, interrupt)?;
+        let executed = world.act(&Grip { place, ..*grip }.into(), interrupt)?;
         let after = world.particles().unwrap_or_default();
         let moved = cloth_moved(&cloth.positions, &after, &executed);
         Ok(moved
@@ -119,12 +119,8 @@ mod tests {
         let [x, y, z] = cloth.positions[0].map(f64::from);
         let pick = crate::WorldPoint::new(x, y, z);
         let mut world = SimulatedWorld::new(&camera, Picker::PutDown).expect("a camera");
-        let motion = Motion {
-            pick,
-            place: crate::WorldPoint::new(x + 0.0005, y, z),
-            manner: Default::default(),
-        };
-        let found = find(&cloth, &motion, &mut world, &Interrupt::default());
+        let grip = Grip::new(pick, crate::WorldPoint::new(x + 0.0005, y, z));
+        let found = find(&cloth, &grip, &mut world, &Interrupt::default());
         assert_eq!(found.expect("a cloth"), SmallestFold::NoneUpTo { mm: 0 });
     }
 }

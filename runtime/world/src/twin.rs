@@ -229,9 +229,9 @@ impl TwinView {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::WorldPoint;
     use crate::conformance;
     use crate::simulated::tests::towel;
+    use crate::{Grip, WorldPoint};
     use fab_program::RECORDED_SPACING_M;
     use fab_program::{Cloth, Picker};
 
@@ -364,8 +364,8 @@ mod tests {
             let [x, y, z] = before.as_ref().unwrap()[index].map(f64::from);
             WorldPoint::new(x, y, z)
         };
-        let motion = Motion::new(corner(0), corner(24));
-        folded.fold(&motion, &Interrupt::default()).unwrap();
+        let grip = Grip::new(corner(0), corner(24));
+        folded.fold(&grip.into(), &Interrupt::default()).unwrap();
         let flat = twin(&seen, 1.0).view().unwrap().silhouette.area_px() as f64;
         let left = folded.view().unwrap().silhouette.area_px() as f64 / flat;
         assert!(left < 0.85, "{left}");

@@ -78,6 +78,10 @@ impl<W: Wrapper> World for W {
         Wrapper::is_simulated(self)
     }
 
+    fn grippers(&self) -> usize {
+        self.inner().grippers()
+    }
+
     fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
         self.inner_mut().reset(start)
     }

@@ -19,7 +19,7 @@ use fab_program::facts::ExecutedAction;
 use fab_program::{Fold, PixelPoint, Program, Proposal, Subgoals, Value};
 use fab_standins::Geometric;
 use fab_world::start::Start;
-use fab_world::{Motion, World, expert};
+use fab_world::{Grip, World, expert};
 
 /// What the camera sees at a step, and the previous action.
 pub struct StepScene {
@@ -56,11 +56,11 @@ pub fn scene_at_step(
     let mut seen = observe(program, None, None, world)?;
     let mut first: Option<Scene> = None;
     for earlier in 1..step {
-        let (motion, done) = match folds.get(earlier as usize - 1) {
+        let (grip, done) = match folds.get(earlier as usize - 1) {
             Some(fold) => demonstrated(program, fold, start, &seen.observation.camera, world)?,
             None => stand_in_action(program, &seen, earlier, subgoals)?,
         };
-        world.act(&motion, interrupt)?;
+        world.act(&grip.into(), interrupt)?;
         let first = first.get_or_insert_with(|| seen.scene.clone());
         seen = observe(program, Some(first), done, world)?;
     }
@@ -82,21 +82,20 @@ fn observe(
     })
 }
 
-/// Returns a demonstrated fold's motion and, if its ends are in the picture, the corresponding action.
+/// Returns a demonstrated fold's grip and, if its ends are in the picture, the corresponding action.
 fn demonstrated(
     program: &Program,
     fold: &Fold,
     start: &Start,
     camera: &Camera,
     world: &mut dyn World,
-) -> Result<(Motion, Option<ExecutedAction>), Failure> {
-    let motion = expert::motion(fold, start, world)?;
-    let motion = motion.with_manner(program.manner);
+) -> Result<(Grip, Option<ExecutedAction>), Failure> {
+    let grip = expert::grip(fold, start, world)?.with_manner(program.manner);
     let pixel = |point| {
         let [column, row]: [f64; 2] = camera.pixel_from_world(point)?;
         Some(PixelPoint::new(column.floor() as i32, row.floor() as i32))
     };
-    let ends = pixel(motion.pick).zip(pixel(motion.place));
+    let ends = pixel(grip.pick).zip(pixel(grip.place));
     let done = ends.map(|(pick, place)| {
         let field = |name: &str, point| (name.to_owned(), Value::Point(point));
         ExecutedAction {
@@ -107,7 +106,7 @@ fn demonstrated(
             place,
         }
     });
-    Ok((motion, done))
+    Ok((grip, done))
 }
 
 /// Lets the stand-in decide a step.
@@ -116,7 +115,7 @@ fn stand_in_action(
     seen: &StepScene,
     step: u32,
     subgoals: &SubgoalSet,
-) -> Result<(Motion, Option<ExecutedAction>), Failure> {
+) -> Result<(Grip, Option<ExecutedAction>), Failure> {
     let StepScene {
         scene,
         observation,
@@ -156,5 +155,5 @@ fn stand_in_action(
         pick: action.pick_on_cloth_px,
         place: action.place_px,
     };
-    Ok((action.motion, Some(done)))
+    Ok((action.grip, Some(done)))
 }

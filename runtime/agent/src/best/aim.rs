@@ -8,7 +8,7 @@ use fab_program::{Metric, Sequence};
 use fab_world::expert::{self, Sequences};
 use fab_world::metrics;
 use fab_world::start::Start;
-use fab_world::{Motion, World, WorldError, WorldPoint};
+use fab_world::{Grip, World, WorldError, WorldPoint};
 use std::collections::BTreeMap;
 
 /// The aim of one search.
@@ -78,20 +78,20 @@ impl Aim {
             let fold = sequence.folds.get(folds as usize)?;
             let state = states.get(folds as usize)?;
             let off = metrics::mean_particle_distance_m(positions, state)?;
-            let motion = expert::motion_of(fold, &self.start, positions)?;
-            Some((off, [motion.pick, motion.place]))
+            let grip = expert::grip_of(fold, &self.start, positions)?;
+            Some((off, [grip.pick, grip.place]))
         });
         all.collect()
     }
 
-    /// Returns how far a motion is from what the nearest expert would do, metres; 0 where no expert says.
+    /// Returns how far a grip is from what the nearest expert would do, metres; 0 where no expert says.
     ///
     /// - `wanted`: as [`Aim::wanted`] returns it.
-    pub(super) fn off(wanted: &[(f64, [WorldPoint; 2])], motion: &Motion) -> f64 {
+    pub(super) fn off(wanted: &[(f64, [WorldPoint; 2])], grip: &Grip) -> f64 {
         let apart = |a: WorldPoint, b: WorldPoint| (a.x - b.x).hypot(a.y - b.y);
-        let all = wanted.iter().map(|(off, [pick, place])| {
-            off + apart(*pick, motion.pick) + apart(*place, motion.place)
-        });
+        let all = wanted
+            .iter()
+            .map(|(off, [pick, place])| off + apart(*pick, grip.pick) + apart(*place, grip.place));
         all.reduce(f64::min).unwrap_or_default()
     }
 

@@ -32,7 +32,7 @@ use fab_base::interrupt::Interrupt;
 use fab_program::render::RenderError;
 use fab_program::{Comparison, Metric, Program, Proposal};
 use fab_world::start::Start;
-use fab_world::{Grasp, Motion, SimulatedWorld, WorldError};
+use fab_world::{Grasp, Grip, SimulatedWorld, WorldError};
 use journal::TrialJournal;
 use serde::Serialize;
 use tree::Tree;
@@ -109,7 +109,7 @@ impl Choice {
         match (self, other) {
             (Choice::Skip, Choice::Skip) => true,
             (Choice::Act { action, .. }, Choice::Act { action: other, .. }) => {
-                action.motion == other.motion
+                action.grip == other.grip
             }
             _ => false,
         }
@@ -120,7 +120,9 @@ impl Choice {
         if step.skipped.is_some() {
             return Some(Choice::Skip);
         }
-        let (accepted, action) = (step.accepted.as_ref()?, step.action.clone()?);
+        let (accepted, [action]) = (step.accepted.as_ref()?, step.action.as_deref()?) else {
+            return None;
+        };
         step.executed.as_ref()?;
         let mut asked = step.attempts.iter();
         let taken = asked
@@ -132,7 +134,7 @@ impl Choice {
             proposal: Proposal {
                 fields: fields.clone(),
             },
-            action,
+            action: action.clone(),
             without: accepted.without.clone(),
         })
     }
@@ -303,9 +305,9 @@ pub fn unless_stopped<T>(result: Result<T, BestError>) -> Result<Option<T>, Best
     }
 }
 
-/// Tells a motion: equal motions have equal texts.
-fn key_of(motion: &Motion) -> String {
-    serde_json::to_string(motion).expect("a motion has string keys and finite numbers")
+/// Tells a grip: equal grips have equal texts.
+fn key_of(grip: &Grip) -> String {
+    serde_json::to_string(grip).expect("a grip has string keys and finite numbers")
 }
 
 /// Searches the best actions.

@@ -68,10 +68,10 @@ pub(super) fn offers(at: &Situation<'_>) -> Result<Offers, BestError> {
             offers.refused += 1;
             continue;
         };
-        if !seen.insert(key_of(&action.motion)) {
+        if !seen.insert(key_of(&action.grip)) {
             continue;
         }
-        let off = Aim::off(&at.wanted, &action.motion);
+        let off = Aim::off(&at.wanted, &action.grip);
         ranked.push((
             off,
             Choice::Act {

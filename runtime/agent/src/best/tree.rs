@@ -341,14 +341,14 @@ impl Tree {
                 break state;
             }
             if let Some(Choice::Act { action, .. }) = &it.choice {
-                again.push(action.motion);
+                again.push(action.grip);
             }
             at = it.parent.expect("the start's state is always kept");
         };
         let mut world = (search.make_world)()?;
         world.go_to(search.start, state)?;
-        for motion in again.iter().rev() {
-            world.act(motion, search.interrupt)?;
+        for grip in again.into_iter().rev() {
+            world.act(&grip.into(), search.interrupt)?;
         }
         let state = world.state()?;
         Ok((world, state))
@@ -397,7 +397,7 @@ impl Tree {
                     index,
                     Trial {
                         from: &worlds[world],
-                        motion: action.motion,
+                        grip: action.grip,
                     },
                 ));
             }
@@ -436,7 +436,7 @@ impl Tree {
             .expect("only states that were looked at have trials due");
         let choice = offers.choices[due.choice].clone();
         let step = match &choice {
-            Choice::Act { action, .. } => key_of(&action.motion),
+            Choice::Act { action, .. } => key_of(&action.grip),
             Choice::Skip => "skip".to_owned(),
         };
         let key = Cache::key([node.key.as_str(), step.as_str()])[..32].to_owned();
@@ -462,7 +462,7 @@ impl Tree {
         let positions = &end.state.positions;
         let result = self.result(search, step, &end.state)?;
         let record = TrialRecord {
-            grasp: end.executed.grasp,
+            grasp: end.executed.grips[0].grasp,
             value: self.aim.value(positions),
             behind: self.aim.behind(positions, step),
             result,

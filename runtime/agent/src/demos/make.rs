@@ -20,7 +20,7 @@ use fab_program::{Choices, Fold, PixelPoint, Program, Read, Subgoals, Value};
 use fab_world::expert;
 use fab_world::expert::MakeWorld;
 use fab_world::start::{RESTING_HEIGHT_M, Start};
-use fab_world::{Grasp, World, WorldError, WorldPoint};
+use fab_world::{World, WorldError, WorldPoint};
 use std::collections::BTreeMap;
 
 /// Most starts tried for each requested demonstration.
@@ -218,8 +218,8 @@ impl Expert<'_> {
             let Some(action) = lowered else {
                 return Ok(Err(format!("step {number} has no place on the table")));
             };
-            let done = world.act(&action.motion, self.making.interrupt)?;
-            if done.grasp == Grasp::Missed {
+            let done = world.act(&action.grip.into(), self.making.interrupt)?;
+            if done.has_missed() {
                 return Ok(Err(format!("in step {number} nothing was grasped")));
             }
             last = Some(ExecutedAction {
@@ -246,7 +246,7 @@ impl Expert<'_> {
         last: &Option<ExecutedAction>,
     ) -> Result<Result<(DemoStep, Proposal), String>, WorldError> {
         let program = self.making.program;
-        let motion = expert::motion(fold, start, world)?;
+        let grip = expert::grip(fold, start, world)?;
         let [center_x, center_y] = start.center_m();
         let middle = WorldPoint::new(center_x, center_y, RESTING_HEIGHT_M);
         let pixel = |point: WorldPoint| {
@@ -265,8 +265,8 @@ impl Expert<'_> {
                 )),
             }
         };
-        let pick = named("pick", motion.pick, &fold.pick);
-        let (pick, place) = match (pick, named("place", motion.place, &fold.place)) {
+        let pick = named("pick", grip.pick, &fold.pick);
+        let (pick, place) = match (pick, named("place", grip.place, &fold.place)) {
             (Ok(pick), Ok(place)) => (pick, place),
             (Err(why), _) | (_, Err(why)) => return Ok(Err(why)),
         };

@@ -16,7 +16,7 @@ use fab_world::start::{RESTING_HEIGHT_M, Start};
 use fab_base::interrupt::Interrupt;
 use fab_base::parallel;
 use fab_program::{self as program, ClothPoint, Fold};
-use fab_world::{Motion, World, WorldError};
+use fab_world::{Grip, World, WorldError};
 use std::thread;
 
 /// How far a picked point may appear from the part that disappeared, pixels.
@@ -105,7 +105,7 @@ pub struct FoldMatch {
 /// A fold to be tried.
 struct Candidate {
     fold: Option<Fold>,
-    motion: Motion,
+    grip: Grip,
     arrow: ArrowPx,
 }
 
@@ -226,12 +226,10 @@ impl StepSearch<'_> {
         let depth_m = self.camera.height_m - RESTING_HEIGHT_M;
         let lens = self.lens();
         let [pick, place] = arrow.map(|at| lens.world_from_pixel(at, depth_m));
-        let motion = pick
-            .zip(place)
-            .map(|(pick, place)| Motion::new(pick, place));
-        let unnamed = motion.map(|motion| Candidate {
+        let grip = pick.zip(place).map(|(pick, place)| Grip::new(pick, place));
+        let unnamed = grip.map(|grip| Candidate {
             fold: None,
-            motion,
+            grip,
             arrow,
         });
         Ok(unnamed.into_iter().collect())
@@ -253,22 +251,15 @@ impl StepSearch<'_> {
                 place,
                 fraction: 1.0,
             };
-            let motion = expert::motion(&fold, self.start, world)?;
-            let seen = [motion.pick, motion.place].map(|at| lens.pixel_from_world(at));
+            let grip = expert::grip(&fold, self.start, world)?;
+            let seen = [grip.pick, grip.place].map(|at| lens.pixel_from_world(at));
             let [Some(tail), Some(tip)] = seen else {
                 continue;
             };
             let arrow = [tail, tip];
             if fits(&arrow) {
                 let fold = Some(fold);
-                add(
-                    &mut candidates,
-                    Candidate {
-                        fold,
-                        motion,
-                        arrow,
-                    },
-                );
+                add(&mut candidates, Candidate { fold, grip, arrow });
             }
         }
         Ok(candidates)
@@ -288,7 +279,7 @@ impl StepSearch<'_> {
         let threads = thread::available_parallelism().map_or(1, usize::from);
         let one = |candidate: usize| -> Result<Option<Option<TriedFold>>, DraftError> {
             let mut world = self.lay(state)?;
-            match world.act(&candidates[candidate].motion, self.interrupt) {
+            match world.act(&candidates[candidate].grip.into(), self.interrupt) {
                 Ok(_) => {}
                 Err(WorldError::Motion { .. }) => return Ok(Some(None)),
                 Err(error) => return Err(error.into()),

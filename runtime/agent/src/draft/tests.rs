@@ -231,9 +231,9 @@ fn a_cloth_that_lies_turned_in_larger_pictures_is_read_as_one_that_lies_straight
         fraction: 1.0,
     };
     let before = world.observe().unwrap();
-    let motion = fab_world::expert::motion(&fold, &start, &world).unwrap();
-    let right = [motion.pick, motion.place].map(|at| before.camera.pixel_from_world(at).unwrap());
-    world.act(&motion, &Interrupt::default()).unwrap();
+    let grip = fab_world::expert::grip(&fold, &start, &world).unwrap();
+    let right = [grip.pick, grip.place].map(|at| before.camera.pixel_from_world(at).unwrap());
+    world.act(&grip.into(), &Interrupt::default()).unwrap();
     let after = world.observe().unwrap();
     let pictures =
         [("a.png", before.rgb), ("b.png", after.rgb)].map(|(name, picture)| NamedPicture {

@@ -97,7 +97,7 @@ type Aim = [[f64; 2]; 2];
 /// Returns where a fold picks and places on the cloth's current state.
 fn wanted(fold: &Fold, step: &StepView<'_>) -> Result<Aim, String> {
     let truth = step.truth.ok_or("where the particles are is not known")?;
-    let motion = expert::motion_of(fold, truth.start, truth.particles)
+    let grip = expert::grip_of(fold, truth.start, truth.particles)
         .ok_or("the fold names a particle that the cloth does not have")?;
     let pixel = |point: WorldPoint, what: &str| {
         let Observation { camera, .. } = step.observation;
@@ -105,7 +105,7 @@ fn wanted(fold: &Fold, step: &StepView<'_>) -> Result<Aim, String> {
             .pixel_from_world(point)
             .ok_or_else(|| format!("the {what} point is behind the camera"))
     };
-    Ok([pixel(motion.pick, "pick")?, pixel(motion.place, "place")?])
+    Ok([pixel(grip.pick, "pick")?, pixel(grip.place, "place")?])
 }
 
 /// Returns the offered action closest to the aim that was not refused yet, with a note on its distance.

@@ -39,11 +39,11 @@ pub(super) fn out_of_reach(
         );
         refused(end, at, why, message)
     };
-    if let Some(why) = reach(&action.motion.pick) {
+    if let Some(why) = reach(&action.grip.pick) {
         return Some(stated("pick", action.pick_px, why));
     }
-    let Some(why) = reach(&action.motion.place) else {
-        let why = refuses(&action.motion)?;
+    let Some(why) = reach(&action.grip.place) else {
+        let why = refuses(&action.grip.into())?;
         return Some(Verdict::Reject {
             check: REACHABLE.to_owned(),
             values: vec![("refused".to_owned(), why.clone())],

@@ -296,21 +296,16 @@ impl<'j> Turn<'j> {
         };
         let drawn = keeper.keep_action(&mut self.line, &observation.rgb, &action)?;
         let before = world.particles();
-        let executed = match self
-            .timer
-            .time("act", || world.act(&action.motion, job.interrupt))
-        {
+        self.line.action = Some(vec![action.clone()]);
+        let motion = Motion::from(action.grip);
+        let executed = match self.timer.time("act", || world.act(&motion, job.interrupt)) {
             Ok(executed) => executed,
-            Err(error) => {
-                self.line.action = Some(action);
-                return Ok(self.stop_for(&error));
-            }
+            Err(error) => return Ok(self.stop_for(&error)),
         };
         // It was done, whatever can be seen of it.
-        self.line.action = Some(action.clone());
         self.line.executed = Some(executed.clone());
         if let Some(twins) = &mut memory.twins {
-            twins.follow(&executed.motion);
+            twins.follow(executed.motion());
         }
         self.line.cloth = before
             .zip(world.particles())
@@ -342,7 +337,7 @@ impl<'j> Turn<'j> {
         };
         sheet.row(number, shown, drawn, after.rgb.clone());
         self.after = Some(after);
-        let grasp = executed.grasp;
+        let grasp = executed.grips[0].grasp;
         let beside = proposal.fields.iter().filter_map(|(name, value)| {
             let field = job.program.field(name).filter(|it| !it.is_point())?;
             Some(format!("{name} {}", space::text(field, value)))

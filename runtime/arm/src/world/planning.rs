@@ -119,12 +119,13 @@ impl Wrapper for PlanningWorld {
         if !self.world.is_laid {
             return Err(WorldError::NotReset);
         }
+        let grip = asked.only(self.world.name())?;
         if let Some(why) = self.world.refuses(asked) {
             return Err(motion(why));
         }
         let at_rest = self.world.arm.arm().state();
         let from = at_rest.map_err(|error| motion(error.to_string()))?;
-        let (plan, _) = self.world.plan(&from, asked);
+        let (plan, _) = self.world.plan(&from, &grip);
         self.save(&plan)?;
         match plan.refusal() {
             Some(why) => Err(motion(why)),

@@ -14,7 +14,7 @@ use crate::plan::Plan;
 use crate::route::{self, SegmentName};
 use crate::settings::{DriverKind, Settings};
 use fab_program::Manner;
-use fab_world::{Motion, World, WorldPoint, Wrapper};
+use fab_world::{Grip, Motion, World, WorldPoint, Wrapper};
 use nalgebra::Point3;
 
 /// The reach of an arm with its hand pointing down.
@@ -89,6 +89,11 @@ impl ArmReach {
     ///
     /// The way is planned from where the arm rests. What is impossible in the arm's own manner too is not refused here.
     pub(super) fn refuses(&self, settings: &Settings, asked: &Motion) -> Option<String> {
+        let mut grips = asked.grips.iter();
+        grips.find_map(|grip| self.refuses_grip(settings, grip))
+    }
+
+    fn refuses_grip(&self, settings: &Settings, asked: &Grip) -> Option<String> {
         let manner = &asked.manner;
         if manner.is_default() {
             return None;
@@ -304,7 +309,8 @@ mod tests {
             WorldPoint::new(-0.05, 0.0, 0.0),
             WorldPoint::new(0.1, 0.05, 0.0),
         ];
-        let motion = |manner: Manner| Motion::new(points[0], points[1]).with_manner(manner);
+        let motion =
+            |manner: Manner| Motion::from(Grip::new(points[0], points[1]).with_manner(manner));
         let said = |settings: &Settings, name: &str, value: f64| {
             reach.refuses(settings, &motion(Manner::default().with(name, value)))
         };

@@ -18,11 +18,11 @@ fn action(verdict: Value) -> Value {
 }
 
 fn step(attempts: &[Value], coverage: f64, improvement: f64) -> Step {
-    let motion = json!({ "pick": [0.0, 0.0, 0.0], "place": [0.0, 0.0, 0.0] });
+    let grip = json!({ "pick": [0.0, 0.0, 0.0], "place": [0.0, 0.0, 0.0], "grasp": "missed" });
     let line = json!({
         "step": 1, "scene": null, "attempts": attempts, "coverage": coverage,
         "normalized_improvement": improvement, "normalized_improvement_true": improvement - 0.1,
-        "executed": { "motion": motion, "grasp": "missed", "duration_s": 1.0 }, "files": {},
+        "executed": { "grips": [grip], "duration_s": 1.0 }, "files": {},
     });
     Step {
         line: serde_json::from_value(line).unwrap(),

@@ -24,8 +24,8 @@ fn report(outcome: &str) -> Value {
 
 fn step(improvement: Option<f64>) -> Value {
     let point = [0.0, 0.0, 0.0];
-    let motion = json!({ "pick": point, "place": point });
-    let executed = json!({ "motion": motion, "grasp": "missed", "duration_s": 1.0 });
+    let grip = json!({ "pick": point, "place": point, "grasp": "missed" });
+    let executed = json!({ "grips": [grip], "duration_s": 1.0 });
     json!({
         "type": "step", "step": 1, "scene": null, "attempts": [], "executed": improvement.map(|_| executed),
         "normalized_improvement": improvement, "files": {},

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// How far an action moved the cloth along the table, millimetres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClothMoved {
-    /// The particle that was held; null if none was, or if the world does not tell which.
+    /// The particle that was held; null if none was, if several were, or if the world does not tell which.
     pub held: Option<HeldMoved>,
     /// How far the particle that moved most lies from its place before the action.
     pub farthest_mm: f64,
@@ -63,11 +63,14 @@ pub fn cloth_moved(
     let farthest_mm = |from: [f64; 2]| ways().map(|way| mm(less(way, from))).fold(0.0, f64::max);
     let folded_mm = farthest_mm(slid);
     let held = || {
-        let Grasp::Particle(particle) = executed.grasp else {
+        let [done] = executed.grips[..] else {
+            return None;
+        };
+        let Grasp::Particle(particle) = done.grasp else {
             return None;
         };
         let from = before.get(particle as usize)?.map(f64::from);
-        let carried = way(from, executed.released_at?.into());
+        let carried = way(from, done.released_at?.into());
         let stayed = way(from, after.get(particle as usize)?.map(f64::from));
         let half_mm = mm(less(carried, slid)) / 2.0;
         Some(HeldMoved {
@@ -111,18 +114,17 @@ fn mm(way_m: [f64; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Motion, WorldPoint};
+    use crate::{ExecutedGrip, Grip, WorldPoint};
 
     fn executed(grasp: Grasp, released_at: Option<WorldPoint>) -> Executed {
         let pick = WorldPoint::origin();
-        Executed {
-            motion: Motion {
-                pick,
-                place: pick,
-                manner: Default::default(),
-            },
+        let done = ExecutedGrip {
+            grip: Grip::new(pick, pick),
             grasp,
             released_at,
+        };
+        Executed {
+            grips: vec![done],
             duration_s: 1.0,
         }
     }
@@ -161,7 +163,7 @@ mod tests {
                 after[1][0] += 0.001 * folded_mm;
                 let mirrored = |it: [f32; 3]| [sign * it[0], it[1], it[2]];
                 let mut done = executed(Grasp::Particle(1), Some(released));
-                done.released_at = Some(WorldPoint::new(f64::from(sign) * 0.11, 0.0, 0.2));
+                done.grips[0].released_at = Some(WorldPoint::new(f64::from(sign) * 0.11, 0.0, 0.2));
                 let moved = cloth_moved(&before.map(mirrored), &after.map(mirrored), &done);
                 let moved = moved.expect("equal counts");
                 let held = moved.held.expect("a particle was held");

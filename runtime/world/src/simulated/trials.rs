@@ -6,7 +6,7 @@
 
 use super::{SimulatedWorld, executed, in_metres, stopped};
 use crate::start::Start;
-use crate::{Executed, Motion, World, WorldError};
+use crate::{Executed, Grip, World, WorldError};
 use fab_base::interrupt::Interrupt;
 use fab_base::parallel::in_parallel;
 pub use fab_sim::Snapshot;
@@ -23,13 +23,13 @@ pub struct TrialEnd {
     pub state: Snapshot,
 }
 
-/// A motion to be tried from the state of a world.
+/// A motion of the simulator's one gripper, to be tried from the state of a world.
 #[derive(Clone, Copy)]
 pub struct Trial<'w> {
     /// The world; it stays as it is.
     pub from: &'w SimulatedWorld,
     /// What to do there.
-    pub motion: Motion,
+    pub grip: Grip,
 }
 
 impl SimulatedWorld {
@@ -95,7 +95,7 @@ fn groups(trials: &[Trial<'_>], threads: usize) -> Vec<Vec<usize>> {
 
 /// Tells the lift of a trial by its world and the bits of all that the simulator is told of it.
 fn lift_of(trial: &Trial<'_>) -> (*const SimulatedWorld, [u32; 2], [Option<u32>; 4]) {
-    let (manner, [pick, _]) = in_metres(&trial.motion);
+    let (manner, [pick, _]) = in_metres(&trial.grip);
     let Manner {
         lift_m,
         speed_m_s,
@@ -119,21 +119,21 @@ fn try_group<T, E: From<WorldError>>(
 ) -> Result<Option<Vec<(usize, T)>>, E> {
     let interrupted = || interrupt.is_raised();
     let first = &trials[group[0]];
-    let (manner, [pick, _]) = in_metres(&first.motion);
+    let (manner, [pick, _]) = in_metres(&first.grip);
     let lifted = match first.from.cloth()?.lift(&manner, pick, &interrupted) {
         Err(SimError::Interrupted { .. }) => return Ok(None),
         lifted => lifted.map_err(stopped)?,
     };
     let mut all = Vec::with_capacity(group.len());
     for &index in group {
-        let motion = &trials[index].motion;
-        let (_, [_, place]) = in_metres(motion);
+        let grip = trials[index].grip;
+        let (_, [_, place]) = in_metres(&grip);
         let (cloth, done) = match lifted.place(place, &interrupted) {
             Err(SimError::Interrupted { .. }) => break,
             placed => placed.map_err(stopped)?,
         };
         let end = TrialEnd {
-            executed: executed(motion, &done),
+            executed: executed(grip, &done),
             state: cloth.snapshot(),
         };
         all.push((index, judge(index, end)?));
@@ -159,8 +159,8 @@ mod tests {
         });
         let mut world = fresh();
         world.reset(&start).unwrap();
-        let first = motion([-0.028, -0.028], [0.0, 0.01]);
-        world.act(&first, &Interrupt::default()).unwrap();
+        let first = grip([-0.028, -0.028], [0.0, 0.01]);
+        world.act(&first.into(), &Interrupt::default()).unwrap();
         (world, start)
     }
 
@@ -168,34 +168,31 @@ mod tests {
         SimulatedWorld::new(&conformance::camera(), Picker::Drop).unwrap()
     }
 
-    fn motion(pick: [f64; 2], place: [f64; 2]) -> Motion {
+    fn grip(pick: [f64; 2], place: [f64; 2]) -> Grip {
         let [pick, place] = [pick, place].map(|[x, y]| WorldPoint::new(x, y, 0.005));
-        Motion::new(pick, place)
+        Grip::new(pick, place)
     }
 
     #[test]
     fn trials_end_as_the_worlds_own_actions_do_on_any_number_of_threads() {
         let (world, start) = pulled();
         let state = world.state().unwrap();
-        let motions = [
-            motion([0.028, 0.028], [0.06, 0.05]),
-            motion([0.028, -0.028], [0.0, 0.0]),
-            motion([0.028, 0.028], [0.0, 0.03]),
+        let grips = [
+            grip([0.028, 0.028], [0.06, 0.05]),
+            grip([0.028, -0.028], [0.0, 0.0]),
+            grip([0.028, 0.028], [0.0, 0.03]),
         ];
-        let expected: Vec<TrialEnd> = motions
+        let expected: Vec<TrialEnd> = grips
             .iter()
-            .map(|motion| {
+            .map(|grip| {
                 let mut again = fresh();
                 again.go_to(&start, &state).unwrap();
-                let executed = again.act(motion, &Interrupt::default()).unwrap();
+                let executed = again.act(&(*grip).into(), &Interrupt::default()).unwrap();
                 let state = again.state().unwrap();
                 TrialEnd { executed, state }
             })
             .collect();
-        let trials = motions.map(|motion| Trial {
-            from: &world,
-            motion,
-        });
+        let trials = grips.map(|grip| Trial { from: &world, grip });
         for threads in [1, 3] {
             let done = try_motions(&trials, threads, &Interrupt::default(), |_, end| {
                 Ok::<_, Failed>(end)
@@ -215,10 +212,10 @@ mod tests {
         let (world, _) = pulled();
         let pick = |x| Trial {
             from: &world,
-            motion: motion([x, 0.028], [0.06, 0.05]),
+            grip: grip([x, 0.028], [0.06, 0.05]),
         };
         let slow = Trial {
-            motion: pick(0.028).motion.with_manner(fab_program::Manner {
+            grip: pick(0.028).grip.with_manner(fab_program::Manner {
                 speed_m_s: Some(0.1),
                 ..Default::default()
             }),

@@ -152,7 +152,7 @@ fn fall_short(exchange: &mut Exchange<'_, '_>, why: String) {
 /// Returns the motion of a proposal; `None` if it leads nowhere, which the rollout reports if it is taken.
 fn lowered(step: StepView<'_>, proposal: &Proposal) -> Option<Motion> {
     let action = Action::lower(step.program, proposal, step.scene, step.observation)?;
-    Some(action.motion)
+    Some(action.grip.into())
 }
 
 /// Folds a candidate on the twins.
