@@ -194,26 +194,46 @@ impl RunFolder {
         Ok(name.to_owned())
     }
 
-    /// Writes a question exactly as it is sent.
+    /// Writes a question exactly as it is sent; returns the names of its files.
+    ///
+    /// In a step that is repeated they exist, and stay as they are until its answer is found.
     pub fn keep_question(
         &mut self,
         of: &AttemptOf,
         question: &Question,
     ) -> Result<SentFiles, JournalError> {
         let stem = of.stem();
-        let (text, prompt) = match question {
-            Question::Line { text, .. } => (text.clone().into_bytes(), None),
+        let prompt = format!("{stem}.prompt.txt");
+        let files = SentFiles {
+            request: Some(format!("{stem}.request.json")),
+            prompt: matches!(question, Question::Prompt(_)).then_some(prompt),
+        };
+        if !self.repeats() {
+            self.write_question(&files, question)?;
+        }
+        Ok(files)
+    }
+
+    fn write_question(
+        &mut self,
+        files: &SentFiles,
+        question: &Question,
+    ) -> Result<(), JournalError> {
+        let text = match question {
+            Question::Line { text, .. } => text.clone().into_bytes(),
             Question::Prompt(request) => {
                 self.keep_images(request)?;
-                let text = serde_json::to_vec_pretty(request)
-                    .expect("a request holds strings and finite numbers");
-                let words = transcript(request);
-                let prompt = self.keep(&format!("{stem}.prompt.txt"), words.as_bytes())?;
-                (text, Some(prompt))
+                serde_json::to_vec_pretty(request)
+                    .expect("a request holds strings and finite numbers")
             }
         };
-        let request = Some(self.keep(&format!("{stem}.request.json"), &text)?);
-        Ok(SentFiles { request, prompt })
+        if let Some(file) = &files.request {
+            self.keep(file, &text)?;
+        }
+        if let (Some(file), Question::Prompt(request)) = (&files.prompt, question) {
+            self.keep(file, transcript(request).as_bytes())?;
+        }
+        Ok(())
     }
 
     /// Writes the exact reply of one attempt and returns its entry for the step's line.
@@ -221,8 +241,12 @@ impl RunFolder {
         &mut self,
         of: &AttemptOf,
         attempt: &Attempt,
-        SentFiles { request, prompt }: SentFiles,
+        sent: SentFiles,
     ) -> Result<Asked, JournalError> {
+        if let Some(question) = attempt.question.as_ref().filter(|_| self.repeats()) {
+            self.write_question(&sent, question)?;
+        }
+        let SentFiles { request, prompt } = sent;
         let reply_file = match &attempt.reply {
             Some(reply) => {
                 Some(self.keep(&format!("{}.reply.txt", of.stem()), reply.text.as_bytes())?)
