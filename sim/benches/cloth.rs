@@ -12,9 +12,7 @@ mod cloths;
 
 use cloths::CLOTHS;
 use divan::{Bencher, black_box, counter::ItemsCount};
-use fab_sim::{
-    Aim, Grid, Look, Params, RestShortcut, Simulator, TopDownCamera, diagonal_fold,
-};
+use fab_sim::{Aim, Grid, Look, Params, RestShortcut, Simulator, TopDownCamera, diagonal_fold};
 use std::time::{Duration, Instant};
 
 fn main() {

@@ -54,36 +54,5 @@ pub fn resolve(folder: &Path, file: &FileRef) -> Result<PathBuf, FileError> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_link_out_of_the_folder_is_refused() {
-        let outer = tempfile::tempdir().expect("a temporary folder");
-        let folder = outer.path().join("task");
-        fs::create_dir(&folder).expect("a folder");
-        fs::write(outer.path().join("secret.png"), "x").expect("a file");
-        fs::write(folder.join("own.png"), "x").expect("a file");
-        let file = |path: &str| FileRef {
-            path: path.to_owned(),
-        };
-        assert!(resolve(&folder, &file("own.png")).is_ok());
-        assert!(matches!(
-            resolve(&folder, &file("absent.png")),
-            Err(FileError::Unreadable { .. })
-        ));
-        assert!(matches!(
-            resolve(&folder, &file("../secret.png")),
-            Err(FileError::Outside { .. })
-        ));
-        #[cfg(unix)]
-        {
-            let link = folder.join("link.png");
-            std::os::unix::fs::symlink(outer.path().join("secret.png"), link).expect("a link");
-            assert!(matches!(
-                resolve(&folder, &file("link.png")),
-                Err(FileError::Outside { .. })
-            ));
-        }
-    }
-}
+#[path = "tests/task_files.rs"]
+mod tests;

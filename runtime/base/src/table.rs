@@ -35,13 +35,5 @@ pub fn aligned(columns: &[Align], rows: &[impl AsRef<[String]>]) -> Vec<String> 
 }
 
 #[cfg(test)]
-mod tests {
-    use super::{Align, aligned};
-
-    #[test]
-    fn words_begin_and_numbers_end_together() {
-        let rows = [["task", "mm"], ["é", "12.5"], ["", ""]].map(|row| row.map(str::to_owned));
-        let lines = aligned(&[Align::Left, Align::Right], &rows);
-        assert_eq!(lines, ["task    mm", "é     12.5", ""]);
-    }
-}
+#[path = "tests/table.rs"]
+mod tests;
