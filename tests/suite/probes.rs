@@ -130,7 +130,7 @@ fn what_a_probe_prints_is_used_when_it_is_pasted() {
     let entry = format!("[[model]]{entry}");
     for line in [
         "id = \"peculiar\"",
-        "coordinates = { unit = \"per_mille\", order = \"yx\" }",
+        "coordinates = { order = \"yx\", unit = \"per_mille\" }",
         "vision = true",
         "structured_output = false",
         "temperature = { only = [1.0] }",

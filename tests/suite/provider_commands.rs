@@ -126,7 +126,7 @@ fn an_estimate_needs_no_key_and_says_what_will_be_refused() {
     let said = estimate(&["--omit", "temperature"]);
     assert_eq!(said.code, 0, "{}", said.stderr);
     assert!(
-        said.stdout.starts_with("likely: calls 4, ") && said.stdout.contains("\nat most: calls "),
+        said.stdout.starts_with("likely: calls 6, ") && said.stdout.contains("\nat most: calls "),
         "{}",
         said.stdout
     );

@@ -160,7 +160,11 @@ pub fn probe(
     let model = under(&prober.assumed())?;
     let (mut facts, mut notes) = (prober.found, prober.notes);
     let dots = match dots(model.as_ref(), seed, reasoning, prober.calls) {
-        Err(ModelError::Failed { fault, why, .. }) if fault == Fault::BadRequest => {
+        Err(ModelError::Failed {
+            fault: Fault::BadRequest,
+            why,
+            ..
+        }) => {
             facts.vision = Some(false);
             notes.push(format!("the server refuses pictures: {why}"));
             None

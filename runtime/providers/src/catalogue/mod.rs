@@ -320,9 +320,8 @@ impl Catalogue {
                 as_of: head.as_of,
                 source: head.source.clone(),
             };
-            if !sources.contains(&source) {
-                sources.insert(0, source);
-            }
+            sources.retain(|other| *other != source);
+            sources.insert(0, source);
         }
         let facts = from_table(facts).expect("whole facts were read, and replace each other");
         (facts, sources)

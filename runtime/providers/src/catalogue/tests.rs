@@ -152,7 +152,7 @@ fn every_entry_is_listed_once_with_all_that_holds_of_it() {
     let sol = find("openai:gpt-6.2-sol");
     assert_eq!(
         sol.facts,
-        catalogue.find("openai:gpt-6.2-sol").unwrap().facts
+        catalogue.find("openai:gpt-6.2-sol").expect("known").facts
     );
     assert_eq!(sol.sources.len(), 2, "its own and its family's day are one");
     assert_eq!(find("qwen3-vl*").sources.len(), 2);

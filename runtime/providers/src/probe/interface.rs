@@ -161,9 +161,11 @@ impl Prober<'_> {
         };
         match (self.under)(&facts)?.ask(request, self.calls) {
             Ok(reply) => Ok(Outcome::Answered(reply.text)),
-            Err(ModelError::Failed { fault, why, .. }) if fault == Fault::BadRequest => {
-                Ok(Outcome::Refused(why))
-            }
+            Err(ModelError::Failed {
+                fault: Fault::BadRequest,
+                why,
+                ..
+            }) => Ok(Outcome::Refused(why)),
             // The model declined this question, or thought too long about it.
             Err(ModelError::Failed { fault, why, .. })
                 if [Fault::Truncated, Fault::Refused, Fault::ContentFiltered].contains(&fault) =>
