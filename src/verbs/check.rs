@@ -10,6 +10,7 @@ use clap::ValueHint;
 use fab_base::wording::counted;
 use fab_compiler::Compiled;
 use fab_compiler::diag::{self, Severity};
+use fab_program::spaces::Spaces;
 use fab_program::{Material, Program};
 use fix::Effect;
 use serde::Serialize;
@@ -75,6 +76,8 @@ struct CheckedTask {
     horizon: u32,
     max_calls_per_step: u32,
     max_calls: u64,
+    /// What a policy may answer, and what it sees.
+    spaces: Spaces,
     #[serde(skip_serializing_if = "Option::is_none")]
     about: Option<String>,
     /// Set if the steps of its demonstration have not been judged.
@@ -213,6 +216,7 @@ impl CheckedTask {
             horizon: program.horizon,
             max_calls_per_step: per_step,
             max_calls: u64::from(per_step) * u64::from(program.horizon),
+            spaces: Spaces::of(program),
             about: program.about.clone(),
             demonstration: unjudged(program, beside),
             material: material.map(|it| it.name.clone()),

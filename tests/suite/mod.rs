@@ -76,6 +76,7 @@ mod sim_replay;
 mod sim_verbs;
 mod skipped_steps;
 mod snap;
+mod spaces;
 mod spacing;
 mod springing_back;
 mod stand_in;

@@ -84,6 +84,7 @@ pub mod reply;
 pub mod samples;
 pub mod scene;
 pub mod space;
+pub mod spaces;
 pub mod test;
 pub mod tokens;
 pub mod units;
