@@ -19,9 +19,17 @@ def grip(pair):
     return {"pick": pair[0], "place": pair[1]}
 
 
-def answer(step):
-    if step["task"] != "double_triangle":
-        return {"refuse": f"{step['task']} is not a task that this policy knows"}
+def hello(question):
+    return {"protocol": 2}
+
+
+def reset(rollout):
+    if rollout["task"] != "double_triangle":
+        return {"refuse": f"{rollout['task']} is not a task that this policy knows"}
+    return {}
+
+
+def decide(step):
     refused = [grips for refusal in step["refusals"] for grips in refusal["grips"]]
     for pair in farthest_first(step):
         if grip(pair) not in refused:
@@ -29,5 +37,7 @@ def answer(step):
     return {"refuse": "every offered pair was refused"}
 
 
+answers = {"hello": hello, "reset": reset, "decide": decide}
 for line in sys.stdin:
-    print(json.dumps(answer(json.loads(line))), flush=True)
+    question = json.loads(line)
+    print(json.dumps(answers[question["do"]](question)), flush=True)

@@ -111,7 +111,7 @@ fn counting(folder: &Path) -> (Command, PathBuf) {
     let text = text.replace(
         "for line in sys.stdin:\n",
         &format!(
-            "for line in sys.stdin:\n    open({:?}, 'a').write(str(json.loads(line)['action']) + '\\n')\n",
+            "for line in sys.stdin:\n    asked = json.loads(line).get('action')\n    if asked: open({:?}, 'a').write(f'{{asked}}\\n')\n",
             asked.display().to_string()
         ),
     );
@@ -379,6 +379,9 @@ fn a_refused_proposal_is_asked_for_again_with_the_reason() {
 import json, sys
 for line in sys.stdin:
     step = json.loads(line)
+    if step["do"] != "decide":
+        print(json.dumps({"protocol": 2} if step["do"] == "hello" else {}), flush=True)
+        continue
     first, second = step["offered"]["pick"][:2]
     refused = step["refusals"]
     if refused:

@@ -11,6 +11,7 @@ mod external;
 mod judge;
 mod prompted;
 mod proposing;
+pub mod protocol;
 mod random;
 mod reach;
 

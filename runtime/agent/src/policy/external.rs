@@ -1,25 +1,29 @@
 //! The policy of a user's program, in any language.
 //!
-//! In: one line of JSON per proposal: pictures by path, keypoints, the offered choices, refusals so far. Out: one line
-//! with the grips, or a refusal. `docs/policies.md` documents both. The program is started at the first question, and
-//! its answers are stored in the run folder before they are used: a resumed rollout asks only new questions.
+//! In: lines of JSON, as [`protocol`] types them: what stays the same in a rollout, then for each proposal pictures by
+//! path, keypoints, the offered choices, refusals so far. Out: one line each, with the grips or a refusal. The program is
+//! started at the first question, and its answers are stored in the run folder before they are used: a resumed rollout
+//! asks only new questions.
 
 use super::proposing::{Answer, Proposed, Refusal, until_accepted};
+use super::protocol::{
+    self, Decide, FieldValue, Last, Line, Offered, PROTOCOL, Pictures, Refused, grip,
+};
 use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, Question, StepView};
+use crate::journal::JournalError;
 use crate::outcome::Outcome;
 use fab_base::child::{Child, ChildError, CommandLine, excerpt};
+use fab_base::interrupt::Interrupt;
 use fab_base::{digest, files, npy};
 use fab_model::Reply;
 use fab_picture::camera::Pinhole;
 use fab_picture::png;
+use fab_program::spaces::Spaces;
 use fab_program::{ActionField, Arrow, Choices, PixelPoint, Proposal, SubgoalStep, Value, space};
-use serde::Deserialize;
-use serde_json::{Map, Value as Json, json};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value as Json};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-
-/// Version of the protocol.
-const PROTOCOL: u32 = 1;
 
 /// The file in the run folder that receives the program's stderr.
 const STDERR_FILE: &str = "policy.stderr.txt";
@@ -89,17 +93,14 @@ impl Policy for External {
                 folder.display()
             )));
         }
-        let files = Files::write(step, folder).map_err(|(name, error)| {
-            crate::journal::JournalError::Unwritable {
-                path: folder.join(name),
-                why: error.to_string(),
-            }
-        })?;
+        let reset = reset(step);
+        let files = write_files(step, folder)?;
         until_accepted(step, exchange, &mut |refusals, exchange| {
+            let mut sent = [reset.clone(), decide(step, &files, refusals)];
             // Relative paths make equal questions equal in any run folder.
-            let relative = question(step, &files, refusals, &|name| PathBuf::from(name));
-            let key = digest::of(relative.to_string());
-            let sent = question(step, &files, refusals, &|name| folder.join(name));
+            let key = digest::of(text(&sent));
+            sent.iter_mut()
+                .for_each(|question| question.place_in(folder));
             let interrupt = exchange.interrupt;
             let asked = exchange
                 .asking
@@ -109,19 +110,12 @@ impl Policy for External {
                     let answer = read(step, &reply.text);
                     (Some(reply), answer)
                 }
-                Err(ChildError::Interrupted) => {
-                    let why = ChildError::Interrupted.to_string();
-                    let outcome = Outcome::Interrupted;
-                    (None, Answer::Stop { outcome, why })
-                }
-                Err(error) => {
+                Err((outcome, why)) => {
                     self.child = None;
-                    let outcome = Outcome::PolicyFailed;
-                    let why = error.to_string();
                     (None, Answer::Stop { outcome, why })
                 }
             };
-            let text = sent.to_string();
+            let text = text(&sent[1]);
             Ok(Proposed {
                 question: Some(Question::Line { key, text }),
                 reply,
@@ -133,35 +127,80 @@ impl Policy for External {
 }
 
 impl External {
-    /// Returns the program's line after checking that it is a valid answer.
+    /// Returns the program's line after checking that it is a valid answer; starts the program if it does not run.
     fn ask(
         &mut self,
-        question: &Json,
+        [reset, decide]: &[protocol::Question; 2],
         folder: &Path,
-        interrupt: &fab_base::interrupt::Interrupt,
-    ) -> Result<Reply, ChildError> {
+        interrupt: &Interrupt,
+    ) -> Result<Reply, (Outcome, String)> {
+        let limit = self.limit;
         let child = match &mut self.child {
             Some(child) => child,
             absent => {
                 let stderr = folder.join(STDERR_FILE);
-                absent.insert(Child::start(&self.command, Some(&stderr))?)
+                let child = Child::start(&self.command, Some(&stderr)).map_err(failed)?;
+                let child = absent.insert(child);
+                greet(child, &self.command, limit, interrupt)?;
+                let (refused, line) = answer_of(child, reset, limit, interrupt).map_err(failed)?;
+                if refused.grips.is_some() {
+                    let why = "to `reset` it is `{}`, or has only `refuse`";
+                    return Err(failed(child.no_answer(line.as_bytes(), why)));
+                }
+                if refused.refuse.is_some() {
+                    return Ok(Reply::text(line));
+                }
+                child
             }
         };
-        child.send(question)?;
-        let line = child.receive(self.limit, interrupt)?;
-        child.read::<Line>(&line)?;
-        Ok(Reply::text(String::from_utf8_lossy(&line).into_owned()))
+        let (_, line) = answer_of(child, decide, limit, interrupt).map_err(failed)?;
+        Ok(Reply::text(line))
     }
 }
 
-/// A program's answer: one of the two fields.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Line {
-    /// The action of each gripper.
-    grips: Option<Vec<Map<String, Json>>>,
-    /// The reason for proposing nothing further.
-    refuse: Option<String>,
+/// Makes sure that a program answers this version of the lines.
+fn greet(
+    child: &mut Child,
+    command: &CommandLine,
+    limit: Duration,
+    interrupt: &Interrupt,
+) -> Result<(), (Outcome, String)> {
+    let hello = protocol::Question::Hello { protocol: PROTOCOL };
+    let answered = child.ask(&hello, limit, interrupt);
+    let why = match answered {
+        Ok(protocol::Hello { protocol: PROTOCOL }) => return Ok(()),
+        Err(ChildError::Interrupted) => return Err(failed(ChildError::Interrupted)),
+        Ok(protocol::Hello { protocol }) => {
+            format!("`{command}` answers version {protocol} of the lines")
+        }
+        Err(error) => error.to_string(),
+    };
+    let why = format!(
+        "{why}; this fabc asks in version {PROTOCOL}: answer `{{\"do\": \"hello\"}}` with `{{\"protocol\": {PROTOCOL}}}`, \
+         `{{\"do\": \"reset\"}}` with `{{}}`, and then each `{{\"do\": \"decide\"}}`"
+    );
+    Err((Outcome::PolicyFailed, why))
+}
+
+/// Sends a question; returns the line that answers it, parsed and as it came.
+fn answer_of(
+    child: &mut Child,
+    question: &protocol::Question,
+    limit: Duration,
+    interrupt: &Interrupt,
+) -> Result<(Line, String), ChildError> {
+    child.send(question)?;
+    let line = child.receive(limit, interrupt)?;
+    let answer = child.read(&line)?;
+    Ok((answer, String::from_utf8_lossy(&line).into_owned()))
+}
+
+fn failed(error: ChildError) -> (Outcome, String) {
+    let outcome = match error {
+        ChildError::Interrupted => Outcome::Interrupted,
+        _ => Outcome::PolicyFailed,
+    };
+    (outcome, error.to_string())
 }
 
 fn read(step: &StepView<'_>, line: &str) -> Answer {
@@ -254,143 +293,108 @@ fn value(field: &ActionField, stated: &Json) -> Option<Value> {
     declared.find(|value| space::text(field, value) == text)
 }
 
-/// The files of a step, by their names in the run folder.
-struct Files {
-    scene: String,
-    annotated: String,
-    depth: String,
-    subgoals: Option<[String; 2]>,
-    particles: Option<String>,
-}
-
-impl Files {
-    /// Writes the files that the rollout itself does not store.
-    fn write(step: &StepView<'_>, folder: &Path) -> Result<Files, (String, std::io::Error)> {
-        let name = |what: &str| format!("step_{}/{what}", step.number);
-        let write = |what: &str, bytes: &[u8]| {
-            let name = name(what);
-            let path = folder.join(&name);
-            let parent = path.parent().unwrap_or(folder);
-            let written =
-                std::fs::create_dir_all(parent).and_then(|()| files::write_whole(&path, bytes));
-            written
-                .map(|()| name.clone())
-                .map_err(|error| (name, error))
-        };
-        let depth = &step.observation.depth_m;
-        let shape = [u64::from(depth.height()), u64::from(depth.width())];
-        let subgoals = match &step.pictures.subgoals {
-            None => None,
-            Some(pictures) => {
-                let picture = |which| png::encode(pictures.picture(which, Arrow::Absent));
-                Some([
-                    write("subgoal_now.png", &picture(SubgoalStep::Now))?,
-                    write("subgoal_next.png", &picture(SubgoalStep::Next))?,
-                ])
-            }
-        };
-        let particles = match &step.truth {
-            None => None,
-            Some(truth) => Some(write("particles.npy", &npy::encode(truth.particles))?),
-        };
-        Ok(Files {
-            scene: name("before.png"),
-            annotated: write("annotated.png", &png::encode(&step.pictures.annotated))?,
-            depth: write(
-                "depth.npy",
-                &npy::encode_floats(&shape, depth.iter().copied()),
-            )?,
-            subgoals,
-            particles,
-        })
-    }
-}
-
-/// Writes the question for a program.
-///
-/// - `place`: maps a file name of the run folder to the path in the question.
-fn question(
+/// Writes the files that the rollout itself does not store; returns all files by their names in the run folder.
+fn write_files(
     step: &StepView<'_>,
-    files: &Files,
-    refusals: &[Refusal],
-    place: &dyn Fn(&str) -> PathBuf,
-) -> Json {
+    folder: &Path,
+) -> Result<(Pictures, Option<PathBuf>), JournalError> {
+    let name = |what: &str| PathBuf::from(format!("step_{}/{what}", step.number));
+    let write = |what: &str, bytes: &[u8]| {
+        let (name, path) = (name(what), folder.join(name(what)));
+        let parent = path.parent().unwrap_or(folder);
+        let written =
+            std::fs::create_dir_all(parent).and_then(|()| files::write_whole(&path, bytes));
+        match written {
+            Ok(()) => Ok(name),
+            Err(error) => Err(JournalError::Unwritable {
+                path,
+                why: error.to_string(),
+            }),
+        }
+    };
+    let depth = &step.observation.depth_m;
+    let shape = [u64::from(depth.height()), u64::from(depth.width())];
+    let subgoal = |what: &str, which| {
+        let shown = step.pictures.subgoals.as_ref();
+        let shown = shown.map(|it| png::encode(it.picture(which, Arrow::Absent)));
+        shown.map(|png| write(what, &png)).transpose()
+    };
+    let pictures = Pictures {
+        scene: name("before.png"),
+        annotated: write("annotated.png", &png::encode(&step.pictures.annotated))?,
+        depth: write(
+            "depth.npy",
+            &npy::encode_floats(&shape, depth.iter().copied()),
+        )?,
+        subgoal_now: subgoal("subgoal_now.png", SubgoalStep::Now)?,
+        subgoal_next: subgoal("subgoal_next.png", SubgoalStep::Next)?,
+    };
+    let particles = step.truth.as_ref();
+    let particles = particles.map(|it| write("particles.npy", &npy::encode(it.particles)));
+    Ok((pictures, particles.transpose()?))
+}
+
+/// Returns the question that begins a rollout, with files by their names in the run folder.
+fn reset(step: &StepView<'_>) -> protocol::Question {
     let program = step.program;
-    let offered = program.actions.iter().map(|field| {
-        let values = match &field.choices {
-            Choices::Region { mask } => json!({ "any_of": mask }),
+    protocol::Question::Reset(Box::new(protocol::Reset {
+        task: program.task.clone(),
+        variant: program.variant.clone(),
+        program: PathBuf::from("program.json"),
+        spaces: Spaces::of(program),
+        horizon: step.horizon,
+        attempts: program.verify.attempts,
+        repetition: step.repetition,
+        grid: step.truth.map(|_| program.cloth.clone()),
+    }))
+}
+
+/// Returns the question for a decision, with files by their names in the run folder.
+fn decide(
+    step: &StepView<'_>,
+    (pictures, particles): &(Pictures, Option<PathBuf>),
+    refusals: &[Refusal],
+) -> protocol::Question {
+    let actions = &step.program.actions;
+    let offered = actions.iter().map(|field| {
+        let offered = match &field.choices {
+            Choices::Region { mask } => Offered::Region {
+                any_of: mask.clone(),
+            },
             _ => {
                 let values = space::choices(field, step.scene);
-                values.iter().map(|value| written(field, value)).collect()
+                let values = values.iter().map(|value| FieldValue::of(field, value));
+                Offered::Values(values.collect())
             }
         };
-        (field.name.clone(), values)
+        (field.name.clone(), offered)
     });
-    let grip = |proposal: &Proposal| -> Json {
-        let fields = program.actions.iter().filter_map(|field| {
-            let value = proposal.get(&field.name)?;
-            Some((field.name.clone(), written(field, value)))
-        });
-        Json::Object(fields.collect())
-    };
-    let lengths = program
-        .actions
-        .iter()
-        .filter_map(|field| match &field.choices {
-            Choices::Lengths { choices, .. } => {
-                let texts = choices.iter().map(|choice| {
-                    let length = Value::Length {
-                        length: choice.value,
-                    };
-                    (space::text(field, &length), json!(choice.m))
-                });
-                Some((field.name.clone(), Json::Object(texts.collect())))
-            }
-            _ => None,
-        });
-    let refusals = refusals.iter().map(|refusal| {
-        let grips = refusal.proposal.iter().map(grip);
-        json!({ "grips": grips.collect::<Vec<_>>(), "check": refusal.check, "why": refusal.why })
+    let refusals = refusals.iter().map(|refusal| Refused {
+        grips: refusal
+            .proposal
+            .iter()
+            .map(|it| grip(actions, it))
+            .collect(),
+        check: refusal.check.clone(),
+        why: refusal.why.clone(),
     });
-    let mut question = json!({
-        "protocol": PROTOCOL,
-        "task": program.task,
-        "variant": program.variant,
-        "program": place("program.json"),
-        "repetition": step.repetition,
-        "step": step.step,
-        "horizon": step.horizon,
-        "action": step.number,
-        "pictures": {
-            "scene": place(&files.scene),
-            "annotated": place(&files.annotated),
-            "depth": place(&files.depth),
-            "subgoal_now": files.subgoals.as_ref().map(|[now, _]| place(now)),
-            "subgoal_next": files.subgoals.as_ref().map(|[_, next]| place(next)),
-        },
-        "camera": Pinhole::of(&step.observation.camera),
-        "keypoints": step.scene.to_json(),
-        "offered": Json::Object(offered.collect()),
-        "lengths_m": Json::Object(lengths.collect()),
-        "last": step.last.map(|last| json!({
-            "grips": [grip(&last.proposal)],
-            "pick_px": last.pick,
-            "place_px": last.place,
-        })),
-        "attempts": program.verify.attempts,
-        "refusals": refusals.collect::<Vec<_>>(),
-    });
-    if let Some(particles) = &files.particles {
-        question["particles"] = json!(place(particles));
-        question["grid"] = json!(program.cloth);
-    }
-    question
+    protocol::Question::Decide(Box::new(Decide {
+        step: step.step,
+        action: step.number,
+        pictures: pictures.clone(),
+        camera: Pinhole::of(&step.observation.camera),
+        keypoints: step.scene.to_json(),
+        offered: offered.collect(),
+        last: step.last.map(|last| Last {
+            grips: vec![grip(actions, &last.proposal)],
+            picked_px: vec![last.pick],
+            placed_px: vec![last.place],
+        }),
+        refusals: refusals.collect(),
+        particles: particles.clone(),
+    }))
 }
 
-/// Writes a value in the form of a grip's field.
-fn written(field: &ActionField, value: &Value) -> Json {
-    match value {
-        Value::Point(point) => json!(point),
-        other => json!(space::text(field, other)),
-    }
+fn text(questions: &impl Serialize) -> String {
+    serde_json::to_string(questions).expect("questions have string keys and finite numbers")
 }
