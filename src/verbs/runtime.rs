@@ -19,6 +19,7 @@ pub mod subgoals;
 pub mod world;
 
 pub mod estimate;
+pub mod events;
 pub mod operator;
 pub mod setting;
 pub mod step_scene;

@@ -69,9 +69,9 @@ fn play_task(program: &Program, vision: &[&str], text: &[&str], interrupt: &Inte
         start_number: None,
     };
     let mut findings = Vec::new();
-    let mut watch = |event: Event<'_>| {
-        if let Event::Asked { attempt, .. } = event {
-            findings.push(attempt.finding.clone());
+    let mut watch = |event: Event| {
+        if let Event::Verdict { result, .. } = event {
+            findings.push(result);
         }
     };
     let models = Models {

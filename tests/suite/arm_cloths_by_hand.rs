@@ -101,6 +101,7 @@ fn a_person_is_told_in_words_and_nothing_is_connected_for_an_estimate() {
         recorder: None,
         operator: None,
         interrupt: &Interrupt::default(),
+        listen: &|_, _| {},
     };
     assert_eq!(bench.side_by_side(), 1);
     assert_eq!(first_questions_of(&bench).unwrap().len(), 1);

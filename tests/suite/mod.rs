@@ -27,6 +27,7 @@ mod completions;
 mod crossings;
 mod demos;
 mod draws;
+mod events;
 mod explain;
 mod external_world;
 #[cfg(unix)]

@@ -266,6 +266,7 @@ fn coverage_by_pictures_has_columns_of_its_own() {
         recorder: None,
         operator: Some(&operator),
         interrupt: &Interrupt::default(),
+        listen: &|_, _| {},
     };
     let results = play::play(&bench, &|_, _, _| {}).unwrap();
     let rows = rows::rows(&bench, &results);

@@ -157,8 +157,8 @@ fn play(model: &dyn Model) -> Played {
         models,
         &folder.path().join("run"),
         &mut |event| match event {
-            Event::Stepped { action, .. } => actions.push(action.clone()),
-            Event::Note(note) => notes.push(note),
+            Event::Motion { grips, .. } => actions.extend(grips),
+            Event::Note { note } => notes.push(note),
             _ => {}
         },
     );

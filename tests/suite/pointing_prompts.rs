@@ -130,7 +130,7 @@ fn a_prompt_that_does_not_say_how_points_are_written_gets_a_sentence_and_a_note_
             .path()
             .join(format!("run_{:?}_{:?}", lowering.unit, lowering.points));
         trial.run(models, &run, &mut |event| {
-            if let fab_agent::rollout::Event::Note(note) = event {
+            if let fab_agent::rollout::Event::Note { note } = event {
                 notes.push(note);
             }
         });

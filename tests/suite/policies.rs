@@ -188,8 +188,8 @@ fn particles_are_there_only_for_who_asks_for_them() {
 fn played(policy: &dyn MakePolicy, trial: &Trial<'_>, run: &Path) -> (Ended, Vec<String>) {
     let mut notes = Vec::new();
     let ended = trial.decided(policy, run, &mut |event| {
-        if let Event::Asked { attempt, .. } = event {
-            notes.extend(attempt.note.clone());
+        if let Event::Verdict { note, .. } = event {
+            notes.extend(note);
         }
     });
     (ended.unwrap(), notes)

@@ -172,10 +172,12 @@ fn play_as(
     let make_world = || make(&run);
     let (mut notes, mut tried) = (Vec::new(), Vec::new());
     let report = trial.decided_in(&make_world, policy, &run, &mut |event| match event {
-        Event::Note(note) => notes.push(note),
-        Event::Rehearsed { line, seconds, .. } => {
-            assert!(seconds > 0.0);
-            tried.push(line.clone());
+        Event::Note { note } => notes.push(note),
+        Event::Rehearsed {
+            rehearsal, took_s, ..
+        } => {
+            assert!(took_s > 0.0);
+            tried.push(*rehearsal);
         }
         _ => {}
     });
@@ -367,7 +369,7 @@ fn a_step_that_is_interrupted_while_an_answer_is_tried_keeps_what_was_found_and_
     };
     let mut n_asked = 0;
     let stopped = trial.run(models(&model), &run, &mut |event| {
-        n_asked += u32::from(matches!(event, Event::Asked { .. }));
+        n_asked += u32::from(matches!(event, Event::Verdict { .. }));
     });
     assert_eq!(stopped.outcome, Outcome::Interrupted);
     let step = Record::read(&run).unwrap().steps.remove(0);

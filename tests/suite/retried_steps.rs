@@ -35,15 +35,10 @@ fn play(program: &Program, wrong: u32) -> Played {
     let run = folder.path().join("run");
     let (mut told, mut again) = (Vec::new(), Vec::new());
     let report = trial.run(models, &run, &mut |event| match event {
-        Event::Stepped { number, step, .. } => told.push([number, step]),
-        Event::Retried {
-            number,
-            step,
-            overlap,
-            limit,
-        } => {
+        Event::Motion { at, .. } => told.push([at.action, at.step]),
+        Event::Retried { at, overlap, limit } => {
             assert!(overlap <= limit, "{overlap} {limit}");
-            again.push([number, step]);
+            again.push([at.action, at.step]);
         }
         _ => {}
     });

@@ -22,9 +22,9 @@ fn play(program: &Program, look: &Look, change: &dyn Fn(&mut SubgoalSet)) -> Pla
     let mut trial = Trial::new(program, folder.path(), look.clone());
     change(&mut trial.subgoals);
     let mut points = Vec::new();
-    let mut watch = |event: Event<'_>| {
-        if let Event::Stepped { action, .. } = event {
-            let (pick, place) = (action.grip.pick, action.grip.place);
+    let mut watch = |event: Event| {
+        if let Event::Motion { grips, .. } = event {
+            let (pick, place) = (grips[0].grip.pick, grips[0].grip.place);
             points.push([pick.x, pick.y, place.x, place.y]);
         }
     };

@@ -74,9 +74,9 @@ pub(super) fn play_with(
     trial.cache = Cache::none();
     change(&mut trial);
     let mut grips = Vec::new();
-    let mut watch = |event: Event<'_>| {
-        if let Event::Stepped { action, .. } = event {
-            grips.push(action.grip);
+    let mut watch = |event: Event| {
+        if let Event::Motion { grips: actions, .. } = event {
+            grips.extend(actions.iter().map(|it| it.grip));
         }
     };
     let models = Models {

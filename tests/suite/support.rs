@@ -309,7 +309,7 @@ impl<'p> Trial<'p> {
     }
 
     /// Runs it into the new folder `run`, or resumes the rollout in that folder.
-    pub fn run(&self, models: Models<'_>, run: &Path, watch: &mut dyn FnMut(Event<'_>)) -> Ended {
+    pub fn run(&self, models: Models<'_>, run: &Path, watch: &mut dyn FnMut(Event)) -> Ended {
         self.try_run(models, run, watch).unwrap()
     }
 
@@ -318,7 +318,7 @@ impl<'p> Trial<'p> {
         &self,
         models: Models<'_>,
         run: &Path,
-        watch: &mut dyn FnMut(Event<'_>),
+        watch: &mut dyn FnMut(Event),
     ) -> Result<Ended, RunError> {
         self.decided(&Prompted { models }, run, watch)
     }
@@ -328,7 +328,7 @@ impl<'p> Trial<'p> {
         &self,
         make_policy: &dyn MakePolicy,
         run: &Path,
-        watch: &mut dyn FnMut(Event<'_>),
+        watch: &mut dyn FnMut(Event),
     ) -> Result<Ended, RunError> {
         let make_world = || -> Result<Box<dyn World>, WorldError> {
             let world = SimulatedWorld::new(&self.program.camera, self.program.picker)?;
@@ -343,7 +343,7 @@ impl<'p> Trial<'p> {
         make_world: &MakeWorld<'_>,
         make_policy: &dyn MakePolicy,
         run: &Path,
-        watch: &mut dyn FnMut(Event<'_>),
+        watch: &mut dyn FnMut(Event),
     ) -> Result<Ended, RunError> {
         let job = Job {
             program: self.program,

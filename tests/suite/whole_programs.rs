@@ -36,9 +36,9 @@ fn play(program: &Program, folder: &Path, replies: &[&str]) -> Played {
     let (vision, text) = (Scripted::new(&[]), Scripted::new(replies));
     let trial = Trial::new(program, folder, Look::default());
     let mut grips = Vec::new();
-    let mut watch = |event: Event<'_>| {
-        if let Event::Stepped { action, .. } = event {
-            grips.push((action.place_px, action.grip));
+    let mut watch = |event: Event| {
+        if let Event::Motion { grips: actions, .. } = event {
+            grips.extend(actions.iter().map(|it| (it.place_px, it.grip)));
         }
     };
     let models = Models {

@@ -9,6 +9,7 @@ mod earlier;
 
 use crate::policy::{Attempt, Question};
 use crate::record::{Asked, Line, MAX_SPENT_BYTES, RECORD_FILE, SPENT_FILE, Spent};
+use crate::rollout::event::{AttemptOf, SentFiles};
 use earlier::ExistingLines;
 use fab_base::files;
 use fab_base::jsonl::{self, Appender, Reader};
@@ -193,27 +194,63 @@ impl RunFolder {
         Ok(name.to_owned())
     }
 
-    /// Writes the exact prompt and reply of one attempt and returns its entry for the step's line.
-    pub fn keep_attempt(&mut self, step: u32, attempt: &Attempt) -> Result<Asked, JournalError> {
-        let stem = format!("step_{step}/{}_{}", attempt.stage, attempt.number);
-        let (request, prompt) = match &attempt.question {
-            None => (None, None),
-            Some(Question::Line { text, .. }) => {
-                let name = format!("{stem}.request.json");
-                (Some(self.keep(&name, text.as_bytes())?), None)
-            }
-            Some(Question::Prompt(request)) => {
+    /// Writes a question exactly as it is sent; returns the names of its files.
+    ///
+    /// In a step that is repeated they exist, and stay as they are until its answer is found.
+    pub fn keep_question(
+        &mut self,
+        of: &AttemptOf,
+        question: &Question,
+    ) -> Result<SentFiles, JournalError> {
+        let stem = of.stem();
+        let prompt = format!("{stem}.prompt.txt");
+        let files = SentFiles {
+            request: Some(format!("{stem}.request.json")),
+            prompt: matches!(question, Question::Prompt(_)).then_some(prompt),
+        };
+        if !self.repeats() {
+            self.write_question(&files, question)?;
+        }
+        Ok(files)
+    }
+
+    fn write_question(
+        &mut self,
+        files: &SentFiles,
+        question: &Question,
+    ) -> Result<(), JournalError> {
+        let text = match question {
+            Question::Line { text, .. } => text.clone().into_bytes(),
+            Question::Prompt(request) => {
                 self.keep_images(request)?;
-                let text = serde_json::to_vec_pretty(request)
-                    .expect("a request holds strings and finite numbers");
-                let file = self.keep(&format!("{stem}.request.json"), &text)?;
-                let words = transcript(request);
-                let prompt = self.keep(&format!("{stem}.prompt.txt"), words.as_bytes())?;
-                (Some(file), Some(prompt))
+                serde_json::to_vec_pretty(request)
+                    .expect("a request holds strings and finite numbers")
             }
         };
+        if let Some(file) = &files.request {
+            self.keep(file, &text)?;
+        }
+        if let (Some(file), Question::Prompt(request)) = (&files.prompt, question) {
+            self.keep(file, transcript(request).as_bytes())?;
+        }
+        Ok(())
+    }
+
+    /// Writes the exact reply of one attempt and returns its entry for the step's line.
+    pub fn keep_attempt(
+        &mut self,
+        of: &AttemptOf,
+        attempt: &Attempt,
+        sent: SentFiles,
+    ) -> Result<Asked, JournalError> {
+        if let Some(question) = attempt.question.as_ref().filter(|_| self.repeats()) {
+            self.write_question(&sent, question)?;
+        }
+        let SentFiles { request, prompt } = sent;
         let reply_file = match &attempt.reply {
-            Some(reply) => Some(self.keep(&format!("{stem}.reply.txt"), reply.text.as_bytes())?),
+            Some(reply) => {
+                Some(self.keep(&format!("{}.reply.txt", of.stem()), reply.text.as_bytes())?)
+            }
             None => None,
         };
         Ok(Asked {

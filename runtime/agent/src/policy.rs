@@ -267,12 +267,28 @@ impl<'a> StepView<'a> {
 pub struct Exchange<'e, 'j> {
     /// Gets answers, which are bought or computed once and never again.
     pub asking: &'e mut Asking<'j>,
-    /// Receives each attempt as soon as it is complete.
-    pub record: &'e mut dyn FnMut(&Attempt) -> Result<(), JournalError>,
+    /// Receives each question before it is asked, and each attempt as soon as it is complete.
+    pub record: &'e mut dyn FnMut(Exchanged<'_>) -> Result<(), JournalError>,
     /// A request to stop early.
     pub interrupt: &'e Interrupt,
     /// The twins on which actions can be tried, if the task rehearses.
     pub twins: Option<&'e mut Twins>,
+}
+
+/// What a policy tells while it decides.
+#[derive(Clone, Copy, Debug)]
+pub enum Exchanged<'a> {
+    /// A question that is about to be asked.
+    Question {
+        /// The stage that asks.
+        stage: &'a str,
+        /// The attempt's number within this stage and step, from 1.
+        attempt: u32,
+        /// The question.
+        question: &'a Question,
+    },
+    /// A complete attempt.
+    Attempt(&'a Attempt),
 }
 
 /// One proposal or answer, and its result.

@@ -5,6 +5,7 @@
 //! only a failing environment is an error.
 
 mod covered;
+pub mod event;
 mod first;
 mod score;
 mod tally;
@@ -13,31 +14,30 @@ mod tries;
 mod turn;
 mod writer;
 
-use crate::action::Action;
 use crate::examples::Examples;
 use crate::journal::{JournalError, RunFolder};
 use crate::operator::Operator;
 use crate::outcome::Outcome;
-use crate::policy::{Asking, Attempt, Kind, MakePolicy, PolicyError, PromptError, StepKind};
-use crate::record::{Line, RehearsedStep, Report, RunCosts};
+use crate::policy::{Asking, Kind, MakePolicy, PolicyError, PromptError, StepKind};
+use crate::record::{Line, Report, RunCosts};
 use crate::scene::SceneError;
 use crate::sheet::Sheet;
 use crate::subgoals::SubgoalSet;
 use crate::twins::Twins;
 use covered::Covered;
+use event::At;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_base::wording::counted;
-use fab_model::calls::{Budget, Spent};
+use fab_model::calls::Budget;
 use fab_model::recording::Recorder;
 use fab_program::{Choices, Manner, Program, manner_field};
 use fab_vision::VisionError;
 use fab_world::expert::MakeWorld;
-use fab_world::metrics::ClothMoved;
 use fab_world::start::{RESTING_HEIGHT_M, Start};
-use fab_world::{Grasp, Grip, World, WorldError, WorldPoint};
+use fab_world::{Grip, World, WorldError, WorldPoint};
 use score::{Scored, meets, score};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::ops::Deref;
 use std::time::Instant;
 use turn::{Memory, Turn};
@@ -45,6 +45,7 @@ use writer::RolloutWriter;
 
 pub(crate) use tries::Tries;
 
+pub use event::Event;
 pub use first::{FirstQuestion, first_questions};
 pub use score::Score;
 
@@ -99,7 +100,7 @@ impl Job<'_> {
 }
 
 /// A finished rollout, as `fabc run --json` prints it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ended {
     /// The part that is the same in every run.
     #[serde(flatten)]
@@ -115,96 +116,6 @@ impl Deref for Ended {
     fn deref(&self) -> &Report {
         &self.report
     }
-}
-
-/// An event during a rollout.
-#[derive(Debug)]
-pub enum Event<'a> {
-    /// A question was answered, or failed.
-    Asked {
-        /// The action's number, from 1.
-        number: u32,
-        /// The task's step that it is for, from 1.
-        step: u32,
-        /// The attempt.
-        attempt: &'a Attempt,
-    },
-    /// The answers of a step were tried on twins.
-    Rehearsed {
-        /// The action's number, from 1.
-        number: u32,
-        /// The task's step that it is for, from 1.
-        step: u32,
-        /// What came of it.
-        line: &'a RehearsedStep,
-        /// Time spent on the twins, seconds.
-        seconds: f64,
-    },
-    /// A step was executed.
-    Stepped {
-        /// The action's number, from 1.
-        number: u32,
-        /// The task's step that it is for, from 1.
-        step: u32,
-        /// The most steps.
-        horizon: u32,
-        /// What was executed.
-        action: &'a Action,
-        /// The other values of the answer, as an answer states them: `lift 60 mm`.
-        other_values: Vec<String>,
-        /// The checks dropped to accept it.
-        without: &'a [String],
-        /// The result of the grasp.
-        grasp: Grasp,
-        /// How far it moved the cloth, if the world knows its particles.
-        moved: Option<ClothMoved>,
-        /// Wall time of the whole step, seconds.
-        seconds: f64,
-        /// What the rollout's calls added up to so far.
-        spent: Spent,
-    },
-    /// A step had no action, and the rollout goes on.
-    Skipped {
-        /// The action's number, from 1.
-        number: u32,
-        /// The task's step that it is for, from 1.
-        step: u32,
-        /// The most steps.
-        horizon: u32,
-        /// The outcome that the rollout would have ended with.
-        why: Outcome,
-    },
-    /// A step's result does not match its subgoal, so it is taken again.
-    Retried {
-        /// The number of its next action, from 1.
-        number: u32,
-        /// The task's step, from 1.
-        step: u32,
-        /// The overlap with the subgoal, from 0 to 1.
-        overlap: f64,
-        /// What it must exceed.
-        limit: f64,
-    },
-    /// The rollout ends in an unfinished step.
-    Stopped {
-        /// The action's number, from 1.
-        number: u32,
-        /// The task's step that it is for, from 1.
-        step: u32,
-        /// The most steps.
-        horizon: u32,
-        /// Why, in words.
-        why: &'a str,
-    },
-    /// Expert results must be simulated for the score.
-    SimulatingExperts {
-        /// How many.
-        missing: usize,
-        /// Of how many.
-        total: usize,
-    },
-    /// Something that the user should know, without effect on the result.
-    Note(String),
 }
 
 /// Why a rollout could not be run or stored.
@@ -267,12 +178,12 @@ impl From<PromptError> for RunError {
 pub fn run(
     job: &Job<'_>,
     folder: RunFolder,
-    progress: &mut dyn FnMut(Event<'_>),
+    progress: &mut dyn FnMut(Event),
 ) -> Result<Ended, RunError> {
     let begun = Instant::now();
     let mut policy = job.make_policy.make();
     if let Some(note) = policy.prepare(job.program)? {
-        progress(Event::Note(note));
+        progress(Event::Note { note });
     }
     let who = policy.description();
     let mut world = (job.make_world)()?;
@@ -289,7 +200,8 @@ pub fn run(
     }
     let asking = Asking::in_folder(folder.path(), job.budget, job.recorder);
     let asking = asking.map_err(JournalError::from)?;
-    let mut keeper = RolloutWriter::open(job, folder, asking, who.clone(), world.as_ref())?;
+    let mut keeper =
+        RolloutWriter::open(job, folder, asking, who.clone(), world.as_ref(), progress)?;
     let mut sheet = Sheet::new();
     let mut memory = Memory::new(job.start.digest(), who.sees_particles);
     // A policy that asks no model has nothing to rehearse; but where something real could move, its twins must be trusted too.
@@ -300,9 +212,10 @@ pub fn run(
     memory.crossings = world.crossings().unwrap_or(0);
     if memory.crossings > 0 {
         let places = counted(memory.crossings, "place");
-        progress(Event::Note(format!(
+        let note = format!(
             "the simulated cloth goes through itself at the start, as no real one does ({places})"
-        )));
+        );
+        progress(Event::Note { note });
     }
     let mut covered = Covered::at_start(job, world.as_mut())?;
     let mut end = Outcome::HorizonReached;
@@ -336,10 +249,8 @@ pub fn run(
         // Ending after a requested plan is not ending early.
         if let (Some(why), true) = (&turn.line.stopped, stopped != Some(Outcome::Planned)) {
             progress(Event::Stopped {
-                number: tries.number,
-                step,
-                horizon: job.horizon(),
-                why,
+                at: turn.at(),
+                why: why.clone(),
             });
         }
         if tries.before.is_some() && turn.line.executed.is_some() {
@@ -351,9 +262,9 @@ pub fn run(
             break;
         }
         if let (Some(before), Some(asked)) = (tries.before, &job.program.verify.result) {
+            let action = tries.number + 1;
             progress(Event::Retried {
-                number: tries.number + 1,
-                step,
+                at: At { action, step },
                 overlap: before.overlap,
                 limit: asked.overlap_above,
             });
@@ -376,14 +287,18 @@ pub fn run(
         }
         _ => end,
     };
-    keeper.close(
+    let ended = keeper.close(
         job,
         outcome,
         score.found(),
         covered,
         &sheet,
         begun.elapsed(),
-    )
+    )?;
+    progress(Event::End {
+        report: Box::new(ended.clone()),
+    });
+    Ok(ended)
 }
 
 /// Returns why no action can be executed as the task says: the world has more grippers, or it refuses what the task states,

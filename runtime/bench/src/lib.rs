@@ -28,7 +28,7 @@ pub use first_questions::first_questions_of;
 use fab_agent::examples::Examples;
 use fab_agent::operator::Operator;
 use fab_agent::policy::{self, MakePolicy};
-use fab_agent::rollout::RunError;
+use fab_agent::rollout::{Event, RunError};
 use fab_agent::subgoals::SubgoalSet;
 use fab_arm::log::LogError;
 use fab_base::cache::Cache;
@@ -79,6 +79,8 @@ pub struct Bench<'a> {
     pub operator: Option<&'a dyn Operator>,
     /// A request to stop early.
     pub interrupt: &'a Interrupt,
+    /// Receives the events of each rollout with its run folder, from any thread.
+    pub listen: &'a (dyn Fn(&Path, Event) + Sync),
 }
 
 fab_base::named! {

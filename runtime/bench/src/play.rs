@@ -12,7 +12,7 @@ use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
 use fab_agent::record::RECORD_FILE;
 use fab_agent::rollout;
-use fab_agent::rollout::{Job, RunError};
+use fab_agent::rollout::{Event, Job, RunError};
 use fab_base::parallel::in_parallel;
 use fab_model::calls::{Fault, ledger};
 use fab_program::Program;
@@ -326,7 +326,8 @@ pub(super) fn one(
             return Ok(JobEnd::CutOff);
         }
         FolderContents::Finished(_) | FolderContents::Unfinished => {
-            match run(&job, &folder, &identity)? {
+            let listen = &mut |event| (bench.listen)(&folder, event);
+            match run(&job, &folder, &identity, listen)? {
                 Ok(rollout) => (rollout, false),
                 Err(stop) => return Ok(JobEnd::Stopped(stop)),
             }
@@ -366,6 +367,7 @@ fn run(
     job: &Job<'_>,
     folder: &Path,
     identity: &Identity,
+    listen: &mut dyn FnMut(Event),
 ) -> Result<Result<Rollout, StopReason>, BenchError> {
     if job.interrupt.is_raised() {
         return Ok(Err(StopReason::Interrupted));
@@ -379,7 +381,7 @@ fn run(
         false => RunFolder::create(folder),
     };
     let open = open.map_err(|error| failed(error.into()))?;
-    let rollout::Ended { report, took } = match rollout::run(job, open, &mut |_| {}) {
+    let rollout::Ended { report, took } = match rollout::run(job, open, listen) {
         // Nobody lays a cloth for a program that was asked to stop.
         Err(RunError::World(WorldError::Start { .. } | WorldError::Interrupted))
             if job.interrupt.is_raised() =>

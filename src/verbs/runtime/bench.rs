@@ -11,6 +11,7 @@ mod suites;
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::verbs::runtime::estimate::{self, Asking};
+use crate::verbs::runtime::events::EventArguments;
 use crate::verbs::runtime::operator::TerminalOperator;
 use crate::verbs::runtime::run::exit_of as exit_of_rollout;
 use crate::verbs::runtime::run::report::so_far;
@@ -92,6 +93,8 @@ pub struct BenchArguments {
     /// a real arm, unless `--confirm none` is given or stdin is not a terminal.
     #[arg(long, conflicts_with = "jobs")]
     pub operator: bool,
+    #[command(flatten)]
+    pub events: EventArguments,
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,
@@ -210,6 +213,7 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         None => None,
     };
     let terminal = TerminalOperator(io);
+    let events = arguments.events.open(arguments.json, io)?;
     let bench = Bench {
         suite: &suite,
         tasks: prepared.into_iter().map(|it| it.task).collect(),
@@ -234,6 +238,7 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         recorder: recorder.as_ref(),
         operator: if has_operator { Some(&terminal) } else { None },
         interrupt: &interrupt,
+        listen: &|run, event| events.write(run, event),
     };
     let asks = asks_a_provider(&deciding) || arguments.spend.estimate;
     let questions = if asks {
@@ -259,7 +264,7 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
     let wall_s = begun.elapsed().as_secs_f64();
     let report = BenchReport::new(&found.name, &bench, &results, &rows, wall_s);
     report.write(&out)?;
-    io.result(arguments.json, &report);
+    events.result(arguments.json, &report)?;
     io.talk(&report.summary());
     Ok(exit_of(&results))
 }

@@ -6,6 +6,7 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
+use crate::verbs::runtime::events::EventArguments;
 use crate::verbs::runtime::run::{self, Begun, Destination, RUN_FILE};
 use crate::verbs::runtime::setting::model_arguments::CapArguments;
 use crate::verbs::runtime::setting::worlds::WorldChoice;
@@ -26,6 +27,8 @@ pub struct ResumeArguments {
     /// Other caps than those of the run.
     #[command(flatten)]
     pub caps: CapArguments,
+    #[command(flatten)]
+    pub events: EventArguments,
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,
@@ -54,6 +57,8 @@ pub fn run(arguments: &ResumeArguments, io: &Io) -> Result<Exit, Failure> {
         )));
     }
     wanted.json = arguments.json;
+    // As the user names it, from this folder.
+    wanted.events = arguments.events.absolute()?;
     wanted.spend.caps = arguments.caps.or(wanted.spend.caps);
     // Paths on the command line are relative to the folder where it was run.
     std::env::set_current_dir(&directory).map_err(|error| {

@@ -7,6 +7,7 @@ use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::sources::{self, TaskArguments};
 use crate::verbs::runtime::estimate::{self, Asking};
+use crate::verbs::runtime::events::EventArguments;
 use crate::verbs::runtime::operator::TerminalOperator;
 use crate::verbs::runtime::robot::preflight;
 use crate::verbs::runtime::setting::arm::{ArmArguments, ArmMode};
@@ -33,7 +34,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use planned::PlannedRun;
-use report::RunReport;
+use report::{Progress, RunReport};
 
 /// Arguments of `run`.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
@@ -67,6 +68,9 @@ pub struct RunArguments {
     #[command(flatten)]
     #[serde(default, skip_serializing_if = "VideoArguments::is_absent")]
     pub video: VideoArguments,
+    #[command(flatten)]
+    #[serde(skip)]
+    pub events: EventArguments,
     /// The run folder; default: the next free `runs/TASK-NNNN`.
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: Option<PathBuf>,
@@ -242,6 +246,7 @@ pub fn play(
     }
     let prepared = deciding.make().prepare(&program);
     prepared?;
+    let events = arguments.events.open(arguments.json, io)?;
     let folder = match (&destination, &arguments.out) {
         (Destination::Existing(path), _) => RunFolder::reopen(path),
         (Destination::New, Some(path)) => RunFolder::create(path),
@@ -263,7 +268,12 @@ pub fn play(
         let so_far = report::so_far(&spent);
         io.talk(&format!("resuming after step {earlier}{so_far}"));
     }
-    let done = rollout::run(&job, folder, &mut |event| report::show(event, earlier, io));
+    let run = folder.path().to_owned();
+    let mut progress = Progress::after(earlier, io);
+    let done = rollout::run(&job, folder, &mut |event| {
+        progress.show(&event);
+        events.write(&run, event);
+    });
     if let (Some(_), Some(run)) = (&arm, journal.get()) {
         preflight::report_run_state(run, io);
     }
@@ -281,18 +291,18 @@ pub fn play(
     let exit = exit_of(report.outcome, report.goal_reached, judged);
     match &arm {
         Some(settings) if arguments.plan_only => {
-            io.result(arguments.json, &PlannedRun::of(report, settings)?);
+            events.result(arguments.json, &PlannedRun::of(report, settings)?)?;
         }
         _ => {
             let goal = program.goal.as_ref();
-            io.result(
+            events.result(
                 arguments.json,
                 &RunReport {
                     report,
                     goal,
                     video,
                 },
-            );
+            )?;
         }
     }
     Ok(exit)

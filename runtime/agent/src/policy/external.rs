@@ -5,11 +5,13 @@
 //! started at the first question, and its answers are stored in the run folder before they are used: a resumed rollout
 //! asks only new questions.
 
-use super::proposing::{Answer, Proposed, Refusal, until_accepted};
+use super::proposing::{Answer, Proposed, Refusal, STAGE, until_accepted};
 use super::protocol::{
     self, Decide, FieldValue, Last, Line, Offered, PROTOCOL, Pictures, Refused, grip,
 };
-use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, Question, StepView};
+use super::{
+    Decision, Description, Exchange, Exchanged, Kind, Policy, PolicyError, Question, StepView,
+};
 use crate::journal::JournalError;
 use crate::outcome::Outcome;
 use fab_base::child::{Child, ChildError, CommandLine, excerpt};
@@ -101,10 +103,17 @@ impl Policy for External {
             let key = digest::of(text(&sent));
             sent.iter_mut()
                 .for_each(|question| question.place_in(folder));
+            let text = text(&sent[1]);
+            let question = Question::Line { key, text };
+            (exchange.record)(Exchanged::Question {
+                stage: STAGE,
+                attempt: refusals.len() as u32 + 1,
+                question: &question,
+            })?;
             let interrupt = exchange.interrupt;
             let asked = exchange
                 .asking
-                .once(&key, || self.ask(&sent, folder, interrupt))?;
+                .once(&question.key(), || self.ask(&sent, folder, interrupt))?;
             let (reply, answer) = match asked {
                 Ok(reply) => {
                     let answer = read(step, &reply.text);
@@ -115,9 +124,8 @@ impl Policy for External {
                     (None, Answer::Stop { outcome, why })
                 }
             };
-            let text = text(&sent[1]);
             Ok(Proposed {
-                question: Some(Question::Line { key, text }),
+                question: Some(question),
                 reply,
                 note: None,
                 answer,

@@ -109,8 +109,7 @@ fn ask<'a>(
     let mut attempts = Attempts::begin(step, stage, texts, lowering, Missing::IsAnError)?;
     attempts.be_candidate(candidate, asked);
     loop {
-        let attempt = attempts.ask(model, exchange.asking, texts)?;
-        (exchange.record)(&attempt)?;
+        let attempt = attempts.ask(model, exchange, texts)?;
         let reply = attempt.reply.as_ref();
         let reply = reply.map(|it| it.text.clone()).unwrap_or_default();
         let failed = match &attempt.finding {

@@ -4,7 +4,9 @@
 //! `attempts` limit the number of proposals, as they limit a model's answers.
 
 use super::judge::{relaxed, verdict};
-use super::{Accepted, Attempt, Decision, Exchange, Finding, PolicyError, Question, StepView};
+use super::{
+    Accepted, Attempt, Decision, Exchange, Exchanged, Finding, PolicyError, Question, StepView,
+};
 use crate::outcome::Outcome;
 use fab_model::Reply;
 use fab_program::Proposal;
@@ -13,7 +15,7 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 /// The stage name in attempts of a policy without stages.
-const STAGE: &str = "policy";
+pub(super) const STAGE: &str = "policy";
 
 /// A proposal, with its question and reply.
 pub(super) struct Proposed {
@@ -100,7 +102,7 @@ pub(super) fn until_accepted(
                 why: why.clone(),
             },
         };
-        (exchange.record)(&Attempt {
+        (exchange.record)(Exchanged::Attempt(&Attempt {
             stage: STAGE.to_owned(),
             number,
             question: proposed.question,
@@ -108,7 +110,7 @@ pub(super) fn until_accepted(
             note: proposed.note,
             finding: finding.clone(),
             took,
-        })?;
+        }))?;
         match (proposed.answer, finding) {
             (Answer::Stop { outcome, why }, _) => return Ok(Decision::Stop { outcome, why }),
             (Answer::Unreadable { field, message }, _) => refusals.push(Refusal {

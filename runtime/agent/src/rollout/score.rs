@@ -46,7 +46,7 @@ pub(super) fn score(
     job: &Job<'_>,
     world: &dyn World,
     keeper: &mut RolloutWriter,
-    progress: &mut dyn FnMut(Event<'_>),
+    progress: &mut dyn FnMut(Event),
 ) -> Result<Scored, RunError> {
     let Some(particles) = world
         .particles()
@@ -56,7 +56,7 @@ pub(super) fn score(
     };
     let begun = Instant::now();
     let total = job.program.experts.len();
-    let mut announce = |missing: usize| progress(Event::SimulatingExperts { missing, total });
+    let mut announce = |missing: usize| progress(Event::Experts { missing, total });
     let ends = expert::ends(
         Sequences {
             folds: &job.program.experts,
@@ -79,8 +79,8 @@ pub(super) fn score(
         Err(error) => return Err(error.into()),
     };
     keeper.timer.add("experts", begun.elapsed());
-    if let Some(why) = not_kept {
-        progress(Event::Note(why));
+    if let Some(note) = not_kept {
+        progress(Event::Note { note });
     }
     let mut distances = Vec::with_capacity(ends.len());
     for end in &ends {

@@ -2,13 +2,14 @@
 //!
 //! In: the job and the state left by the step before. Out: the step's line, and an outcome if the rollout ends with it.
 
+use super::event::{At, AttemptOf, SentFiles};
 use super::timer::Timer;
 use super::writer::RolloutWriter;
 use super::{Event, Job, RunError};
 use crate::action::Action;
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
-use crate::policy::{self, Attempt, Decision, Exchange, Policy, PolicyError, StepView, Truth};
+use crate::policy::{self, Decision, Exchange, Exchanged, Policy, PolicyError, StepView, Truth};
 use crate::record;
 use crate::result::StepResult;
 use crate::scene::{Scene, SceneError};
@@ -107,6 +108,14 @@ impl<'j> Turn<'j> {
         self.is_planned.then_some(self.planning.as_secs_f64())
     }
 
+    /// Returns when in the rollout it is.
+    pub(super) fn at(&self) -> At {
+        At {
+            action: self.number,
+            step: self.step,
+        }
+    }
+
     /// Takes the step; returns an outcome if the rollout ends with it.
     pub(super) fn take(
         &mut self,
@@ -115,9 +124,9 @@ impl<'j> Turn<'j> {
         memory: &mut Memory,
         keeper: &mut RolloutWriter,
         sheet: &mut Sheet,
-        progress: &mut dyn FnMut(Event<'_>),
+        progress: &mut dyn FnMut(Event),
     ) -> Result<Option<Outcome>, RunError> {
-        let (job, number, step) = (self.job, self.number, self.step);
+        let (job, number, step, at) = (self.job, self.number, self.step, self.at());
         let begun = Instant::now();
         if job.interrupt.is_raised() {
             return Ok(self.stop(Outcome::Interrupted, "interrupted"));
@@ -126,7 +135,8 @@ impl<'j> Turn<'j> {
             Ok(observation) => observation,
             Err(error) => return Ok(self.stop_for(&error)),
         };
-        self.line.files.before = Some(keeper.keep_picture(number, "before", &observation.rgb)?);
+        let file = keeper.keep_picture(number, "before", &observation.rgb)?;
+        self.line.files.before = Some(file.clone());
         // The first scene is stored unfiltered: the arm's reach is not a property of the cloth.
         let first = &mut memory.first_scene;
         let reach = |point: &WorldPoint| world.out_of_reach(point);
@@ -149,10 +159,16 @@ impl<'j> Turn<'j> {
             }
         };
         self.line.scene = scene.to_json();
+        progress(Event::Picture {
+            at,
+            file,
+            scene: self.line.scene.clone(),
+        });
         let mut notes = observation.notes.clone();
         notes.extend(scene.beyond_the_picture());
         for note in notes.into_iter().filter(|note| memory.is_new(note)) {
-            progress(Event::Note(format!("before step {step}: {note}")));
+            let note = format!("before step {step}: {note}");
+            progress(Event::Note { note });
         }
         let mut rehearsing = Duration::ZERO;
         if let Some(twins) = &mut memory.twins {
@@ -167,7 +183,8 @@ impl<'j> Turn<'j> {
                 return Ok(self.stop(Outcome::RehearsalRefused, &why));
             }
             if let Some(why) = twins.aside() {
-                progress(Event::Note(format!("step {step} is not rehearsed: {why}")));
+                let note = format!("step {step} is not rehearsed: {why}");
+                progress(Event::Note { note });
             }
         }
         let last = memory.last.as_ref();
@@ -195,19 +212,48 @@ impl<'j> Turn<'j> {
             tally,
             ..
         } = keeper;
-        let mut record = |attempt: &Attempt| {
+        let mut sent = SentFiles::default();
+        let mut record = |exchanged: Exchanged<'_>| {
             let keeping = Instant::now();
-            tally.attempt(attempt);
-            self.line
-                .attempts
-                .push(folder.keep_attempt(number, attempt)?);
-            self.timer.add(&attempt.stage, attempt.took);
-            progress(Event::Asked {
-                number,
-                step,
-                attempt,
-            });
-            aside += attempt.took + keeping.elapsed();
+            match exchanged {
+                Exchanged::Question {
+                    stage,
+                    attempt,
+                    question,
+                } => {
+                    let of = AttemptOf::new(at, stage, attempt);
+                    sent = folder.keep_question(&of, question)?;
+                    progress(Event::Question {
+                        of,
+                        files: sent.clone(),
+                    });
+                }
+                Exchanged::Attempt(attempt) => {
+                    tally.attempt(attempt);
+                    let of = AttemptOf::new(at, &attempt.stage, attempt.number);
+                    let sent = std::mem::take(&mut sent);
+                    let asked = folder.keep_attempt(&of, attempt, sent)?;
+                    self.timer.add(&attempt.stage, attempt.took);
+                    let answer = attempt.reply.as_ref().zip(asked.reply.clone());
+                    if let Some((reply, file)) = answer {
+                        progress(Event::Answer {
+                            of: of.clone(),
+                            text: reply.text.clone(),
+                            file,
+                            took_s: attempt.took.as_secs_f64(),
+                            usage: asked.usage,
+                        });
+                    }
+                    progress(Event::Verdict {
+                        of,
+                        note: asked.note.clone(),
+                        result: asked.result.clone(),
+                    });
+                    self.line.attempts.push(asked);
+                    aside += attempt.took;
+                }
+            }
+            aside += keeping.elapsed();
             Ok(())
         };
         let view = StepView {
@@ -244,14 +290,14 @@ impl<'j> Turn<'j> {
             aside += took;
             self.line.rehearsal = Some(twins.line().clone());
             if let Some(why) = &twins.line().shortfall {
-                progress(Event::Note(format!("step {step}: {why}")));
+                let note = format!("step {step}: {why}");
+                progress(Event::Note { note });
             }
             if twins.aside().is_none() && !twins.line().candidates.is_empty() {
                 progress(Event::Rehearsed {
-                    number,
-                    step,
-                    line: twins.line(),
-                    seconds: (rehearsing + took).as_secs_f64(),
+                    at,
+                    rehearsal: Box::new(twins.line().clone()),
+                    took_s: (rehearsing + took).as_secs_f64(),
                 });
             }
         }
@@ -278,12 +324,7 @@ impl<'j> Turn<'j> {
             }
             Decision::Skip(outcome) => {
                 self.line.skipped = Some(outcome);
-                progress(Event::Skipped {
-                    number,
-                    step,
-                    horizon: job.horizon(),
-                    why: outcome,
-                });
+                progress(Event::Skipped { at, why: outcome });
                 return Ok(None);
             }
             Decision::Stop { outcome, why } => return Ok(self.stop(outcome, &why)),
@@ -313,10 +354,11 @@ impl<'j> Turn<'j> {
         self.line.crossings = world.crossings().filter(|count| *count > 0);
         let crossings = self.line.crossings.unwrap_or(0);
         if crossings > std::mem::replace(&mut memory.crossings, crossings) {
-            progress(Event::Note(format!(
-                "after step {step} the simulated cloth goes through itself, as no real one does ({})",
-                counted(crossings, "place")
-            )));
+            let places = counted(crossings, "place");
+            let note = format!(
+                "after step {step} the simulated cloth goes through itself, as no real one does ({places})"
+            );
+            progress(Event::Note { note });
         }
         let after = match world.observe() {
             Ok(after) => after,
@@ -337,27 +379,26 @@ impl<'j> Turn<'j> {
         };
         sheet.row(number, shown, drawn, after.rgb.clone());
         self.after = Some(after);
-        let grasp = executed.grips[0].grasp;
         let beside = proposal.fields.iter().filter_map(|(name, value)| {
             let field = job.program.field(name).filter(|it| !it.is_point())?;
             Some(format!("{name} {}", space::text(field, value)))
         });
-        progress(Event::Stepped {
-            number,
-            step,
-            horizon: job.horizon(),
-            action: &action,
-            other_values: beside.collect(),
-            without: self.line.accepted.as_ref().map_or(&[], |it| &it.without),
-            grasp,
-            moved: self.line.cloth,
-            seconds: begun.elapsed().as_secs_f64(),
-            spent: keeper.asking.spent(),
-        });
         memory.last = Some(ExecutedAction {
-            proposal,
             pick: action.pick_on_cloth_px,
             place: action.place_px,
+            proposal: proposal.clone(),
+        });
+        let accepted = self.line.accepted.as_ref();
+        progress(Event::Motion {
+            at,
+            grips: vec![action],
+            other_values: beside.collect(),
+            without: accepted.map_or(Vec::new(), |it| it.without.clone()),
+            executed: Box::new(executed),
+            cloth: self.line.cloth,
+            files: Box::new(self.line.files.clone()),
+            took_s: begun.elapsed().as_secs_f64(),
+            spent: keeper.asking.spent(),
         });
         Ok(None)
     }

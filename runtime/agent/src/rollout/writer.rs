@@ -5,7 +5,7 @@ use super::score::Score;
 use super::tally::Tally;
 use super::timer::Timer;
 use super::turn::Turn;
-use super::{Ended, Job, RunError};
+use super::{Ended, Event, Job, RunError};
 use crate::action::Action;
 use crate::journal::{JournalError, RunFolder};
 use crate::operator;
@@ -51,6 +51,7 @@ impl<'j> RolloutWriter<'j> {
         asking: Asking<'j>,
         policy: policy::Description,
         world: &dyn World,
+        progress: &mut dyn FnMut(Event),
     ) -> Result<RolloutWriter<'j>, RunError> {
         let program = serde_json::to_vec_pretty(job.program)
             .expect("a program has string keys and finite numbers");
@@ -87,7 +88,9 @@ impl<'j> RolloutWriter<'j> {
             attempts: job.program.verify.attempts,
             goal: job.program.goal.clone(),
         };
-        folder.append(&Line::Header(Box::new(header)))?;
+        let header = Box::new(header);
+        folder.append(&Line::Header(header.clone()))?;
+        progress(Event::Start { header });
         folder.spend(&Spent::Begin {
             run_id: run_id.clone(),
         })?;

@@ -2,9 +2,10 @@
 
 use crate::io::Io;
 use crate::report::Report;
+use fab_agent::action::Action;
 use fab_agent::judgement::Judgement;
 use fab_agent::outcome::Outcome;
-use fab_agent::policy::{Attempt, Finding};
+use fab_agent::policy::Finding;
 use fab_agent::record::{CoverageSource, JudgedBy, RehearsedAnswer, RehearsedStep};
 use fab_agent::rollout::{Ended, Event};
 use fab_agent::sheet::SHEET_FILE;
@@ -18,95 +19,130 @@ use fab_world::metrics::ClothMoved;
 use serde::Serialize;
 use std::path::Path;
 
-/// Shows one event on stderr, unless it belongs to one of the `earlier` actions, which were shown in an earlier run.
-pub fn show(event: Event<'_>, earlier: u32, io: &Io) {
-    match event {
-        Event::Asked { number, .. }
-        | Event::Rehearsed { number, .. }
-        | Event::Stepped { number, .. }
-        | Event::Skipped { number, .. }
-        | Event::Retried { number, .. }
-            if number <= earlier => {}
-        Event::Retried {
-            number,
-            step,
-            overlap,
-            limit,
-        } => io.talk(&format!(
-            "step {step} again, kept as `step_{number}`: its result overlaps the subgoal's cloth by {:.3}, and the task asks for more than {limit}",
-            // Rounded up, it could seem to be enough.
-            (overlap * 1000.0).floor() / 1000.0
-        )),
-        Event::Stopped {
-            step, horizon, why, ..
-        } => {
-            io.talk(&format!("step {step}/{horizon}: ended: {why}"));
+/// Shows events on stderr.
+pub struct Progress<'io> {
+    io: &'io Io,
+    /// How many actions were shown in an earlier run.
+    earlier: u32,
+    /// The most steps.
+    horizon: u32,
+    /// The last answer.
+    answer: String,
+}
+
+impl Progress<'_> {
+    /// Shows what happens after `earlier` actions.
+    pub fn after(earlier: u32, io: &Io) -> Progress<'_> {
+        Progress {
+            io,
+            earlier,
+            horizon: 0,
+            answer: String::new(),
         }
-        Event::Asked { step, attempt, .. } => {
-            let words = match (&attempt.note, refusal(attempt)) {
-                (Some(note), Some(refusal)) => format!("{note}; {refusal}"),
-                (Some(note), None) => format!("{note}; accepted"),
-                (None, Some(refusal)) => refusal,
-                (None, None) => return,
-            };
-            io.talk(&format!(
-                "  step {step}, {} attempt {}: {words}",
-                attempt.stage, attempt.number
-            ));
-        }
-        Event::Rehearsed {
-            step,
-            line,
-            seconds,
-            ..
-        } => io.talk(&format!("  step {step}, {}", rehearsed(line, seconds))),
-        Event::Stepped {
-            step,
-            horizon,
-            action,
-            other_values,
-            without,
-            grasp,
-            moved,
-            seconds,
-            spent,
-            ..
-        } => {
-            let values: String = other_values.iter().map(|it| format!(", {it}")).collect();
-            let beside = if action.pick_px == action.pick_on_cloth_px {
-                String::new()
-            } else {
-                format!(", taken at {} on the cloth", action.pick_on_cloth_px)
-            };
-            let without = match without {
-                [] => String::new(),
-                names => format!(", accepted without `{}`", names.join("`, `")),
-            };
-            let missed = match grasp {
-                Grasp::Missed => ", nothing grasped",
-                Grasp::Unverified => ", grasp not verified",
-                Grasp::Particle(_) | Grasp::Held => "",
-            };
-            io.talk(&format!(
-                "step {step}/{horizon}: pick {}{beside}, place {}{values}{missed}{}{without}   {seconds:.1} s{}",
-                action.pick_px,
-                action.place_px,
-                moved.as_ref().map(cloth).unwrap_or_default(),
-                so_far(&spent)
-            ));
-        }
-        Event::Skipped {
-            step, horizon, why, ..
-        } => {
-            io.talk(&format!("step {step}/{horizon}: skipped ({})", why.name()));
-        }
-        Event::SimulatingExperts { missing, total } => {
-            io.talk(&format!(
-                "simulating {missing} of {total} expert results to score against; they are kept for the next run"
-            ));
-        }
-        Event::Note(note) => io.talk(&format!("note: {note}")),
     }
+
+    /// Shows one event.
+    pub fn show(&mut self, event: &Event) {
+        let is_earlier = event.at().is_some_and(|at| at.action <= self.earlier);
+        if is_earlier && !matches!(event, Event::Stopped { .. }) {
+            return;
+        }
+        let (io, horizon) = (self.io, self.horizon);
+        match event {
+            Event::Start { header } => self.horizon = header.horizon,
+            Event::Answer { text, .. } => self.answer.clone_from(text),
+            Event::Verdict { of, note, result } => {
+                let words = match (note, refusal(result, &self.answer)) {
+                    (Some(note), Some(refusal)) => format!("{note}; {refusal}"),
+                    (Some(note), None) => format!("{note}; accepted"),
+                    (None, Some(refusal)) => refusal,
+                    (None, None) => return,
+                };
+                io.talk(&format!(
+                    "  step {}, {} attempt {}: {words}",
+                    of.at.step, of.stage, of.attempt
+                ));
+            }
+            Event::Retried { at, overlap, limit } => io.talk(&format!(
+                "step {} again, kept as `step_{}`: its result overlaps the subgoal's cloth by {:.3}, and the task asks for more than {limit}",
+                at.step,
+                at.action,
+                // Rounded up, it could seem to be enough.
+                (overlap * 1000.0).floor() / 1000.0
+            )),
+            Event::Stopped { at, why } => {
+                io.talk(&format!("step {}/{horizon}: ended: {why}", at.step));
+            }
+            Event::Rehearsed {
+                at,
+                rehearsal,
+                took_s,
+            } => io.talk(&format!(
+                "  step {}, {}",
+                at.step,
+                rehearsed(rehearsal, *took_s)
+            )),
+            Event::Motion {
+                at,
+                grips,
+                other_values,
+                without,
+                executed,
+                cloth: moved,
+                took_s,
+                spent,
+                ..
+            } => {
+                let done = executed.grips.iter().map(|done| done.grasp);
+                let grips = grips.iter().zip(done);
+                let grips: Vec<String> = grips.map(|(action, grasp)| grip(action, grasp)).collect();
+                let values: String = other_values.iter().map(|it| format!(", {it}")).collect();
+                let without = match without.as_slice() {
+                    [] => String::new(),
+                    names => format!(", accepted without `{}`", names.join("`, `")),
+                };
+                io.talk(&format!(
+                    "step {}/{horizon}: {}{values}{}{without}   {took_s:.1} s{}",
+                    at.step,
+                    grips.join("; "),
+                    moved.as_ref().map(cloth).unwrap_or_default(),
+                    so_far(spent)
+                ));
+            }
+            Event::Skipped { at, why } => {
+                io.talk(&format!(
+                    "step {}/{horizon}: skipped ({})",
+                    at.step,
+                    why.name()
+                ));
+            }
+            Event::Experts { missing, total } => {
+                io.talk(&format!(
+                    "simulating {missing} of {total} expert results to score against; they are kept for the next run"
+                ));
+            }
+            Event::Note { note } => io.talk(&format!("note: {note}")),
+            Event::Picture { .. } | Event::Question { .. } | Event::End { .. } => {}
+        }
+    }
+}
+
+/// Says what one gripper did.
+fn grip(action: &Action, grasp: Grasp) -> String {
+    let beside = if action.pick_px == action.pick_on_cloth_px {
+        String::new()
+    } else {
+        format!(", taken at {} on the cloth", action.pick_on_cloth_px)
+    };
+    let missed = match grasp {
+        Grasp::Missed => ", nothing grasped",
+        Grasp::Unverified => ", grasp not verified",
+        Grasp::Particle(_) | Grasp::Held => "",
+    };
+    format!(
+        "pick {}{beside}, place {}{missed}",
+        action.pick_px, action.place_px
+    )
 }
 
 /// Says which of the answers that were tried on twins was taken, by its measure and its place among them.
@@ -171,19 +207,16 @@ pub fn so_far(spent: &Spent) -> String {
 const MAX_SHOWN: usize = 300;
 
 /// Returns why an attempt failed, if it did.
-fn refusal(attempt: &Attempt) -> Option<String> {
-    match &attempt.finding {
+fn refusal(result: &Finding, answer: &str) -> Option<String> {
+    match result {
         Finding::Action {
             verdict: Verdict::Reject { check, message, .. },
             ..
         } => Some(format!("refused by `{check}`: {message}")),
-        Finding::Malformed { message, .. } => {
-            let said = attempt.reply.as_ref().map_or("", |reply| &reply.text);
-            Some(format!(
-                "not readable: {message}\nthe answer: {}",
-                shown(said, MAX_SHOWN)
-            ))
-        }
+        Finding::Malformed { message, .. } => Some(format!(
+            "not readable: {message}\nthe answer: {}",
+            shown(answer, MAX_SHOWN)
+        )),
         // The end of the step reports it.
         Finding::Failed {
             outcome: Outcome::PolicyFailed | Outcome::PolicyStopped,

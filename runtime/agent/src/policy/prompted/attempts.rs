@@ -5,7 +5,9 @@ use crate::action::Action;
 use crate::outcome::Outcome;
 use crate::pictures::scene_png;
 use crate::policy::judge::{judge, relaxed};
-use crate::policy::{Accepted, Asking, Attempt, Finding, PolicyError, Question, StepView};
+use crate::policy::{
+    Accepted, Attempt, Exchange, Exchanged, Finding, PolicyError, Question, StepView,
+};
 use fab_model::calls::CallRefused;
 use fab_model::{Lowering, Model, ModelError, Png, Reply, Request, Speaker};
 use fab_program::Proposal;
@@ -140,23 +142,31 @@ impl<'a> Attempts<'a> {
         self.conversation.say(Speaker::Assistant, answer);
     }
 
+    /// Asks the next question, and records it and its answer.
     pub(super) fn ask(
         &mut self,
         model: &dyn Model,
-        asking: &mut Asking<'_>,
+        exchange: &mut Exchange<'_, '_>,
         texts: &BTreeMap<String, String>,
     ) -> Result<Attempt, PolicyError> {
         let request = self.request();
+        (exchange.record)(Exchanged::Question {
+            stage: &self.stage.name,
+            attempt: self.asked_before + self.asked,
+            question: &Question::Prompt(Box::new(request.clone())),
+        })?;
         let begun = Instant::now();
-        let answered = asking.ask(model, &request);
+        let answered = exchange.asking.ask(model, &request);
         let took = begun.elapsed();
-        match answered {
-            Ok(reply) => Ok(self.answered(request, reply, took, texts)?),
+        let attempt = match answered {
+            Ok(reply) => self.answered(request, reply, took, texts)?,
             Err(ModelError::NotSent(
                 refused @ (CallRefused::NotNoted(_) | CallRefused::NotKept(_) | CallRefused::Lost),
-            )) => Err(PolicyError::Calls(refused)),
-            Err(error) => Ok(self.attempt(request, None, failed(&error), took)),
-        }
+            )) => return Err(PolicyError::Calls(refused)),
+            Err(error) => self.attempt(request, None, failed(&error), took),
+        };
+        (exchange.record)(Exchanged::Attempt(&attempt))?;
+        Ok(attempt)
     }
 
     /// Returns the question and counts it as asked.

@@ -224,9 +224,8 @@ fn revise(
         };
         taken.attempts.show_prediction(&taken.reply, PREDICTED, png);
         taken.attempts.number_after(asked.all);
-        let attempt = taken.attempts.ask(model, exchange.asking, texts)?;
+        let attempt = taken.attempts.ask(model, exchange, texts)?;
         asked.all += 1;
-        (exchange.record)(&attempt)?;
         let reply = attempt.reply.as_ref();
         let reply = reply.map(|it| it.text.clone()).unwrap_or_default();
         let fields = match attempt.finding {
