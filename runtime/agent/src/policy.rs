@@ -14,6 +14,7 @@ mod proposing;
 pub mod protocol;
 mod random;
 mod reach;
+mod rehearsing;
 
 pub use asking::{Asking, StepKind};
 pub use expert::Expert;
@@ -23,12 +24,14 @@ pub use prompted::{
     opening, rehearse,
 };
 pub use random::Random;
+pub use rehearsing::Rehearsing;
 
 pub(crate) use judge::is_accepted;
 
 use crate::journal::JournalError;
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
+use crate::record::RehearsedStep;
 use crate::result::StepResult;
 use crate::scene::Scene;
 use crate::twins::Twins;
@@ -43,7 +46,7 @@ use fab_program::reply::Stated;
 use fab_program::verify::Verdict;
 use fab_program::{Exhausted, Program, Proposal, Value};
 use fab_world::start::Start;
-use fab_world::{Reach, Refuses};
+use fab_world::{Motion, Reach, Refuses};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -169,6 +172,8 @@ pub struct StepView<'a> {
     pub before: Option<StepResult>,
     /// The previous action.
     pub last: Option<&'a ExecutedAction>,
+    /// What the world has done since the previous decision, if anything.
+    pub executed: Option<&'a Motion>,
     /// The pictures that can be shown.
     pub pictures: &'a Pictures,
     /// Tells what is out of the world's reach.
@@ -215,6 +220,7 @@ impl<'a> StepView<'a> {
             horizon: program.horizon,
             before: None,
             last,
+            executed: None,
             pictures,
             reach: &fab_world::everywhere,
             refuses: &fab_world::nothing,
@@ -276,7 +282,7 @@ pub struct Exchange<'e, 'j> {
 }
 
 /// What a policy tells while it decides.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub enum Exchanged<'a> {
     /// A question that is about to be asked.
     Question {
@@ -289,6 +295,10 @@ pub enum Exchanged<'a> {
     },
     /// A complete attempt.
     Attempt(&'a Attempt),
+    /// What was tried on twins in the step, and how long it took.
+    Rehearsed(&'a RehearsedStep, Duration),
+    /// Something that the user should know.
+    Note(String),
 }
 
 /// One proposal or answer, and its result.

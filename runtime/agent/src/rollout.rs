@@ -18,7 +18,7 @@ use crate::examples::Examples;
 use crate::journal::{JournalError, RunFolder};
 use crate::operator::Operator;
 use crate::outcome::Outcome;
-use crate::policy::{Asking, Kind, MakePolicy, PolicyError, PromptError, StepKind};
+use crate::policy::{Asking, Kind, MakePolicy, PolicyError, PromptError, Rehearsing, StepKind};
 use crate::record::{Line, Report, RunCosts};
 use crate::scene::SceneError;
 use crate::sheet::Sheet;
@@ -207,7 +207,10 @@ pub fn run(
     // A policy that asks no model has nothing to rehearse; but where something real could move, its twins must be trusted too.
     if who.kind == Kind::Prompted || !world.is_simulated() {
         let draws = format!("{} {}", job.start_number.unwrap_or(0), job.repetition);
-        memory.twins = Twins::of(job.program, job.subgoals, &draws, world.is_simulated());
+        let twins = Twins::of(job.program, job.subgoals, &draws, world.is_simulated());
+        if let Some(twins) = twins {
+            policy = Box::new(Rehearsing::new(policy, twins));
+        }
     }
     memory.crossings = world.crossings().unwrap_or(0);
     if memory.crossings > 0 {

@@ -14,7 +14,6 @@ use crate::record;
 use crate::result::StepResult;
 use crate::scene::{Scene, SceneError};
 use crate::sheet::Sheet;
-use crate::twins::{Interrupted, Twins};
 use fab_base::wording::counted;
 use fab_picture::observation::Observation;
 use fab_program::facts::ExecutedAction;
@@ -34,8 +33,8 @@ pub(super) struct Memory {
     last: Option<ExecutedAction>,
     /// In how many places the simulated cloth went through itself before the action.
     pub(super) crossings: usize,
-    /// The twins of the cloth, if the task rehearses.
-    pub(super) twins: Option<Twins>,
+    /// What the world has done since the last decision.
+    executed: Option<Motion>,
     /// What was said about pictures, without its numbers.
     said: BTreeSet<String>,
 }
@@ -48,7 +47,7 @@ impl Memory {
             first_scene: None,
             last: None,
             crossings: 0,
-            twins: None,
+            executed: None,
             said: BTreeSet::new(),
         }
     }
@@ -170,24 +169,8 @@ impl<'j> Turn<'j> {
             let note = format!("before step {step}: {note}");
             progress(Event::Note { note });
         }
-        let mut rehearsing = Duration::ZERO;
-        if let Some(twins) = &mut memory.twins {
-            let looked = twins.look(step, &observation, scene.cloth(), job.interrupt);
-            rehearsing = twins.take_time();
-            self.timer.add("rehearse", rehearsing);
-            if let Err(Interrupted) = looked {
-                return Ok(self.stop(Outcome::Interrupted, "interrupted"));
-            }
-            self.line.rehearsal = Some(twins.line().clone());
-            if let Some(why) = twins.refusal() {
-                return Ok(self.stop(Outcome::RehearsalRefused, &why));
-            }
-            if let Some(why) = twins.aside() {
-                let note = format!("step {step} is not rehearsed: {why}");
-                progress(Event::Note { note });
-            }
-        }
         let last = memory.last.as_ref();
+        let executed = memory.executed.take();
         let drawn = self.plan("annotate", || {
             let subgoals = job.subgoals.step(step as usize - 1)?;
             let examples = job.examples.clone();
@@ -252,6 +235,23 @@ impl<'j> Turn<'j> {
                     self.line.attempts.push(asked);
                     aside += attempt.took;
                 }
+                Exchanged::Rehearsed(rehearsal, took) => {
+                    if let Some(why) = &rehearsal.shortfall {
+                        let note = format!("step {step}: {why}");
+                        progress(Event::Note { note });
+                    }
+                    if rehearsal.aside.is_none() && !rehearsal.candidates.is_empty() {
+                        progress(Event::Rehearsed {
+                            at,
+                            rehearsal: Box::new(rehearsal.clone()),
+                            took_s: took.as_secs_f64(),
+                        });
+                    }
+                    self.line.rehearsal = Some(rehearsal.clone());
+                    self.timer.add("rehearse", took);
+                    aside += took;
+                }
+                Exchanged::Note(note) => progress(Event::Note { note }),
             }
             aside += keeping.elapsed();
             Ok(())
@@ -265,6 +265,7 @@ impl<'j> Turn<'j> {
             step,
             horizon: job.horizon(),
             last,
+            executed: executed.as_ref(),
             pictures: &pictures,
             reach: &reach,
             refuses: &refuses,
@@ -281,30 +282,13 @@ impl<'j> Turn<'j> {
             asking: line,
             record: &mut record,
             interrupt: job.interrupt,
-            twins: memory.twins.as_mut(),
+            twins: None,
         };
         let decision = policy.decide(&view, &mut exchange)?;
-        if let Some(twins) = &mut memory.twins {
-            let took = twins.take_time();
-            self.timer.add("rehearse", took);
-            aside += took;
-            self.line.rehearsal = Some(twins.line().clone());
-            if let Some(why) = &twins.line().shortfall {
-                let note = format!("step {step}: {why}");
-                progress(Event::Note { note });
-            }
-            if twins.aside().is_none() && !twins.line().candidates.is_empty() {
-                progress(Event::Rehearsed {
-                    at,
-                    rehearsal: Box::new(twins.line().clone()),
-                    took_s: (rehearsing + took).as_secs_f64(),
-                });
-            }
-        }
         let deciding = asking.elapsed().saturating_sub(aside);
         self.timer.add("prompt and verify", deciding);
         self.planning += deciding;
-        self.is_planned = true;
+        self.is_planned = !self.line.attempts.is_empty();
         let proposal = match decision {
             Decision::Act { grips, accepted } => {
                 let [proposal] = <[Proposal; 1]>::try_from(grips).map_err(|grips| {
@@ -345,9 +329,7 @@ impl<'j> Turn<'j> {
         };
         // It was done, whatever can be seen of it.
         self.line.executed = Some(executed.clone());
-        if let Some(twins) = &mut memory.twins {
-            twins.follow(executed.motion());
-        }
+        memory.executed = Some(executed.motion());
         self.line.cloth = before
             .zip(world.particles())
             .and_then(|(before, after)| cloth_moved(&before, &after, &executed));
