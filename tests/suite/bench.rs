@@ -419,7 +419,7 @@ fn a_folder_of_other_rollouts_is_left_alone() {
     assert_eq!(said.code, 2, "{}", said.stdout);
     assert!(
         said.stderr
-            .contains("holds another rollout: its program is"),
+            .contains("holds another rollout: it is not what the suite asks for: it differs in `program`"),
         "{}",
         said.stderr
     );

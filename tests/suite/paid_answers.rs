@@ -175,11 +175,11 @@ fn a_probe_keeps_to_its_caps() {
         "{}",
         said.stderr
     );
-    // The stand-in cannot state a dot's position, which the probe must find out. Five questions are about the interface.
+    // The stand-in cannot state a dot's position, which the probe must find out. Four questions are about the interface.
     let said = probe(&[]);
     assert_eq!(
         (said.code, provider.calls()),
-        (3, 1 + 5 + 2),
+        (3, 1 + 4 + 2),
         "{}",
         said.stderr
     );

@@ -169,12 +169,12 @@ fn stand_ins_that_choose_answer_what_a_shipped_task_asks() {
     assert_eq!(report["malformed_replies"], 0, "{report:#}");
     assert!(report["steps"].as_u64() > Some(0), "{report:#}");
 
-    let said = run("imperfect:1:3");
+    let said = run("imperfect:1:5");
     assert_eq!(said.code, 3, "{}", said.stderr);
     for words in [
         "not readable: Your answer states no pick point.",
         "the answer: I would pull it a little to the side.",
-        "refused by `offered`: The pick point (70, 70) is not one of the offered points.",
+        "refused by `offered`: The pick point (111, 111) is not one of the offered points.",
     ] {
         assert!(said.stderr.contains(words), "{}", said.stderr);
     }

@@ -2,6 +2,7 @@
 use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
 use fab_agent::record::{Line, RECORD_FILE, Record, RecordError, SPENT_FILE, Spent};
+use fab_agent::rollout::event;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -21,6 +22,15 @@ fn examples() -> Vec<String> {
 fn read_and_written<T: DeserializeOwned + Serialize>(line: &str) {
     let read: T = serde_json::from_str(line).unwrap();
     assert_eq!(serde_json::to_string(&read).unwrap(), line);
+}
+
+#[test]
+fn the_event_of_the_page_is_one() {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/records.md");
+    let page = std::fs::read_to_string(page).unwrap();
+    let block = page.split("```jsonl\n").nth(1).unwrap();
+    let example: Value = serde_json::from_str(block.split("```").next().unwrap()).unwrap();
+    read_and_written::<event::Line>(&example.to_string());
 }
 
 #[test]
