@@ -418,8 +418,9 @@ fn a_folder_of_other_rollouts_is_left_alone() {
     let said = finish(fabc(folder.path()).args(["bench", "tiny", "--out", "out", "--limit", "1"]));
     assert_eq!(said.code, 2, "{}", said.stdout);
     assert!(
-        said.stderr
-            .contains("holds another rollout: it is not what the suite asks for: it differs in `program`"),
+        said.stderr.contains(
+            "holds another rollout: it is not what the suite asks for: it differs in `program`"
+        ),
         "{}",
         said.stderr
     );

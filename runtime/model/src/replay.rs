@@ -27,7 +27,6 @@ type End = Result<Reply, (Fault, String)>;
 pub struct Replay {
     name: String,
     path: PathBuf,
-    nature: ModelKind,
     lowering: Lowering,
     /// Questions with an end, by [`question_key`], in the order in which they were first asked.
     exchanges: Vec<(Question, End)>,
@@ -49,24 +48,27 @@ impl Replay {
         let mut own: Vec<&Question> = questions()
             .filter(|question| question.request["role"] == role)
             .collect();
+        let models: BTreeSet<&str> = own.iter().map(|it| it.model.as_str()).collect();
+        if models.len() > 1 {
+            // Equal questions to different models could not be told apart.
+            let models = models.into_iter().collect::<Vec<_>>().join("`, `");
+            return Err(unusable(
+                path,
+                &format!(
+                    "it holds answers of several models, `{models}`; name the folder of one method or run"
+                ),
+            ));
+        }
         if own.is_empty() {
+            // A task may never ask this role.
             own.extend(questions());
         }
-        // One model has one lowering; with several models the first decides, and the others' questions differ by name.
         let Some(first) = own.first() else {
             return Err(unusable(path, "it holds no answer from a model"));
         };
-        let models: BTreeSet<&str> = own.iter().map(|it| it.model.as_str()).collect();
-        let models: Vec<&str> = models.into_iter().collect();
-        let is_stand_in = own.iter().any(|it| it.nature == ModelKind::StandIn);
         Ok(Replay {
-            name: format!("replay({})", models.join(", ")),
+            name: format!("replay({})", first.model),
             path: path.to_owned(),
-            nature: if is_stand_in {
-                ModelKind::StandIn
-            } else {
-                ModelKind::Model
-            },
             lowering: first.lowering,
             by_key,
             exchanges,
@@ -81,15 +83,15 @@ impl Replay {
         let question = best.expect("a replay holds a question");
         let is_other = |name: &str| question.request[name] != asked[name];
         if is_other("role") && is_other("messages") {
+            let role = asked["role"].as_str().unwrap_or_default();
             return format!(
-                "it holds no question to a model of {} that is like it",
-                asked["role"]
+                "no {role} model was asked there; name one for that role: `--model {role}=MODEL`"
             );
         }
         let difference =
             difference::first(&without_schema(&question.request), &without_schema(asked));
         format!(
-            "the recorded question that is most like it is one of action {}, and differs in {}",
+            "the nearest recorded question, of action {}, differs in {}",
             question.request["step"],
             difference.map_or("nothing".to_owned(), |it| it.to_string())
         )
@@ -217,7 +219,8 @@ impl Model for Replay {
     }
 
     fn nature(&self) -> ModelKind {
-        self.nature
+        // Stand-ins are asked again instead: their answers are in no ledger.
+        ModelKind::Model
     }
 
     fn lowering(&self) -> Lowering {

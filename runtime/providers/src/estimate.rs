@@ -16,8 +16,8 @@ use std::fmt;
 /// Assumed upper limit on the tokens of a correction; those of the shipped tasks have up to 60.
 const CORRECTION_TOKENS: u64 = 200;
 
-/// Likely tokens of an answer: the mean of 1533 answers with an action that were written for tests after models' habits,
-/// counted as the likely tokens of a text. 163 answers in words have 43.
+/// Likely tokens of an answer: the mean of 1,533 hand-written test answers that imitate models, counted as the likely
+/// tokens of a text. 163 answers in words have 43.
 pub const ANSWER_TOKENS: u64 = 56;
 
 /// Likely questions for ten steps of a task that tries a step again if its result misses the subgoal: 28 calls of

@@ -13,7 +13,7 @@
 use super::geometric::{self, Answer, Decision, End};
 use fab_base::chance::Chance;
 use fab_model::calls::Calls;
-use fab_model::{Model, ModelError, ModelKind, Reply, Request, Speaker};
+use fab_model::{Model, ModelError, ModelKind, Reply, Request};
 use fab_program::PixelPoint;
 
 /// Distance of an unlisted point from the right one, pixels.
@@ -103,8 +103,8 @@ impl Imperfect {
         })
     }
 
-    /// Returns the draws for a question.
-    fn draws(&self, request: &Request) -> Chance {
+    /// Returns the draws for a question whose answer was refused this often.
+    fn draws(&self, request: &Request, corrections: usize) -> Chance {
         let Imperfect { seed, errors, .. } = self;
         let action = format!(
             "imperfect {errors:?} {seed} {} {} {}",
@@ -115,10 +115,7 @@ impl Imperfect {
         if *errors == Errors::Persistent {
             return Chance::of(&action);
         }
-        let answers = request.messages.iter();
-        let answers = answers.filter(|message| message.speaker == Speaker::Assistant);
-        let n_answers = answers.count();
-        Chance::of(&format!("{action} {} {n_answers}", request.candidate))
+        Chance::of(&format!("{action} {} {corrections}", request.candidate))
     }
 }
 
@@ -134,7 +131,7 @@ impl Model for Imperfect {
     fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
         let mut answer = geometric::answer(request)?;
         if let Answer::Action(decision) = &mut answer {
-            let mut chance = self.draws(request);
+            let mut chance = self.draws(request, decision.corrections);
             if chance.fraction() < self.rate {
                 let mistakes = self.errors.mistakes();
                 let mistake = mistakes[chance.below(mistakes.len())];

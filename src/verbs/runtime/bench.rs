@@ -212,7 +212,13 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         None => None,
     };
     let terminal = TerminalOperator(io);
-    let events = arguments.events.open(arguments.json, io)?;
+    // An estimate plays nothing, and must not empty the file of an earlier suite.
+    let listening = if arguments.spend.estimate {
+        EventArguments::default()
+    } else {
+        arguments.events.clone()
+    };
+    let events = listening.open(arguments.json, io)?;
     let bench = Bench {
         suite: &suite,
         tasks: prepared.into_iter().map(|it| it.task).collect(),

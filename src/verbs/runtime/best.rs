@@ -39,8 +39,8 @@ pub struct BestArguments {
     /// The most actions that are tried.
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=MOST_TRIALS))]
     pub trials: u32,
-    /// The longest time of the search, which begins after the rollouts beside it.
-    #[arg(long, value_name = "N", default_value_t = 90)]
+    /// How long the command may take; the rollouts beside the best are always finished.
+    #[arg(long, value_name = "N", default_value_t = 110)]
     pub seconds: u32,
     /// Draws the order of actions that no expert ranks, pixels of masks, and the actions of the random policy.
     #[arg(long, value_name = "SEED", default_value_t = 0)]
@@ -57,6 +57,7 @@ pub struct BestArguments {
 
 /// Lays the start, plays the rows beside the best, searches, and reports.
 pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
+    let until = Instant::now().checked_add(Duration::from_secs(arguments.seconds.into()));
     let declared = sources::compile_task(&arguments.task, io)?;
     Measure::of(&declared).map_err(failure)?;
     let beside = sources::folder_of(&arguments.task.file);
@@ -100,7 +101,7 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
         horizon: arguments.horizon.unwrap_or(program.horizon),
         limits: Limits {
             trials: arguments.trials,
-            until: None,
+            until,
             seed: arguments.seed,
             threads: threads(&arguments.threads),
         },
@@ -117,12 +118,7 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
         io,
     };
     let (policies, hint) = playing.policies(&aim.ok_or_else(stopped)?)?;
-    let limits = Limits {
-        until: Instant::now().checked_add(Duration::from_secs(arguments.seconds.into())),
-        ..search.limits
-    };
     let hinted = Search {
-        limits,
         hint: &hint,
         ..search
     };

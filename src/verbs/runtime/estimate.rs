@@ -86,7 +86,7 @@ pub fn say(estimate: &Estimate, json: bool, io: &Io) {
 impl Report for Estimate {
     fn text(&self) -> String {
         if self.at_most.calls == 0 {
-            "no calls would be sent: the model is embedded or a recording".to_owned()
+            "no calls would be sent: the model is embedded or a replay".to_owned()
         } else {
             self.to_string()
         }

@@ -1,6 +1,6 @@
 //! What a search aims at: the measure of a final state, and how promising a state is on the way there.
 //!
-//! In: particle positions. Out: numbers of which the lower is the better. On the way, a fold is compared with the states
+//! In: particle positions. Out: losses, of which lower is better. On the way, a fold is compared with the states
 //! of the experts after as many folds; the least distance counts.
 
 use super::{BestError, Search};

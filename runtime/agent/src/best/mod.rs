@@ -130,7 +130,7 @@ pub struct Taken {
 pub enum Stop {
     /// All trials were used.
     Trials,
-    /// The time was over.
+    /// The time limit.
     Time,
     /// The user stopped it.
     Interrupt,
@@ -154,7 +154,7 @@ pub struct Found {
     pub trials: u32,
     /// What remains untried.
     pub left: Untried,
-    /// Why it remains; `None` if nothing does.
+    /// Why something is left; `None` if nothing is.
     pub stop: Option<Stop>,
 }
 

@@ -1,8 +1,8 @@
 //! The policy that plays a network: it takes the offered action with the highest value.
 //!
 //! In: an ONNX file whose inputs are among [`INPUTS`] and whose output is `values`. Out: of the offered actions that the
-//! task's checks accept, the one with the highest value. `docs/policies.md` documents the inputs. `smoother` is such a
-//! network, part of the program.
+//! task's checks accept, the one with the highest value. The network values [`BATCH`] actions at a time.
+//! `docs/policies.md` documents the inputs. `smoother` is such a network, part of the program.
 //!
 //! The runtime computes with what the processor offers, so the last bits of a value depend on the processor.
 
@@ -14,7 +14,7 @@ use crate::action::Action;
 use crate::outcome::Outcome;
 use fab_base::{digest, files};
 use fab_program::verify::{Strictness, Verdict};
-use fab_program::{Choices, Face, Program, Proposal, space};
+use fab_program::{Choices, Face, Program, Proposal, Value as FieldValue, space};
 use rten::{DataType, Dimension, Model, Value, ValueType};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -25,6 +25,12 @@ const SMOOTHER: &[u8] = include_bytes!("smoother.onnx");
 
 /// The largest file, bytes.
 const MAX_BYTES: u64 = 1 << 30;
+
+/// The most combinations of a step's choices that are offered; each is judged by all checks.
+const MOST_COMBINATIONS: usize = 20_000;
+
+/// The most actions that a network values at once: `smoother` needs some 0.2 MB for each, several times.
+const BATCH: usize = 256;
 
 /// What a network may take, with its shape: H and W are the picture's height and width, N is the number of actions.
 const INPUTS: [(&str, &[Side]); 7] = [
@@ -73,7 +79,7 @@ pub enum OnnxError {
         why: String,
     },
     /// It is damaged, of another format, or has an operator that is not supported.
-    #[error("`{file}` is no ONNX network that can be run: {why}")]
+    #[error("`{file}` is not an ONNX network that fabc can run: {why}")]
     NotANetwork {
         /// The file.
         file: String,
@@ -137,7 +143,7 @@ fn check_interface(model: &Model) -> Result<(), String> {
         let Some((_, shape)) = INPUTS.iter().find(|(input, _)| *input == name.as_str()) else {
             let inputs = INPUTS.map(|(input, _)| format!("`{input}`")).join(", ");
             return Err(format!(
-                "takes `{name}`, which no policy gets; there is {inputs}"
+                "takes `{name}`, which fabc does not provide; the inputs are {inputs}"
             ));
         };
         check_shape(model, name, shape)?;
@@ -168,7 +174,9 @@ fn check_shape(model: &Model, name: &str, shape: &[Side]) -> Result<(), String> 
     };
     let is_float = |kind| kind == ValueType::Tensor(DataType::Float);
     if !info.dtype().is_none_or(is_float) {
-        return Err(format!("has a `{name}` that is not of float32"));
+        return Err(format!(
+            "declares `{name}` of another type; it must be float32"
+        ));
     }
     let fits = |(declared, side): (&Dimension, &Side)| match (declared, side) {
         (Dimension::Fixed(declared), Side::Of(length)) => declared == length,
@@ -192,7 +200,7 @@ fn check_shape(model: &Model, name: &str, shape: &[Side]) -> Result<(), String> 
             });
             let sides = sides.collect::<Vec<_>>().join(", ");
             Err(format!(
-                "declares `{name}` as [{declared}], and it is [{sides}]"
+                "declares `{name}` as [{declared}]; it must be [{sides}]"
             ))
         }
         _ => Ok(()),
@@ -257,12 +265,16 @@ impl Policy for Onnx {
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Decision, PolicyError> {
-        let offers = accepted_first(step, offers(step))?;
-        let ranked = self.values(step, &offers).map(|values| {
+        let offers = match self.offers(step) {
+            Ok(offers) => Ok(accepted_first(step, offers)?),
+            Err(why) => Err(why),
+        };
+        let ranked = offers.and_then(|offers| {
+            let values = self.values(step, &offers)?;
             let mut ranked: Vec<(f32, Offer)> = values.into_iter().zip(offers).collect();
             // Equal values stay in the order of the offer.
             ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-            ranked
+            Ok(ranked)
         });
         until_accepted(step, exchange, &mut |refusals, _| {
             let next = ranked.as_ref().map(|ranked| ranked.get(refusals.len()));
@@ -275,7 +287,10 @@ impl Policy for Onnx {
                     None,
                     Answer::Stop {
                         outcome: Outcome::NoCandidates,
-                        why: "no other action is offered".to_owned(),
+                        why: match refusals {
+                            [] => "no action is offered".to_owned(),
+                            _ => "every offered action was refused".to_owned(),
+                        },
                     },
                 ),
                 Err(why) => (
@@ -297,11 +312,76 @@ impl Policy for Onnx {
 }
 
 impl Onnx {
+    /// Lists the offered actions: every combination of the fields that move the gripper, and of each other field the
+    /// value that is nearest to the usual. Fails if there are more than [`MOST_COMBINATIONS`].
+    fn offers(&self, step: &StepView<'_>) -> Result<Vec<Offer>, String> {
+        let fields = step.program.actions.iter().map(|field| {
+            let values = if MOVING.contains(&field.name.as_str()) {
+                space::choices(field, step.scene)
+            } else {
+                least_refused(step, field, &[]).into_iter().collect()
+            };
+            (field.name.as_str(), values)
+        });
+        let fields: Vec<(&str, Vec<FieldValue>)> = fields.collect();
+        let counts = fields.iter().map(|(_, values)| values.len());
+        let count = counts.fold(1, usize::saturating_mul);
+        if count > MOST_COMBINATIONS {
+            let of_field = |(name, values): &(&str, Vec<FieldValue>)| match values.len() {
+                1 => None,
+                length => Some(format!("{length} of `{name}`")),
+            };
+            let choices: Vec<String> = fields.iter().filter_map(of_field).collect();
+            return Err(format!(
+                "`{}` offers {count} actions ({}), and `--policy {}` compares at most {MOST_COMBINATIONS}: offer fewer",
+                step.program.title(),
+                choices.join(" x "),
+                self.name
+            ));
+        }
+        let mut all = vec![Proposal::default()];
+        for (name, values) in &fields {
+            let longer = all.iter().flat_map(|shorter| {
+                values.iter().map(move |value| {
+                    let mut proposal = shorter.clone();
+                    proposal.fields.push(((*name).to_owned(), value.clone()));
+                    proposal
+                })
+            });
+            all = longer.collect();
+        }
+        let offers = all.into_iter().filter_map(|proposal| {
+            let observation = step.observation;
+            let action = Action::lower(step.program, &proposal, step.scene, observation)?;
+            let pixel = |point| observation.camera.pixel_from_world(point);
+            Some(Offer {
+                pick_px: pixel(action.grip.pick)?,
+                place_px: pixel(action.grip.place)?,
+                proposal,
+            })
+        });
+        Ok(offers.collect())
+    }
+
     /// Returns the value of each offered action; fails with the reason.
     fn values(&self, step: &StepView<'_>, offers: &[Offer]) -> Result<Vec<f32>, String> {
-        if offers.is_empty() {
-            return Ok(Vec::new());
+        let mut values = Vec::with_capacity(offers.len());
+        for batch in offers.chunks(BATCH) {
+            values.extend(self.values_of_batch(step, batch)?);
         }
+        match values.iter().position(|value| !value.is_finite()) {
+            Some(at) => Err(format!(
+                "the network's value of action {} of {} is {}, which is not finite",
+                at + 1,
+                values.len(),
+                values[at]
+            )),
+            None => Ok(values),
+        }
+    }
+
+    /// Runs the network once.
+    fn values_of_batch(&self, step: &StepView<'_>, offers: &[Offer]) -> Result<Vec<f32>, String> {
         let inputs = self.model.input_ids().iter().filter_map(|id| {
             let info = self.model.node_info(*id)?;
             let (name, shape) = INPUTS.iter().find(|(name, _)| info.name() == Some(*name))?;
@@ -326,20 +406,14 @@ impl Onnx {
             .ok_or("the network returned nothing")?;
         let ([length], values) = output
             .into_shape_vec::<f32, 1>()
-            .map_err(|error| format!("`values` is not [N] of float32: {error}"))?;
+            .map_err(|error| format!("the network's `values` must be [N], float32: {error}"))?;
         if length != offers.len() {
             return Err(format!(
                 "the network returned {length} values for {} actions",
                 offers.len()
             ));
         }
-        match values.iter().position(|value| !value.is_finite()) {
-            Some(at) => Err(format!(
-                "the network's value of action {at} of {length} is {}, which is not finite",
-                values[at]
-            )),
-            None => Ok(values),
-        }
+        Ok(values)
     }
 }
 
@@ -370,39 +444,6 @@ fn input(name: &str, step: &StepView<'_>, offers: &[Offer]) -> Vec<f32> {
         "picks" => points(|offer| offer.pick_px),
         _ => points(|offer| offer.place_px),
     }
-}
-
-/// Lists the offered actions: every combination of the fields that move the gripper, and of each other field the value
-/// that is nearest to the usual.
-fn offers(step: &StepView<'_>) -> Vec<Offer> {
-    let mut all = vec![Proposal::default()];
-    for field in &step.program.actions {
-        let values = if MOVING.contains(&field.name.as_str()) {
-            space::choices(field, step.scene)
-        } else {
-            least_refused(step, field, &[]).into_iter().collect()
-        };
-        let longer = all.iter().flat_map(|shorter| {
-            let with = |value| {
-                let mut proposal = shorter.clone();
-                proposal.fields.push((field.name.clone(), value));
-                proposal
-            };
-            values.iter().cloned().map(with).collect::<Vec<_>>()
-        });
-        all = longer.collect();
-    }
-    let offers = all.into_iter().filter_map(|proposal| {
-        let observation = step.observation;
-        let action = Action::lower(step.program, &proposal, step.scene, observation)?;
-        let pixel = |point| observation.camera.pixel_from_world(point);
-        Some(Offer {
-            pick_px: pixel(action.grip.pick)?,
-            place_px: pixel(action.grip.place)?,
-            proposal,
-        })
-    });
-    offers.collect()
 }
 
 /// Keeps the actions that the task's checks accept; all of them if there is none, for a task that then drops a check.

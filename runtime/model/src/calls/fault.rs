@@ -1,4 +1,4 @@
-//! How a call can fail: a closed list with names that journals and recordings use.
+//! How a call can fail: a closed list with names that journals and ledgers use.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;

@@ -7,7 +7,7 @@
 
 use super::budget::{Budget, Reservation, Spent};
 use super::{Call, CallEnd, CallRefused, Calls, FailedCall, Fault, Usd};
-use crate::{Lowering, Model, ModelKind, Reply, Request};
+use crate::{Lowering, Model, Reply, Request};
 use fab_base::jsonl::{Appender, Reader};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -54,7 +54,6 @@ pub(crate) struct Question {
     /// [`Request::key`].
     pub key: String,
     pub model: String,
-    pub nature: ModelKind,
     pub lowering: Lowering,
     /// The request as JSON, with each picture replaced by the SHA-256 of its bytes.
     pub request: Value,
@@ -65,7 +64,6 @@ impl Question {
         Question {
             key: request.key(),
             model: model.name().to_owned(),
-            nature: model.nature(),
             lowering: model.lowering(),
             request: serde_json::to_value(request)
                 .expect("a request holds strings and finite numbers"),

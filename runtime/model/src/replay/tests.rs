@@ -165,6 +165,23 @@ fn the_runs_of_a_suite_are_one_replay() {
 }
 
 #[test]
+fn several_models_of_one_role_are_refused_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, model) in [("a", "shop:model"), ("b", "shop:other")] {
+        let run = folder.path().join(name);
+        std::fs::create_dir(&run).unwrap();
+        answer(&run, "again", "yes");
+        let file = run.join(LEDGER_FILE);
+        let text = std::fs::read_to_string(&file).unwrap();
+        std::fs::write(&file, text.replace("shop:model", model)).unwrap();
+    }
+    let refused = Replay::load(folder.path(), ModelRole::Vision).unwrap_err();
+    let message = refused.to_string();
+    assert!(message.contains("`shop:model`, `shop:other`"), "{message}");
+    assert_eq!(asked(&folder.path().join("b")).name(), "replay(shop:other)");
+}
+
+#[test]
 fn what_holds_no_answers_is_refused_with_its_name() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("notes.jsonl");
@@ -195,7 +212,7 @@ fn a_question_that_was_not_asked_names_what_changed() {
     answer(folder.path(), "second line", "yes");
     let replay = asked(folder.path());
     type Change = fn(&mut Request);
-    let cases: [(Change, &str); 9] = [
+    let cases: [(Change, &str); 10] = [
         (
             |it| it.temperature = Some(0.7),
             "`temperature` (recorded 0.2, now 0.7)",
@@ -210,7 +227,14 @@ fn a_question_that_was_not_asked_names_what_changed() {
             "`candidate` (recorded nothing, now 2)",
         ),
         (|it| it.step = 4, "`step` (recorded 1, now 4)"),
-        (|it| it.role = ModelRole::Text, "`role`"),
+        (
+            |it| *it = Request::new(ModelRole::Text, Vec::new()),
+            "no text model was asked there; name one for that role: `--model text=MODEL`",
+        ),
+        (
+            |it| it.role = ModelRole::Text,
+            "`role` (recorded \"vision\", now \"text\")",
+        ),
         (
             |it| it.messages = request("another line").messages,
             "`messages[0].parts[0].text`, line 2 (recorded \"second line\", now \"another line\")",

@@ -141,13 +141,6 @@ impl ReasoningKind {
     }
 }
 
-impl fmt::Display for ReasoningKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // The word that a file of facts uses.
-        f.pad(self.name())
-    }
-}
-
 impl ReasoningFacts {
     /// Returns these facts, with unknown ones filled in from `other`.
     pub fn or(self, other: &ReasoningFacts) -> ReasoningFacts {

@@ -1,8 +1,8 @@
 //! The catalogue of models and providers.
 //!
-//! In: the embedded files of `families/`, and a user's file of the same form that overrides them. Out: the [`Profile`] of a
-//! `PROVIDER:NAME`, and its prices. Each entry of the embedded files states its source; what is absent is unknown, and
-//! never guessed. Nothing here sends anything or reads the date.
+//! In: the embedded files of `families/`, and a user's file of the same form, whose entries override all embedded ones.
+//! Out: the [`Profile`] of a `PROVIDER:NAME`, and its prices. Each embedded entry states its source; what is absent is
+//! unknown, and never guessed. Nothing here sends anything or reads the date.
 
 mod date;
 mod facts;
@@ -79,8 +79,10 @@ pub enum CatalogueError {
 #[derive(Clone, Debug, Default)]
 pub struct Catalogue {
     providers: Vec<Provider>,
-    /// In the order in which they were read: later ones override earlier ones.
+    /// In the order in which they were read.
     entries: Vec<Entry>,
+    /// How many of them are embedded; the others are the user's.
+    n_embedded: usize,
 }
 
 /// Everything known about one model at one provider.
@@ -105,7 +107,7 @@ pub struct Listed {
     pub model: String,
     /// The facts.
     pub facts: Facts,
-    /// Their sources, the most specific first.
+    /// Their sources; each overrides those after it.
     pub sources: Vec<Source>,
 }
 
@@ -154,15 +156,19 @@ impl Catalogue {
     /// Returns the catalogue without any user's file.
     pub fn builtin() -> Catalogue {
         let names: BTreeSet<_> = Families::iter().collect();
-        names.iter().fold(Catalogue::default(), |catalogue, name| {
+        let catalogue = names.iter().fold(Catalogue::default(), |catalogue, name| {
             let file = Families::get(name).expect("its name was listed");
             let text = std::str::from_utf8(&file.data).expect("a test reads the embedded facts");
             let overlaid = catalogue.overlaid(text, name);
             overlaid.expect("a test reads the embedded facts")
-        })
+        });
+        Catalogue {
+            n_embedded: catalogue.entries.len(),
+            ..catalogue
+        }
     }
 
-    /// Overrides the catalogue with a file: fields given in an entry replace existing ones, others stay.
+    /// Overrides the catalogue with a file: fields given in an entry replace those of embedded ones, others stay.
     ///
     /// `file` names it in errors.
     pub fn overlaid(mut self, text: &str, file: &str) -> Result<Catalogue, CatalogueError> {
@@ -303,16 +309,18 @@ impl Catalogue {
         listed
     }
 
-    /// Joins what is known about an id at a provider: the entry with exactly this id counts before families, and among
-    /// these the one with the longest beginning.
+    /// Joins what is known about an id at a provider: the user's entries count before embedded ones, then the entry of
+    /// this id before families, and among these the one with the longest beginning.
     fn known(&self, provider: Option<&Provider>, id: &str) -> (Facts, Vec<Source>) {
-        let entries = self.entries.iter().filter_map(|entry| {
+        let entries = self.entries.iter().enumerate();
+        let entries = entries.filter_map(|(index, entry)| {
             let facts = self.facts_at(entry, provider)?;
-            Some((fit(&entry.head, id)?, &entry.head, facts))
+            let rank = (index >= self.n_embedded, fit(&entry.head, id)?);
+            Some((rank, &entry.head, facts))
         });
         let mut entries: Vec<_> = entries.collect();
         // Stable: of two that fit alike, the later one overrides.
-        entries.sort_by_key(|(fit, ..)| *fit);
+        entries.sort_by_key(|(rank, ..)| *rank);
         let (mut facts, mut sources) = (Table::new(), Vec::new());
         for (_, head, own) in entries {
             facts.extend(own);
@@ -350,18 +358,18 @@ impl Catalogue {
 fn fit(head: &Head, id: &str) -> Option<usize> {
     // What stands before the last `/` names who serves or packed the model.
     let last = id.rsplit('/').next().unwrap_or(id);
-    let is_own = |own: &str| own == id || own == last;
-    if head.id.as_deref().is_some_and(is_own) {
+    let [whole, last] = [id, last].map(comparable);
+    let own = head.id.as_deref().map(comparable);
+    if own.is_some_and(|own| own == whole || own == last) {
         return Some(usize::MAX);
     }
-    let last = beginning(last);
-    let family = head.family.iter().map(|family| beginning(family));
+    let family = head.family.iter().map(|family| comparable(family));
     let fitting = family.filter(|family| last.starts_with(family));
     fitting.map(|family| family.len()).max()
 }
 
-/// Returns the beginning of an id in lower case, with `-` for each separator.
-fn beginning(id: &str) -> String {
+/// Returns an id, or the beginning of one, in lower case and with `-` for each separator.
+fn comparable(id: &str) -> String {
     let id = id.chars().flat_map(char::to_lowercase);
     let separated = id.map(|c| {
         if c.is_alphanumeric() || c == '.' {

@@ -66,8 +66,8 @@ fn an_id_gets_its_own_facts_before_those_of_its_families() {
     );
     let chat = find("openai-chat:gpt-6.2-sol");
     assert_eq!(
-        (chat.facts, chat.provider.wire),
-        (sol.facts.clone(), Wire::OpenaiChat)
+        (&chat.facts, chat.provider.wire),
+        (&sol.facts, Wire::OpenaiChat)
     );
     let through = find("litellm:openrouter/openai/gpt-6.2-sol");
     let expected = Facts {
@@ -77,6 +77,11 @@ fn an_id_gets_its_own_facts_before_those_of_its_families() {
         ..sol.facts
     };
     assert_eq!(through.facts, expected, "another server bills and reads");
+    for spelled in ["openai:GPT-6.2-Sol", "openai:gpt_6.2:sol"] {
+        assert_eq!(find(spelled).facts, chat.facts, "{spelled}");
+    }
+    let spelled = find("litellm:openrouter/OpenAI/GPT-6.2-Sol");
+    assert_eq!(spelled.facts, through.facts);
     assert_eq!(find("litellm:gpt-oss-20b").facts, Facts::default());
     assert_eq!(find("openai:claude-opus-5-5").facts, Facts::default());
 }

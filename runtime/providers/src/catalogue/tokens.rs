@@ -8,8 +8,6 @@ use fab_picture::png;
 pub use fab_program::tokens::of_text;
 use serde::{Deserialize, Serialize};
 use std::fmt;
-use std::iter::Sum;
-use std::ops::Add;
 
 /// A range of token counts; `exactly` makes one with equal bounds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -27,23 +25,6 @@ impl Tokens {
             at_least: tokens,
             at_most: tokens,
         }
-    }
-}
-
-impl Add for Tokens {
-    type Output = Tokens;
-
-    fn add(self, other: Tokens) -> Tokens {
-        Tokens {
-            at_least: self.at_least.saturating_add(other.at_least),
-            at_most: self.at_most.saturating_add(other.at_most),
-        }
-    }
-}
-
-impl Sum for Tokens {
-    fn sum<I: Iterator<Item = Tokens>>(counts: I) -> Tokens {
-        counts.fold(Tokens::default(), Tokens::add)
     }
 }
 
@@ -165,12 +146,17 @@ fn sum(
     formula: Option<&ImageTokens>,
     of_text: fn(&str) -> u64,
 ) -> Option<Tokens> {
-    let parts = messages.iter().flat_map(|message| &message.parts);
-    let tokens = parts.map(|part| match part {
-        Part::Text(text) => Some(Tokens::exactly(of_text(text))),
-        Part::Image(png) => of_picture(png, formula),
-    });
-    tokens.sum()
+    let mut parts = messages.iter().flat_map(|message| &message.parts);
+    parts.try_fold(Tokens::default(), |sum, part| {
+        let tokens = match part {
+            Part::Text(text) => Tokens::exactly(of_text(text)),
+            Part::Image(png) => of_picture(png, formula)?,
+        };
+        Some(Tokens {
+            at_least: sum.at_least.saturating_add(tokens.at_least),
+            at_most: sum.at_most.saturating_add(tokens.at_most),
+        })
+    })
 }
 
 /// Estimates the likely tokens of a text: words in pieces of seven letters, numbers in pieces of three digits, and each

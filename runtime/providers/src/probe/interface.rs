@@ -12,8 +12,8 @@ use fab_model::{Message, ModelError, ModelRole, Request, Speaker};
 use fab_program::reply::standing;
 use serde_json::{Value, json};
 
-/// The most questions about the interface: two each for the limit, `temperature` and `top_p`, one for the schema.
-pub(super) const MOST_QUESTIONS: u64 = 7;
+/// The most questions about the interface: two each for the limit, `temperature`, `top_p` and the schema.
+pub(super) const MOST_QUESTIONS: u64 = 8;
 /// A sampling value that the shipped tasks state, and that some models refuse.
 const TEMPERATURE: f64 = 0.2;
 /// As common as it is refused by models that fix their sampling.
@@ -132,6 +132,7 @@ impl Prober<'_> {
             "required": ["reason", "at", "colour"],
             "additionalProperties": false,
         }));
+        let open = |why: String| (None, format!("whether it follows a schema is open: {why}"));
         let (follows, note) = match self.ask(&request)? {
             Outcome::Answered(text) => {
                 let answer = standing(&text).text;
@@ -146,8 +147,14 @@ impl Prober<'_> {
                 );
                 (Some(false), note)
             }
-            Outcome::Refused(_) => (Some(false), "the server refuses a schema".to_owned()),
-            Outcome::Open(why) => (None, format!("whether it follows a schema is open: {why}")),
+            Outcome::Refused(_) => {
+                request.schema = None;
+                match self.ask(&request)? {
+                    Outcome::Answered(_) => (Some(false), "the server refuses a schema".to_owned()),
+                    Outcome::Refused(why) | Outcome::Open(why) => open(why),
+                }
+            }
+            Outcome::Open(why) => open(why),
         };
         self.found.structured_output = follows;
         self.notes.push(note);

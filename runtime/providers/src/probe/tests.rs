@@ -267,6 +267,8 @@ enum Schema {
     Follows,
     Ignores,
     Refuses,
+    /// The question is refused with a schema and without one.
+    QuestionRefused,
 }
 
 /// A model of a certain character, with the interface before it.
@@ -307,6 +309,8 @@ impl Model for Assumed {
         character.asked.fetch_add(1, Ordering::SeqCst);
         let shows = request.messages[0].parts.len() > 1;
         let sends_schema = self.facts.structured_output == Some(true) && request.schema.is_some();
+        let words = &request.messages[0].parts[0];
+        let asks_for_tree = matches!(words, Part::Text(text) if text.contains("tree"));
         let field = self
             .facts
             .max_tokens_field
@@ -318,7 +322,8 @@ impl Model for Assumed {
         let is_refused = field != character.limit
             || shows && !character.sees
             || !request.temperature.is_none_or(takes)
-            || sends_schema && character.schema == Schema::Refuses;
+            || sends_schema && character.schema == Schema::Refuses
+            || asks_for_tree && character.schema == Schema::QuestionRefused;
         let refusal = is_refused.then_some(Fault::BadRequest);
         if let Some(fault) = character.fault.or(refusal) {
             return Err(ModelError::Failed {
@@ -444,10 +449,14 @@ fn every_character_is_found_out_and_its_entry_is_used_when_pasted() {
             },
         ),
     ];
-    for schema in [Schema::Ignores, Schema::Refuses] {
+    for (schema, structured_output) in [
+        (Schema::Ignores, Some(false)),
+        (Schema::Refuses, Some(false)),
+        (Schema::QuestionRefused, None),
+    ] {
         let character = Character { schema, ..easy() };
         let expected = Facts {
-            structured_output: Some(false),
+            structured_output,
             ..easy_facts.clone()
         };
         cases.push(("no schema", character, expected));
@@ -495,8 +504,8 @@ fn a_probe_asks_no_more_than_it_says() {
         schema: Schema::Refuses,
         ..easy()
     };
-    // Two for the limit, two for the temperature, one each for `top_p`, the schema and the dots.
-    for (character, expected) in [(stubborn, 7), (easy(), 6)] {
+    // Two each for the limit, the temperature and the schema, one each for `top_p` and the dots.
+    for (character, expected) in [(stubborn, 8), (easy(), 6)] {
         probed(&character).1.expect("it answers");
         assert_eq!(character.asked.load(Ordering::SeqCst), expected);
         assert!(

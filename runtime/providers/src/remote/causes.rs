@@ -50,7 +50,7 @@ const CAUSES: &[Cause] = &[
     },
     Cause {
         applies: |e| is(e, Obstacle::Tls) || is(e, Obstacle::NoHttp),
-        cause: "the server at `{address}` speaks plain http where https was meant, or the other way round, or is another service",
+        cause: "the base URL has `http://` where the server at `{address}` expects `https://` or the reverse, or another service listens there",
         help: "check the port in the base URL {base}, and whether it has to begin with `http://` or `https://`; a key is sent over plain http only to this machine",
     },
     Cause {
@@ -125,8 +125,8 @@ const CAUSES: &[Cause] = &[
         help: "let the server leave it in the answer (llama.cpp: `--reasoning-format none`, or `--reasoning-budget 0` for no thoughts; vLLM: another `--reasoning-parser`, or none), ask with `--reasoning none`, or allow more `tokens`",
     },
     Cause {
-        applies: |e| e.fault == Fault::InvalidReply,
-        cause: "the server does not speak {interface}, streams its answer, or a login, a firewall or a proxy answers in its place",
+        applies: |e| e.fault == Fault::InvalidReply && has_another_form(e),
+        cause: "the reply is not in the form of {interface}; it may come from another interface, a streaming server, a login page or a proxy",
         help: "check the base URL {base}, choose the provider whose interface the server speaks (`fabc models --help`), or look into the log of the server",
     },
 ];
@@ -256,11 +256,22 @@ fn served(e: &Exchange<'_>) -> String {
 
 /// Returns whether a reply of the right form has no text.
 fn is_empty(exchange: &Exchange<'_>) -> bool {
-    let received = exchange.received();
-    let problem = received.and_then(|received| received.problem.as_deref());
     let is_chat = exchange.settings.wire == Wire::OpenaiChat;
     let has_form = is_chat || !exchange.says(&["chat.completion"]);
-    has_form && problem.is_some_and(|problem| problem.starts_with("the answer is empty"))
+    has_form && has_problem(exchange, "the answer is empty")
+}
+
+/// Returns whether a reply is not of the form that the interface promises. Without it, no text is found.
+fn has_another_form(exchange: &Exchange<'_>) -> bool {
+    let is_blank = has_problem(exchange, "the answer is empty");
+    has_problem(exchange, "the reply ") || is_blank && !is_empty(exchange)
+}
+
+/// Returns whether what is wrong with a reply of status 200 begins so.
+fn has_problem(exchange: &Exchange<'_>, beginning: &str) -> bool {
+    let received = exchange.received();
+    let problem = received.and_then(|received| received.problem.as_deref());
+    problem.is_some_and(|problem| problem.starts_with(beginning))
 }
 
 fn interface(wire: Wire) -> &'static str {

@@ -331,8 +331,11 @@ impl Remote {
     ) -> Result<Answer, FailedAttempt> {
         if !(200..300).contains(&incoming.status) {
             let refusal = status::judge(incoming.status, &ErrorBody::of_bytes(&incoming.body));
+            let tokens_field = self.settings.reasoning.tokens_field.as_deref();
             let omit = match (refusal.fault, incoming.status) {
-                (Fault::BadRequest, 400 | 422) => omit::refused(&incoming.body, &sent.body),
+                (Fault::BadRequest, 400 | 422) => {
+                    omit::refused(&incoming.body, &sent.body, tokens_field)
+                }
                 _ => None,
             };
             let wait = refusal.wait.max(incoming.wait);

@@ -1,6 +1,7 @@
 //! Which `--omit` leaves out the parameter that a provider refuses.
 //!
-//! In: the body of a provider's refusal, and the request. Out: the parameter, if the refusal names one that was sent.
+//! In: the body of a provider's refusal, the request, and the field that the catalogue knows for a number of tokens for
+//! reasoning. Out: the parameter, if the refusal names one that was sent.
 
 use super::settings::Parameter;
 
@@ -25,7 +26,10 @@ const NAMES: &[(Parameter, &[&str])] = &[
             "thinking",
             "thinkingConfig",
             "thinking_config",
-            "thinking_token_budget",
+            "thinkingLevel",
+            "thinking_level",
+            "thinkingBudget",
+            "thinking_budget",
         ],
     ),
     (
@@ -45,17 +49,29 @@ const NAMES: &[(Parameter, &[&str])] = &[
 const MOST_BYTES: usize = 4096;
 
 /// Returns the parameter that a refusal names and the request states; the one that is named first.
-pub(super) fn refused(refusal: &[u8], request: &[u8]) -> Option<Parameter> {
+pub(super) fn refused(
+    refusal: &[u8],
+    request: &[u8],
+    tokens_field: Option<&str>,
+) -> Option<Parameter> {
     let refusal = String::from_utf8_lossy(&refusal[..refusal.len().min(MOST_BYTES)]);
     let request = String::from_utf8_lossy(request);
-    // In a text, which is escaped, no name stands before a bare `":`.
-    let is_sent = |name: &&str| request.contains(&format!("\"{name}\":"));
+    let mut names: Vec<(Parameter, &str)> = Vec::new();
+    for (parameter, own) in NAMES {
+        names.extend(own.iter().map(|name| (*parameter, *name)));
+    }
+    names.extend(tokens_field.map(|name| (Parameter::Reasoning, name)));
+    let is_sent = |parameter: Parameter| {
+        let mut own = names.iter().filter(|(of, _)| *of == parameter);
+        // In a text, which is escaped, no name stands before a bare `":`.
+        own.any(|(_, name)| request.contains(&format!("\"{name}\":")))
+    };
     // Ids of models hold such words too: `qwen3-vl-thinking`.
     let is_part = |c: char| c.is_alphanumeric() || c == '_' || c == '-';
     let mut words = refusal.split(|c| !is_part(c));
     words.find_map(|word| {
-        let (parameter, names) = NAMES.iter().find(|(_, names)| names.contains(&word))?;
-        names.iter().any(is_sent).then_some(*parameter)
+        let (parameter, _) = names.iter().find(|(_, name)| *name == word)?;
+        is_sent(*parameter).then_some(*parameter)
     })
 }
 

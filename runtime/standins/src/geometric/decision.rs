@@ -19,6 +19,8 @@ pub struct Decision {
     pub center: Option<PixelPoint>,
     /// The question's words.
     pub question: String,
+    /// How many answers to it were refused before.
+    pub corrections: usize,
     /// The reason, one sentence.
     pub why: String,
 }

@@ -252,6 +252,7 @@ fn choose(messages: &[Message]) -> Result<Decision, String> {
         picks: listed.corners,
         center: listed.center,
         question: text,
+        corrections: refused.0.len(),
         why: format!(
             "The rectangle around the listed corners lies turned by about {:.0} degrees against the words; \
              in it, these are the listed points nearest to the two that the words name{again}.",

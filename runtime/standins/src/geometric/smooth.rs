@@ -68,6 +68,7 @@ pub fn choose(messages: &[Message]) -> Result<Decision, String> {
         picks,
         center: prompt::center(&question),
         question,
+        corrections: refused.0.len(),
         why: "This is the corner farthest from the center, and it goes outward to where a corner of the flat cloth would lie."
             .to_owned(),
     })
@@ -105,7 +106,8 @@ impl Limits {
 }
 
 /// Lists the pulls that lead outward within the limits: the farthest corner first, then the most outward direction, then
-/// the end nearest to where a corner of the flat cloth would lie. Those of corners to avoid come last: a task may accept one if there is no other.
+/// the end nearest to where a corner of the flat cloth would lie. Those of corners to avoid come last: a task may accept
+/// one if there is no other.
 fn pulls(
     picks: &[PixelPoint],
     center: Point,

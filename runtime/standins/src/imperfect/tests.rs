@@ -3,7 +3,7 @@
 
 use super::*;
 use fab_model::calls::Unrecorded;
-use fab_model::{Message, ModelRole};
+use fab_model::{Message, ModelRole, Speaker};
 
 const PULL: &str = "\
 One edge is 200 px in the picture.
@@ -73,7 +73,43 @@ fn a_reworded_prompt_meets_the_same_errors() {
 }
 
 #[test]
-fn starts_steps_and_corrections_have_draws_of_their_own_and_persistent_errors_none() {
+fn examples_change_no_draw_and_corrections_do() {
+    let model = Imperfect::new(0.5, 3).unwrap();
+    let with = |before: &[(&str, &str)], after: &[(&str, &str)], start| {
+        let turns = |pairs: &[(&str, &str)], first, second| -> Vec<Message> {
+            let pairs = pairs.iter();
+            pairs
+                .flat_map(|(a, b)| [Message::text(first, *a), Message::text(second, *b)])
+                .collect()
+        };
+        let mut question = request(PULL, start, 2);
+        let own = question.messages.clone();
+        question.messages = turns(before, Speaker::User, Speaker::Assistant);
+        question.messages.extend(own);
+        question
+            .messages
+            .extend(turns(after, Speaker::Assistant, Speaker::User));
+        asked(&model, &question)
+    };
+    let example = [(
+        PULL,
+        "Pick Point = (320, 310)\nDirection = 315 deg\nDistance = 0.1 edge",
+    )];
+    let correction = [(
+        "I would pull it a little to the side.",
+        "Your answer cannot be read.",
+    )];
+    let mut changed = 0;
+    for start in 0..40 {
+        let plain = with(&[], &[], start);
+        assert_eq!(with(&example, &[], start), plain, "start {start}");
+        changed += usize::from(with(&[], &correction, start) != plain);
+    }
+    assert!(changed > 10, "{changed}");
+}
+
+#[test]
+fn candidates_starts_and_steps_have_draws_of_their_own_and_persistent_errors_none() {
     let answers = |errors, change: fn(&mut Request, u64)| {
         let model = Imperfect::with_errors(0.5, 5, errors).unwrap();
         let answers = (0..30).map(|number| {

@@ -22,7 +22,7 @@ use std::sync::Arc;
 /// The models that this build knows.
 const MODELS: &str = "`geometric` (an embedded stand-in), `random` or `random:SEED` (draws from what is offered), `imperfect:RATE`, `imperfect:RATE:SEED` or `imperfect:RATE:SEED:ERRORS` (geometric with that share of wrong answers; ERRORS is `persistent` or `neighbour`), `replay:RUN` (the answers of an earlier run), and `PROVIDER:NAME` (`fabc models` lists them)";
 
-/// Prefix of a recording's name.
+/// Prefix of a replay's name.
 const REPLAY: &str = "replay:";
 
 /// The model if the command line names none.

@@ -197,8 +197,8 @@ impl Model for Shop {
         "openai:some"
     }
 
-    fn nature(&self) -> ModelKind {
-        ModelKind::Model
+    fn nature(&self) -> crate::ModelKind {
+        crate::ModelKind::Model
     }
 
     fn ask(&self, _: &Request, _: &mut dyn Calls) -> Result<Reply, crate::ModelError> {

@@ -2,6 +2,7 @@
 
 use super::super::*;
 use super::find;
+use fab_program::pointing::{CoordinateUnit, Order};
 use proptest::prelude::*;
 
 fn with(text: &str) -> Result<Catalogue, CatalogueError> {
@@ -75,6 +76,46 @@ fn a_users_file_replaces_what_it_gives_and_keeps_the_rest() {
     assert_eq!(
         (house.provider.wire, house.provider.key),
         (Wire::OpenaiChat, KeyNeed::Optional)
+    );
+}
+
+#[test]
+fn a_users_family_counts_before_an_embedded_id_and_a_longer_embedded_family() {
+    let mine = r#"
+        [[model]]
+        provider = "openai"
+        family = ["gpt"]
+        coordinates = { unit = "percent", order = "yx" }
+        price = [{ input = 7, output = 9 }]
+
+        [[model]]
+        family = ["qwen3"]
+        coordinates = { unit = "pixels", order = "xy" }
+    "#;
+    let catalogue = with(mine).expect("right");
+    let after = |model: &str| catalogue.find(model).expect("known").facts;
+    let before = find("openai:gpt-6.2-sol").facts;
+    let expected = Facts {
+        coordinates: Some(PositionFormat {
+            unit: CoordinateUnit::Percent,
+            order: Order::Yx,
+            multiples_of_px: None,
+        }),
+        price: Some(vec![Price {
+            from: None,
+            input: 7.0,
+            cached_input: None,
+            output: 9.0,
+        }]),
+        ..before
+    };
+    assert_eq!(after("openai:gpt-6.2-sol"), expected);
+    let qwen = catalogue.find("vllm:Qwen/Qwen3-VL-8B-Instruct");
+    let qwen = qwen.expect("known");
+    assert_eq!(qwen.lowering(), Lowering::PIXELS);
+    assert!(
+        qwen.facts.image_tokens.is_some(),
+        "what it does not give stays"
     );
 }
 

@@ -30,9 +30,25 @@ fn the_parameter_that_a_refusal_names_is_found_if_it_was_sent() {
         ("", None),
     ] {
         assert_eq!(
-            refused(refusal.as_bytes(), request.as_bytes()),
+            refused(refusal.as_bytes(), request.as_bytes(), None),
             expected,
             "{refusal}"
         );
+    }
+}
+
+#[test]
+fn the_fields_of_servers_and_of_gemini_for_reasoning_are_found() {
+    for (field, tokens_field) in [
+        ("thinking_budget_tokens", Some("thinking_budget_tokens")),
+        ("thinking_token_budget", Some("thinking_token_budget")),
+        ("thinkingLevel", None),
+        ("thinkingBudget", None),
+    ] {
+        let request = format!(r#"{{"model":"m","{field}":2048}}"#);
+        let refusal = format!("Unknown name `{field}`: cannot find field");
+        let found = refused(refusal.as_bytes(), request.as_bytes(), tokens_field);
+        assert_eq!(found, Some(Parameter::Reasoning), "{field}");
+        assert_eq!(refused(refusal.as_bytes(), b"{}", tokens_field), None);
     }
 }

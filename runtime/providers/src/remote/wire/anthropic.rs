@@ -9,7 +9,7 @@ use fab_model::calls::Usage;
 use fab_model::{Message, Part, Reasoning};
 use fab_program::ReasoningLevel;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 #[derive(Serialize)]
 pub(super) struct Body<'a> {
@@ -40,16 +40,7 @@ enum Thinking {
 #[serde(tag = "type", rename_all = "snake_case")]
 enum Block<'a> {
     Text { text: &'a str },
-    Image { source: Source },
-}
-
-#[derive(Serialize)]
-#[serde(tag = "type", rename_all = "snake_case")]
-enum Source {
-    Base64 {
-        media_type: &'static str,
-        data: String,
-    },
+    Image { source: Value },
 }
 
 #[derive(Serialize)]
@@ -57,13 +48,7 @@ struct OutputConfig {
     #[serde(skip_serializing_if = "Option::is_none")]
     effort: Option<ReasoningLevel>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    format: Option<Format>,
-}
-
-#[derive(Serialize)]
-#[serde(tag = "type", rename_all = "snake_case")]
-enum Format {
-    JsonSchema { schema: Value },
+    format: Option<Value>,
 }
 
 /// The version that accepts sampling parameters; it also lists models.
@@ -96,7 +81,8 @@ pub(super) fn body<'a>(
         Some(Reasoning::Level(level)) => (Some(Thinking::Adaptive), Some(level)),
         Some(Reasoning::Tokens(budget_tokens)) => (Some(Thinking::Enabled { budget_tokens }), None),
     };
-    let format = stated.schema.map(|schema| Format::JsonSchema { schema });
+    let format = stated.schema;
+    let format = format.map(|schema| json!({ "type": "json_schema", "schema": schema }));
     let has_config = effort.is_some() || format.is_some();
     Ok(Body {
         model,
@@ -117,10 +103,7 @@ fn block(part: &Part) -> Block<'_> {
     match part {
         Part::Text(text) => Block::Text { text },
         Part::Image(png) => Block::Image {
-            source: Source::Base64 {
-                media_type: "image/png",
-                data: base64(png),
-            },
+            source: json!({ "type": "base64", "media_type": "image/png", "data": base64(png) }),
         },
     }
 }

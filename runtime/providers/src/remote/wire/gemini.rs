@@ -9,25 +9,15 @@ use fab_model::calls::{Fault, Usage};
 use fab_model::{Message, Part, Reasoning, Speaker};
 use fab_program::ReasoningLevel;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Body<'a> {
     contents: Vec<GeminiContent<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    system_instruction: Option<Frame>,
+    system_instruction: Option<Value>,
     generation_config: Config,
-}
-
-#[derive(Serialize)]
-struct Frame {
-    parts: [OwnText; 1],
-}
-
-#[derive(Serialize)]
-struct OwnText {
-    text: String,
 }
 
 #[derive(Serialize)]
@@ -40,14 +30,7 @@ struct GeminiContent<'a> {
 #[serde(rename_all = "camelCase")]
 enum Piece<'a> {
     Text(&'a str),
-    InlineData(Blob),
-}
-
-#[derive(Serialize)]
-#[serde(rename_all = "camelCase")]
-struct Blob {
-    mime_type: &'static str,
-    data: String,
+    InlineData(Value),
 }
 
 #[derive(Serialize)]
@@ -79,9 +62,7 @@ pub(super) fn body<'a>(messages: &'a [Message], stated: SentSettings) -> Result<
     let (frame, turns) = framed(messages)?;
     Ok(Body {
         contents: turns.iter().map(content).collect::<Result<_, _>>()?,
-        system_instruction: frame.map(|text| Frame {
-            parts: [OwnText { text }],
-        }),
+        system_instruction: frame.map(|text| json!({ "parts": [{ "text": text }] })),
         generation_config: Config {
             temperature: stated.temperature,
             top_p: stated.top_p,
@@ -108,10 +89,9 @@ fn content(message: &Message) -> Result<GeminiContent<'_>, Unfit> {
     };
     let parts = message.parts.iter().map(|part| match part {
         Part::Text(text) => Piece::Text(text),
-        Part::Image(png) => Piece::InlineData(Blob {
-            mime_type: "image/png",
-            data: base64(png),
-        }),
+        Part::Image(png) => {
+            Piece::InlineData(json!({ "mimeType": "image/png", "data": base64(png) }))
+        }
     });
     Ok(GeminiContent {
         role,

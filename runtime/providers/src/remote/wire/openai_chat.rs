@@ -14,7 +14,7 @@ use fab_model::calls::{Fault, Usage};
 use fab_model::{Message, Part, Reasoning};
 use fab_program::ReasoningLevel;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
 #[derive(Serialize)]
@@ -35,32 +35,14 @@ pub(super) struct Body<'a> {
     #[serde(flatten)]
     budget: BTreeMap<&'a str, u32>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    response_format: Option<Format>,
+    response_format: Option<Value>,
 }
 
 #[derive(Serialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
 enum Piece<'a> {
     Text { text: &'a str },
-    ImageUrl { image_url: ImageUrl },
-}
-
-#[derive(Serialize)]
-struct ImageUrl {
-    url: String,
-}
-
-#[derive(Serialize)]
-#[serde(tag = "type", rename_all = "snake_case")]
-enum Format {
-    JsonSchema { json_schema: Schema },
-}
-
-#[derive(Serialize)]
-struct Schema {
-    name: &'static str,
-    schema: Value,
-    strict: bool,
+    ImageUrl { image_url: Value },
 }
 
 pub(super) fn body<'a>(
@@ -89,12 +71,9 @@ pub(super) fn body<'a>(
             Some(Reasoning::Tokens(tokens)) => budget.into_iter().map(|it| (it, tokens)).collect(),
             Some(Reasoning::Level(_)) | None => BTreeMap::new(),
         },
-        response_format: stated.schema.map(|schema| Format::JsonSchema {
-            json_schema: Schema {
-                name: "action",
-                schema,
-                strict: true,
-            },
+        response_format: stated.schema.map(|schema| {
+            let named = json!({ "name": "action", "schema": schema, "strict": true });
+            json!({ "type": "json_schema", "json_schema": named })
         }),
     })
 }
@@ -107,7 +86,7 @@ fn asked(message: &Message) -> Content<Piece<'_>> {
     pieces(message, |part| match part {
         Part::Text(text) => Piece::Text { text },
         Part::Image(png) => Piece::ImageUrl {
-            image_url: ImageUrl { url: data_url(png) },
+            image_url: json!({ "url": data_url(png) }),
         },
     })
 }

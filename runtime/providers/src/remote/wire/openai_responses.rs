@@ -10,9 +10,8 @@ use super::{
 };
 use fab_model::calls::{Fault, Usage};
 use fab_model::{Message, Part, Reasoning};
-use fab_program::ReasoningLevel;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 #[derive(Serialize)]
 pub(super) struct Body<'a> {
@@ -26,14 +25,9 @@ pub(super) struct Body<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     max_output_tokens: Option<u32>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    reasoning: Option<Effort>,
+    reasoning: Option<Value>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    text: Option<TextFormat>,
-}
-
-#[derive(Serialize)]
-struct Effort {
-    effort: ReasoningLevel,
+    text: Option<Value>,
 }
 
 #[derive(Serialize)]
@@ -45,21 +39,6 @@ enum Piece<'a> {
     InputImage {
         image_url: String,
         detail: &'static str,
-    },
-}
-
-#[derive(Serialize)]
-struct TextFormat {
-    format: Format,
-}
-
-#[derive(Serialize)]
-#[serde(tag = "type", rename_all = "snake_case")]
-enum Format {
-    JsonSchema {
-        name: &'static str,
-        schema: Value,
-        strict: bool,
     },
 }
 
@@ -80,16 +59,14 @@ pub(super) fn body<'a>(
         top_p: stated.top_p,
         max_output_tokens: stated.max_tokens,
         reasoning: match stated.reasoning {
-            Some(Reasoning::Level(effort)) => Some(Effort { effort }),
+            Some(Reasoning::Level(effort)) => Some(json!({ "effort": effort })),
             // There is no field for a number of tokens, and `reasoning::sent` refuses it.
             Some(Reasoning::Tokens(_)) | None => None,
         },
-        text: stated.schema.map(|schema| TextFormat {
-            format: Format::JsonSchema {
-                name: "action",
-                schema,
-                strict: true,
-            },
+        text: stated.schema.map(|schema| {
+            json!({
+                "format": { "type": "json_schema", "name": "action", "schema": schema, "strict": true },
+            })
         }),
     })
 }

@@ -42,7 +42,7 @@ pub(super) fn sent(request: &Request, settings: &Settings) -> Result<Option<Reas
     let accepted: Vec<String> = accepted
         .map(|kind| match kind {
             ReasoningKind::Tokens => format!("a number of tokens from {least}"),
-            word => format!("`{word}`"),
+            word => format!("`{}`", word.name()),
         })
         .collect();
     let accepted = match accepted.is_empty() {
