@@ -10,10 +10,14 @@ use fab_agent::pictures::Pictures;
 use fab_agent::policy::{Asking, Decision, Exchange, Onnx, Policy, StepView};
 use fab_agent::scene::Scene;
 use fab_base::interrupt::Interrupt;
+use fab_model::Lowering;
 use fab_picture::DepthImage;
 use fab_picture::observation::Observation;
-use fab_program::{PixelPoint, Program, Proposal, Value};
+use fab_program::facts::Facts;
+use fab_program::verify::{self, Strictness, Verdict};
+use fab_program::{PixelPoint, Program, Proposal, Value, space};
 use image::{Luma, RgbImage};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 fn fixture(name: &str) -> PathBuf {
@@ -28,14 +32,14 @@ fn network(name: &str) -> Onnx {
 fn a_file_that_no_policy_can_play_is_refused_with_what_would_be_right() {
     for (name, expected) in [
         ("absent.onnx", "cannot be read: No such file"),
-        ("crumpled.png", "is no ONNX network that can be run: "),
+        ("crumpled.png", "is not an ONNX network that fabc can run: "),
         (
             "unknown_input.onnx",
-            "takes `image`, which no policy gets; there is `color`, `depth`, `cloth`, `faces`, `edge`, `picks`, `places`",
+            "takes `image`, which fabc does not provide; the inputs are `color`, `depth`, `cloth`, `faces`, `edge`, `picks`, `places`",
         ),
         (
             "channels_first.onnx",
-            "declares `color` as [1, 3, H, W], and it is [H, W, 3]",
+            "declares `color` as [1, 3, H, W]; it must be [H, W, 3]",
         ),
         (
             "without_actions.onnx",
@@ -45,9 +49,12 @@ fn a_file_that_no_policy_can_play_is_refused_with_what_would_be_right() {
             "scores.onnx",
             "returns `scores`, and must return `values` alone",
         ),
-        ("table.onnx", "declares `values` as [N, 2], and it is [N]"),
-        ("one_value.onnx", "declares `values` as [1], and it is [N]"),
-        ("whole_numbers.onnx", "has a `picks` that is not of float32"),
+        ("table.onnx", "declares `values` as [N, 2]; it must be [N]"),
+        ("one_value.onnx", "declares `values` as [1]; it must be [N]"),
+        (
+            "whole_numbers.onnx",
+            "declares `picks` of another type; it must be float32",
+        ),
     ] {
         let error = Onnx::read(&fixture(name)).err();
         let error = error.map(|error| error.to_string()).unwrap_or_default();
@@ -72,9 +79,8 @@ fn a_task_that_a_network_cannot_do_is_refused_before_the_first_step() {
     assert!(Onnx::smoother().prepare(&smoothing).unwrap().is_none());
 }
 
-/// What a network decides about the crumpled cloth.
-fn decided(mut policy: Onnx) -> Decision {
-    let program = support::task("smoothing");
+/// The crumpled cloth, as the task's camera sees it.
+fn crumpled(program: &Program) -> (Observation, Scene) {
     let bytes = std::fs::read(fixture("crumpled.png")).unwrap();
     let rgb: RgbImage = image::load_from_memory(&bytes).unwrap().to_rgb8();
     // The table is grey, 1 m away.
@@ -84,7 +90,14 @@ fn decided(mut policy: Onnx) -> Decision {
         Luma([if is_cloth { 0.99 } else { 1.0 }])
     });
     let observation = Observation::of_picture(&program.camera, rgb, Some(depth)).unwrap();
-    let scene = Scene::of(&program, &observation, None).unwrap();
+    let scene = Scene::of(program, &observation, None).unwrap();
+    (observation, scene)
+}
+
+/// What a network decides about the crumpled cloth.
+fn decided(mut policy: Onnx) -> Decision {
+    let program = support::task("smoothing");
+    let (observation, scene) = crumpled(&program);
     let examples = Examples::default();
     let pictures = Pictures::of(&program, &scene, &observation, None, None, examples).unwrap();
     let view = StepView::without_rollout(&program, &scene, &observation, 1, None, &pictures);
@@ -124,10 +137,90 @@ fn the_smoother_pulls_what_its_networks_always_pulled() {
     );
 }
 
+/// The distances that the task offers, and those of the pulls of the crumpled cloth that its checks accept.
+fn offered_and_accepted_distances() -> [Vec<f64>; 2] {
+    let program = support::task("smoothing");
+    let (observation, scene) = crumpled(&program);
+    let texts = BTreeMap::new();
+    let facts = Facts {
+        scene: &scene,
+        texts: &texts,
+        step: 1,
+        last: None,
+        proposal: None,
+        pointing: Lowering::PIXELS.pointing(observation.rgb.dimensions().into()),
+    };
+    let choices = |name: &str| space::choices(program.field(name).unwrap(), &scene);
+    let [picks, directions, distances] = ["pick", "direction", "distance"].map(choices);
+    let length_of = |distance: &Value| match distance {
+        Value::Length { length } => *length,
+        other => panic!("{other:?}"),
+    };
+    let is_accepted = |distance: &Value| {
+        picks.iter().any(|pick| {
+            directions.iter().any(|direction| {
+                let fields = [
+                    ("pick", pick),
+                    ("direction", direction),
+                    ("distance", distance),
+                ];
+                let proposal = Proposal {
+                    fields: fields
+                        .map(|(name, value)| (name.to_owned(), value.clone()))
+                        .into(),
+                };
+                let verdict = verify::verdict(&program, facts, &proposal, Strictness::Full);
+                verdict.unwrap() == Verdict::Accept
+            })
+        })
+    };
+    let accepted = distances.iter().filter(|distance| is_accepted(distance));
+    let accepted = accepted.map(length_of).collect();
+    [distances.iter().map(length_of).collect(), accepted]
+}
+
 #[test]
 fn a_network_made_elsewhere_plays_its_highest_value_among_accepted_actions() {
-    let short = played(decided(network("shortest")));
-    assert_eq!(short.get("distance"), Some(&Value::Length { length: 0.1 }));
+    let longest_of = |lengths: &[f64]| lengths.iter().copied().fold(0.0, f64::max);
+    let [offered, accepted] = offered_and_accepted_distances();
+    let longest = longest_of(&accepted);
+    assert!(
+        offered[0] < longest && longest < longest_of(&offered),
+        "{offered:?}, of which some pull is accepted: {accepted:?}"
+    );
+    let played = played(decided(network("longest")));
+    assert_eq!(
+        played.get("distance"),
+        Some(&Value::Length { length: longest })
+    );
+}
+
+#[test]
+#[ignore = "long"]
+fn values_do_not_depend_on_the_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    support::bring_library(folder.path());
+    let task = r#"
+        use "lib/smoothing.fab"
+        task one_pull extends smoothing_by_corners {
+            cloth   grid(42, 42, start: crumpled)
+            horizon 1
+        }
+    "#;
+    std::fs::write(folder.path().join("one_pull.fab"), task).unwrap();
+    let rollout = |threads: &str| {
+        let mut run = support::fabc(folder.path());
+        run.args(["run", "one_pull.fab", "--policy", "smoother"]);
+        run.args(["--start", "1", "--out", threads]);
+        run.env("RTEN_NUM_THREADS", threads);
+        let captured = support::finish(&mut run);
+        assert_eq!(captured.code, 0, "{}", captured.stderr);
+        let rollout = folder.path().join(threads).join("rollout.jsonl");
+        std::fs::read_to_string(rollout).unwrap()
+    };
+    let alone = rollout("1");
+    assert!(alone.contains("\"pick_px\""), "{alone}");
+    assert_eq!(alone, rollout("2"));
 }
 
 #[test]

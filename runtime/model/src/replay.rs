@@ -40,15 +40,19 @@ impl Replay {
     pub fn load(path: &Path, role: ModelRole) -> Result<Replay, LedgerError> {
         let mut exchanges = Vec::new();
         let mut by_key = BTreeMap::new();
-        for file in ledgers(path)? {
-            read(&file, &mut exchanges, &mut by_key)?;
-        }
+        let mut models = BTreeSet::new();
         let role = serde_json::json!(role);
+        for file in ledgers(path)? {
+            read(&file, &mut exchanges, &mut by_key, &mut |question| {
+                if question.request["role"] == role {
+                    models.insert(question.model.clone());
+                }
+            })?;
+        }
         let questions = || exchanges.iter().map(|(question, _)| question);
         let mut own: Vec<&Question> = questions()
             .filter(|question| question.request["role"] == role)
             .collect();
-        let models: BTreeSet<&str> = own.iter().map(|it| it.model.as_str()).collect();
         if models.len() > 1 {
             // Equal questions to different models could not be told apart.
             let models = models.into_iter().collect::<Vec<_>>().join("`, `");
@@ -135,11 +139,14 @@ fn collect(folder: &Path, depth: u32, found: &mut Vec<PathBuf>) -> std::io::Resu
         .try_for_each(|folder| collect(folder, depth - 1, found))
 }
 
-/// Adds the questions of a ledger.
+/// Adds the questions of a ledger that have an end.
+///
+/// - `each`: gets every question, also one without an end.
 fn read(
     file: &Path,
     exchanges: &mut Vec<(Question, End)>,
     by_key: &mut BTreeMap<String, usize>,
+    each: &mut dyn FnMut(&Question),
 ) -> Result<(), LedgerError> {
     let mut lines = Reader::open(file, u64::MAX).map_err(|why| unusable(file, &why))?;
     let mut asked: BTreeMap<String, Question> = BTreeMap::new();
@@ -147,6 +154,7 @@ fn read(
     while let Some(line) = lines.read().map_err(|why| unusable(file, &why))? {
         let (key, end) = match line {
             Line::Question(question) => {
+                each(&question);
                 asked.insert(question.key.clone(), question);
                 continue;
             }
