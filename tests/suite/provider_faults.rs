@@ -30,7 +30,7 @@ fn drawn(number: usize) -> u64 {
 fn one_in_ten(number: usize, question: &Question) -> Response {
     let drawn = drawn(number);
     let answer = question.answer_of(&Geometric);
-    if drawn % 10 != 0 {
+    if !drawn.is_multiple_of(10) {
         return answer;
     }
     let ended = |reason: &str| {
