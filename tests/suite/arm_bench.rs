@@ -69,7 +69,7 @@ fn rollouts_go_one_at_a_time_and_the_operator_judges_each() {
     let other = finish(fabc(lab.path()).args(["bench", "tiny", "--out", "out"]));
     assert_eq!(other.code, 2, "{}", other.stderr);
     assert!(
-        other.stderr.contains("another rollout: its params"),
+        other.stderr.contains("it differs in `params`"),
         "{}",
         other.stderr
     );

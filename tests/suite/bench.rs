@@ -375,7 +375,7 @@ fn a_suite_is_run_in_varied_worlds_which_equal_seeds_make_equal() {
     assert_eq!(said.code, 2, "{}", said.stdout);
     assert!(
         said.stderr
-            .contains("holds another rollout: its vary is `{\"size\":1.4"),
+            .contains("it differs in `vary.size` (recorded 1.4"),
         "{}",
         said.stderr
     );

@@ -297,8 +297,8 @@ fn a_suite_stops_at_its_cap_and_goes_on_with_a_higher_one() {
     let (code, estimate) = bench(&["--estimate"]);
     assert_eq!((code, provider.calls()), (0, 0));
     assert_eq!(
-        estimate["likely"]["calls"], 8,
-        "two stages, two starts, two rollouts each"
+        estimate["likely"]["calls"], 12,
+        "two stages, two starts, two rollouts each, and 1.4 tries of a step"
     );
 
     let (code, capped) = bench(&["--max-calls", "3"]);

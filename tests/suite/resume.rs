@@ -116,14 +116,14 @@ fn a_rollout_cut_off_anywhere_comes_out_the_same_and_asks_nothing_twice() {
         let run = folder.path().join(format!("cut-{number}"));
         copy(&whole, &run);
         fs::write(run.join(RECORD_FILE), &lines[..cut]).unwrap();
-        // Two answers of each step come before its line; the third call was in progress.
+        // Two questions of each step come before its line, with three lines each; the next call was in progress.
         let steps = ends
             .iter()
             .filter(|end| **end <= cut)
             .count()
             .saturating_sub(1)
             .min(2);
-        let kept = (noted[(4 * steps).min(7)]).min(calls.len());
+        let kept = noted[(6 * steps + 1).min(noted.len() - 1)];
         fs::write(run.join(ledger::LEDGER_FILE), &calls[..kept]).unwrap();
         let answered = ledger::read(&run).unwrap().answered;
         let model = Bought::default();
