@@ -5,9 +5,9 @@
 //! stopped.
 
 use super::goal::{Goal, Outcome, execute};
-use super::state::{watched_state, watched_wait};
-use super::{ArmError, ArmState, HandContents, Opening, Watch};
-use crate::port::{Ending, Port};
+use super::state::{fingers, watched_wait};
+use super::{ArmError, HandContents, Opening, Watch};
+use crate::port::{Ending, Port, Reading};
 use crate::settings::{FingerSettings, Tolerance};
 
 /// Time limit of a finger goal, seconds.
@@ -96,14 +96,19 @@ fn resting_positions<P: Port>(
     tolerance: &Tolerance,
     watch: &mut Watch<'_>,
 ) -> Result<Vec<f64>, ArmError> {
-    let mut before = positions(settings, watched_state(port, tolerance, watch)?)?;
+    let mut before = positions(port, settings, tolerance)?;
     for _ in 0..LOOKS {
-        let now = positions(settings, watched_wait(port, REST_S, tolerance, watch)?)?;
-        let moved = now.iter().zip(&before).map(|(a, b)| (a - b).abs());
-        if moved.fold(0.0, f64::max) <= 0.2 * settings.tolerance {
-            return Ok(now);
+        watched_wait(port, REST_S, tolerance, watch)?;
+        let now = positions(port, settings, tolerance)?;
+        // Only a new reading can show rest.
+        if now.at_s > before.at_s {
+            let moved = now.value.iter().zip(&before.value);
+            let moved = moved.map(|(now, before)| (now - before).abs());
+            if moved.fold(0.0, f64::max) <= 0.2 * settings.tolerance {
+                return Ok(now.value);
+            }
+            before = now;
         }
-        before = now;
     }
     Err(ArmError::TimedOut {
         after_s: f64::from(LOOKS) * REST_S,
@@ -111,15 +116,19 @@ fn resting_positions<P: Port>(
 }
 
 /// Returns one position per finger; a node may report three for a hand with two.
-fn positions(settings: &FingerSettings, state: ArmState) -> Result<Vec<f64>, ArmError> {
-    let mut fingers = state.fingers;
-    fingers.truncate(settings.count);
-    let are_numbers = fingers.iter().all(|position| position.is_finite());
-    if fingers.len() == settings.count && are_numbers {
+fn positions<P: Port>(
+    port: &mut P,
+    settings: &FingerSettings,
+    tolerance: &Tolerance,
+) -> Result<Reading<Vec<f64>>, ArmError> {
+    let mut fingers = fingers(port, tolerance)?;
+    fingers.value.truncate(settings.count);
+    let are_numbers = fingers.value.iter().all(|position| position.is_finite());
+    if fingers.value.len() == settings.count && are_numbers {
         return Ok(fingers);
     }
     Err(ArmError::Fingers {
-        found: format!("{} positions", fingers.len()),
+        found: format!("{} positions", fingers.value.len()),
         target: settings.count as f64,
     })
 }

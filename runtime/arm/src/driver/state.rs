@@ -34,7 +34,7 @@ pub(super) fn state<P: Port>(port: &mut P, tolerance: &Tolerance) -> Result<ArmS
     let now_s = port.now_s();
     let readings = port.state();
     let tool = fresh(readings.tool, "tool is", now_s, tolerance.stale_s)?;
-    let fingers = fresh(readings.fingers, "fingers are", now_s, tolerance.stale_s)?;
+    let fingers = fingers(port, tolerance)?;
     let joints = fresh(readings.joints_rad, "joints are", now_s, tolerance.stale_s);
     if !is_pose(&tool.value) {
         return Err(ArmError::OutOfLimits(
@@ -47,6 +47,15 @@ pub(super) fn state<P: Port>(port: &mut P, tolerance: &Tolerance) -> Result<ArmS
         joints_rad: joints.map(|joints| joints.value).unwrap_or_default(),
         fingers: fingers.value,
     })
+}
+
+/// Returns the last finger positions; fails on stale ones.
+pub(super) fn fingers<P: Port>(
+    port: &mut P,
+    tolerance: &Tolerance,
+) -> Result<Reading<Vec<f64>>, ArmError> {
+    let (now_s, heard) = (port.now_s(), port.state().fingers);
+    fresh(heard, "fingers are", now_s, tolerance.stale_s)
 }
 
 /// Returns the arm's state; stale joint angles are an error too.

@@ -415,3 +415,23 @@ fn an_arm_that_says_nothing_is_an_error_within_its_time() {
         go(&mut bench).unwrap();
     }
 }
+
+/// A message that is late must not make fingers that still move look at rest.
+#[test]
+fn fingers_come_to_rest_whenever_the_readings_pause() {
+    for silent_s in (2..40).map(|tenth| f64::from(tenth) * 0.1) {
+        let mut bench = Bench::driven(By::Trajectories, &[(FaultKind::ShortSilence, silent_s)]);
+        bench.take_cloth_away();
+        for (opening, expected) in [
+            (Opening::Closed, HandContents::Nothing),
+            (Opening::Open, HandContents::Unknown),
+        ] {
+            let contents = bench.driver().move_fingers(opening, &mut nobody);
+            assert_eq!(
+                contents,
+                Ok(expected),
+                "{opening:?}, silent from {silent_s} s"
+            );
+        }
+    }
+}
