@@ -3,8 +3,7 @@
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::shipped;
-use clap::Args;
-use clap::ValueHint;
+use clap::{Args, ValueHint};
 use fab_base::kinds::without_mark;
 use fab_base::wording::quoted;
 use fab_base::{files, npy};
@@ -12,8 +11,7 @@ use fab_compiler::{Compiled, Listed, LoadError, Loader, Wanted, diag};
 #[cfg(feature = "runtime")]
 use fab_program::Material;
 use fab_program::{PINS_FILE, Program, Trial, pins_folder};
-use serde::Deserialize;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};

@@ -10,10 +10,9 @@ use crate::sources;
 use fab_base::interrupt::Interrupt;
 use fab_base::wording::counted;
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 use std::path::PathBuf;
-use std::thread;
 use std::time::{Duration, SystemTime};
+use std::{fs, thread};
 
 /// Interval between two looks at the files. A change counts once two looks see the same: an editor writes, renames and
 /// deletes within this time.

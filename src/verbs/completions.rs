@@ -3,8 +3,7 @@
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::verbs::Cli;
-use clap::Args;
-use clap::CommandFactory;
+use clap::{Args, CommandFactory};
 use clap_complete::Shell;
 
 /// How to install them in each shell.

@@ -10,10 +10,8 @@ use super::{Bench, BenchError, Entry};
 use fab_agent::rollout::Job;
 use fab_base::parallel::in_parallel;
 use fab_program::{Program, Sequence};
-use fab_world::expert;
-use fab_world::expert::{MakeWorld, Sequences};
-use fab_world::metrics;
-use fab_world::{World, WorldError};
+use fab_world::expert::{self, MakeWorld, Sequences};
+use fab_world::{World, WorldError, metrics};
 use std::collections::BTreeSet;
 
 /// Returns a program's sequences for comparison, with each fold ending at a fraction of its length.

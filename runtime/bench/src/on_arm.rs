@@ -7,17 +7,14 @@
 use super::lay_starts::LaidStarts;
 use super::metric::Metric;
 use super::play::{self, JobEnd, Phase, Played, StopReason, Which};
-use super::record;
 use super::starts::StartPoint;
 use super::suite::Suite;
-use super::{Bench, BenchError, MakeRolloutWorld};
+use super::{Bench, BenchError, MakeRolloutWorld, record};
 use fab_agent::outcome::Outcome;
-use fab_arm::log;
-use fab_arm::log::{ARM_FILE, RunState};
+use fab_arm::log::{self, ARM_FILE, RunState};
 use fab_program::Program;
-use fab_world::About;
 use fab_world::start::Start;
-use fab_world::{World, WorldError};
+use fab_world::{About, World, WorldError};
 use std::path::{Path, PathBuf};
 
 /// The arm that runs a suite.

@@ -9,13 +9,26 @@ use super::statistics::Statistic;
 use super::suite::Suite;
 use fab_agent::record::CoverageSource;
 use fab_base::table::aligned;
-use std::collections::BTreeMap;
+use fab_base::wording::counted;
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::fmt::Display;
 
 /// The note under every table with quoted figures.
 const COMPARISON: &str = "Quoted rows are others' figures and stand for themselves. Ours come from our simulator and our experts, theirs from PyFleX: this is a comparison and not a ranking.";
 
 /// The note under every table with shared answers.
 const SHARED: &str = "Answers are shared (`--share-answers`): an equal question at several starts was asked once per repeat. Starts whose rollouts used a common answer are one cluster; `starts` counts them. Every interval is over clusters, also where a note says starts; a single cluster has none, except for shares.";
+
+const QUOTED_SHARES: &str =
+    "Intervals of quoted shares are Wilson's, computed here from the quoted counts.";
+const BY_PICTURES: &str = "Coverage from pictures: the cloth's pixels divided by those of the flat cloth from the same camera. This is neither SoftGym's measure nor the true area.";
+const DIFFERENCES: &str = "Lines with a sign are differences between two methods from the same starts [95 % paired bootstrap interval].";
+const ENDED_EARLY: &str =
+    "Rollouts that end early are included: the last state of the cloth is measured.";
+const STAND_IN: &str = "Results of a stand-in show that the pipeline works, and say nothing about any vision-language model.";
+const ORACLE: &str = "An oracle sees true particles and knows what no camera shows: its results are an upper reference and do not compete with the others.";
+const ONE_A_START: &str = "One rollout per start unless `starts` shows repeats: a deterministic model would give the same result again.";
 
 /// Writes the tables for a terminal.
 pub fn text(suite: &Suite, rows: &[Row]) -> String {
@@ -39,57 +52,36 @@ pub fn markdown(title: &str, suite: &Suite, rows: &[Row]) -> String {
     blocks.join("\n\n") + "\n"
 }
 
+/// The columns of the CSV: fields of a row's JSON, and both ends of its interval.
+const COLUMNS: &str = "task,method,policy,sees_particles,model,metric,horizon,n,repeats,statistic,value,spread,ci95_low,ci95_high,quoted,source,data_size,queries,s_per_action,planning_s,cost,outcomes,note,causes,answers,clusters,cost_at_most,visible_tokens,hidden_tokens,vary";
+
 /// Writes every row as a line of comma-separated values (RFC 4180), after a header line.
 pub fn csv(rows: &[Row]) -> String {
-    let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
-    let mut lines = vec![
-        "task,method,policy,sees_particles,model,metric,horizon,n,repeats,statistic,value,spread,ci95_low,ci95_high,quoted,source,data_size,queries,s_per_action,planning_s,cost,outcomes,note,causes,answers,clusters,cost_at_most,visible_tokens,hidden_tokens,vary"
-            .to_owned(),
-    ];
+    let mut text = format!("{COLUMNS}\r\n");
     for row in rows {
-        let count = |value: Option<usize>| value.map_or(String::new(), |value| value.to_string());
-        let cells = [
-            row.task.clone(),
-            row.method.clone(),
-            row.policy.clone().unwrap_or_default(),
-            row.sees_particles.to_string(),
-            row.model.clone().unwrap_or_default(),
-            row.metric.row().name.to_owned(),
-            count(row.horizon.map(|it| it as usize)),
-            count(row.n),
-            count(row.repeats.map(|it| it as usize)),
-            row.statistic.to_string(),
-            row.value.to_string(),
-            number(row.spread),
-            number(row.ci95.map(|[low, _]| low)),
-            number(row.ci95.map(|[_, high]| high)),
-            row.quoted.to_string(),
-            row.source.clone().unwrap_or_default(),
-            count(row.data_size),
-            number(row.queries),
-            number(row.s_per_action),
-            number(row.planning_s),
-            number(row.cost),
-            counted(&row.outcomes),
-            row.note.clone().unwrap_or_default(),
-            counted(&row.causes),
-            row.answers.map_or(String::new(), |it| it.name().to_owned()),
-            count(row.clusters),
-            number(row.cost_at_most),
-            number(row.visible_tokens),
-            number(row.hidden_tokens),
-            row.vary.unwrap_or_default().to_owned(),
-        ];
-        lines.push(cells.map(|cell| escaped(&cell)).join(","));
+        let fields = serde_json::to_value(row).expect("a row has string keys");
+        let cells = COLUMNS.split(',').map(|column| match column {
+            "ci95_low" => cell(&fields["ci95"][0]),
+            "ci95_high" => cell(&fields["ci95"][1]),
+            column => cell(&fields[column]),
+        });
+        text += &(cells.collect::<Vec<_>>().join(",") + "\r\n");
     }
-    lines.join("\r\n") + "\r\n"
+    text
 }
 
-fn escaped(cell: &str) -> String {
-    if cell.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", cell.replace('"', "\"\""))
+fn cell(value: &Value) -> String {
+    let text = match value {
+        Value::Null => String::new(),
+        Value::String(text) => text.clone(),
+        Value::Number(number) => number.as_f64().unwrap_or(f64::NAN).to_string(),
+        Value::Object(counts) => listed(counts),
+        other => other.to_string(),
+    };
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
     } else {
-        cell.to_owned()
+        text
     }
 }
 
@@ -182,11 +174,13 @@ fn effort(lines: &[Vec<&Row>]) -> Lines {
     ];
     let mut table = vec![headings(is_varied)];
     table[0].extend(head.map(str::to_owned));
-    let has_hidden = lines.iter().any(|line| line[0].hidden_tokens > Some(0.0));
+    let has_hidden = lines
+        .iter()
+        .any(|line| line[0].effort.hidden_tokens > Some(0.0));
     if has_hidden {
         table[0].extend(["visible tokens/action", "hidden tokens/action"].map(str::to_owned));
     }
-    let has_causes = lines.iter().any(|line| !line[0].causes.is_empty());
+    let has_causes = lines.iter().any(|line| !line[0].effort.causes.is_empty());
     if has_causes {
         table[0].push("not reached for".to_owned());
     }
@@ -201,18 +195,23 @@ fn effort(lines: &[Vec<&Row>]) -> Lines {
     for row in lines.iter().map(|line| line[0]).filter(|row| !row.quoted) {
         let mut cells = names(row, is_varied);
         cells.extend([
-            row.data_size.map_or(String::new(), |size| size.to_string()),
-            used(row, row.queries),
-            used(row, row.s_per_action),
-            number(row.planning_s.map(|seconds| seconds * 1000.0), 0),
+            row.effort
+                .data_size
+                .map_or(String::new(), |size| size.to_string()),
+            used(row, row.effort.queries),
+            used(row, row.effort.s_per_action),
+            number(row.effort.planning_s.map(|seconds| seconds * 1000.0), 0),
             cost(row),
-            counted(&row.outcomes),
+            listed(&row.effort.outcomes),
         ]);
         if has_hidden {
-            cells.extend([number(row.visible_tokens, 0), number(row.hidden_tokens, 0)]);
+            cells.extend([
+                number(row.effort.visible_tokens, 0),
+                number(row.effort.hidden_tokens, 0),
+            ]);
         }
         if has_causes {
-            cells.push(counted(&row.causes));
+            cells.push(listed(&row.effort.causes));
         }
         table.push(cells);
     }
@@ -222,8 +221,8 @@ fn effort(lines: &[Vec<&Row>]) -> Lines {
 /// Writes the cost per action; what calls of unknown usage cost is an upper bound.
 fn cost(row: &Row) -> String {
     let digits = |value: f64| format!("{value:.2}");
-    let at_most = row.cost_at_most.map(digits);
-    match (row.cost.map(digits), at_most) {
+    let at_most = row.effort.cost_at_most.map(digits);
+    match (row.effort.cost.map(digits), at_most) {
         (Some(cost), Some(at_most)) if cost != at_most => format!("{cost} to {at_most}"),
         (Some(cost), _) => cost,
         (None, Some(at_most)) => format!("at most {at_most}"),
@@ -237,15 +236,14 @@ fn names(row: &Row, is_varied: bool) -> Vec<String> {
         Some(repeats) if repeats > 1 => format!("{n} x {repeats}"),
         _ => n.to_string(),
     });
-    let clusters = row.clusters.map(|clusters| match clusters {
-        1 => ", 1 cluster".to_owned(),
-        _ => format!(", {clusters} clusters"),
-    });
+    let clusters = row.clusters;
+    let clusters = clusters.map(|clusters| format!(", {}", counted(clusters, "cluster")));
     let starts = starts.map(|starts| starts + &clusters.unwrap_or_default());
     let mut cells = vec![
-        match row.quoted {
-            true => format!("quoted: {}", row.method),
-            false => row.method.clone(),
+        if row.quoted {
+            format!("quoted: {}", row.method)
+        } else {
+            row.method.clone()
         },
         row.policy.clone().unwrap_or_default(),
     ];
@@ -278,36 +276,35 @@ fn figure(row: &Row) -> String {
     text
 }
 
-fn counted(counts: &BTreeMap<&'static str, usize>) -> String {
-    let counts = counts.iter().map(|(name, count)| format!("{count} {name}"));
+fn listed(counts: impl IntoIterator<Item = (impl Display, impl Display)>) -> String {
+    let counts = counts.into_iter();
+    let counts = counts.map(|(name, count)| format!("{count} {name}"));
     counts.collect::<Vec<_>>().join(", ")
 }
 
 fn captions(suite: &Suite, rows: &[Row]) -> Vec<String> {
+    let any = |has: fn(&Row) -> bool| rows.iter().any(has);
     let mut lines = Vec::new();
     if !suite.note.is_empty() {
         lines.push(suite.note.trim().to_owned());
     }
     for row in rows {
-        if let Some(note) = &row.note {
-            let line = format!(
-                "{} with {}: {note}.",
-                row.method,
-                row.policy.as_deref().unwrap_or("nobody")
-            );
-            if !lines.contains(&line) {
-                lines.push(line);
-            }
+        let Some(note) = &row.note else { continue };
+        let policy = row.policy.as_deref().unwrap_or("nobody");
+        let line = format!("{} with {policy}: {note}.", row.method);
+        if !lines.contains(&line) {
+            lines.push(line);
         }
     }
-    if rows.iter().any(|row| row.model.is_some()) {
-        let format = match suite.structured {
-            true => "with a schema where the server enforces it",
-            false => "in the prompt's own format",
+    if any(|row| row.model.is_some()) {
+        let format = if suite.structured {
+            "with a schema where the server enforces it"
+        } else {
+            "in the prompt's own format"
         };
         lines.push(format!("Asked: {format}."));
     }
-    let shares = rows.iter().any(|row| row.clusters.is_some());
+    let shares = any(|row| row.clusters.is_some());
     let figures = match suite.statistic {
         Statistic::Median => {
             "median over all rollouts ± the larger of the distances from the median to the quartiles"
@@ -327,27 +324,19 @@ fn captions(suite: &Suite, rows: &[Row]) -> Vec<String> {
         let caption = row.metric.row().caption.map(str::to_owned);
         lines.extend(caption.filter(|caption| !lines.contains(caption)));
     }
-    if rows.iter().any(|row| row.quoted && row.ci95.is_some()) {
-        lines.push(
-            "Intervals of quoted shares are Wilson's, computed here from the quoted counts."
-                .to_owned(),
-        );
+    if any(|row| row.quoted && row.ci95.is_some()) {
+        lines.push(QUOTED_SHARES.to_owned());
     }
-    if rows
-        .iter()
-        .any(|row| row.metric.row().measured_on == Some(CoverageSource::Picture))
-    {
-        lines.push("Coverage from pictures: the cloth's pixels divided by those of the flat cloth from the same \
-            camera. This is neither SoftGym's measure nor the true area.".to_owned());
+    if any(|row| row.metric.row().measured_on == Some(CoverageSource::Picture)) {
+        lines.push(BY_PICTURES.to_owned());
     }
-    if rows
-        .iter()
-        .any(|row| matches!(row.statistic, FigureMeaning::Difference(_)))
-    {
-        lines.push("Lines with a sign are differences between two methods from the same starts [95 % paired bootstrap interval].".to_owned());
+    if any(|row| matches!(row.statistic, FigureMeaning::Difference(_))) {
+        lines.push(DIFFERENCES.to_owned());
     }
-    if let Some(vary) = &suite.vary
-        && rows.iter().any(|row| row.vary.is_some())
+    if let Some(vary) = suite
+        .vary
+        .as_ref()
+        .filter(|_| any(|row| row.vary.is_some()))
     {
         let ranges = vary.ranges.iter().map(|range| {
             let (axis, low, high) = (range.axis, range.low, range.high);
@@ -361,52 +350,34 @@ fn captions(suite: &Suite, rows: &[Row]) -> Vec<String> {
             vary.seed
         ));
     }
-    lines.push(
-        "Rollouts that end early are included: the last state of the cloth is measured.".to_owned(),
+    lines.push(ENDED_EARLY.to_owned());
+    if any(|row| row.model_is_stand_in) {
+        lines.push(STAND_IN.to_owned());
+    }
+    if any(|row| row.sees_particles) {
+        lines.push(ORACLE.to_owned());
+    }
+    if any(|row| !row.quoted && row.repeats == Some(1)) {
+        lines.push(ONE_A_START.to_owned());
+    }
+    let sources: BTreeSet<&String> = rows.iter().filter_map(|row| row.source.as_ref()).collect();
+    lines.extend(
+        sources
+            .iter()
+            .map(|source| format!("Quoted from: {source}.")),
     );
-    if rows.iter().any(|row| row.model_is_stand_in) {
-        lines.push("Results of a stand-in show that the pipeline works, and say nothing about any vision-language \
-            model.".to_owned());
-    }
-    if rows.iter().any(|row| row.sees_particles) {
-        lines.push("An oracle sees true particles and knows what no camera shows: its results are an upper reference \
-            and do not compete with the others.".to_owned());
-    }
-    if rows.iter().any(|row| !row.quoted && row.repeats == Some(1)) {
-        lines.push("One rollout per start unless `starts` shows repeats: a deterministic model would give the same \
-            result again.".to_owned());
-    }
-    for source in sources(rows) {
-        lines.push(format!("Quoted from: {source}."));
-    }
-    if rows.iter().any(|row| row.quoted) {
+    if any(|row| row.quoted) {
         lines.push(COMPARISON.to_owned());
     }
     lines
 }
 
-fn sources(rows: &[Row]) -> Vec<&str> {
-    let mut sources: Vec<&str> = rows
-        .iter()
-        .filter_map(|row| row.source.as_deref())
-        .collect();
-    sources.sort_unstable();
-    sources.dedup();
-    sources
-}
-
 fn piped(table: &[Vec<String>]) -> String {
-    let line = |cells: &[String]| {
-        format!(
-            "| {} |",
-            cells
-                .iter()
-                .map(|cell| cell.replace('|', "\\|"))
-                .collect::<Vec<_>>()
-                .join(" | ")
-        )
+    let line = |cells: &Vec<String>| {
+        let cells = cells.iter().map(|cell| cell.replace('|', "\\|"));
+        format!("| {} |", cells.collect::<Vec<_>>().join(" | "))
     };
-    let mut lines: Vec<String> = table.iter().map(|cells| line(cells)).collect();
+    let mut lines: Vec<String> = table.iter().map(line).collect();
     let columns = table.first().map_or(0, Vec::len);
     lines.insert(1.min(lines.len()), format!("|{}", "---|".repeat(columns)));
     lines.join("\n")

@@ -5,10 +5,9 @@
 
 use crate::sources;
 use fab_base::digest;
-use fab_program::Proposal;
 use fab_program::facts::ExecutedAction;
 use fab_program::scene::SceneView;
-use fab_program::{PixelPoint, Program, Subgoals, Value, pins_folder};
+use fab_program::{PixelPoint, Program, Proposal, Subgoals, Value, pins_folder};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

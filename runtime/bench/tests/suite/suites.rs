@@ -256,12 +256,12 @@ fn folders_without_starts_are_refused_by_name() {
     assert!(said(&folder.path().join("absent")).contains("cannot be used"));
     for (manifest, wanted) in [
         ("{", "EOF while parsing"),
-        ("{}", "it has neither `entries` nor `states`"),
-        (r#"{"states": []}"#, "its `states` are empty"),
+        ("{}", "it lists neither `entries` nor `states`"),
         (
-            r#"{"states": [{"index": 1}]}"#,
-            "`states` 0 (counted from 0) lacks `index` or `pos`",
+            r#"{"states": []}"#,
+            "it lists neither `entries` nor `states`",
         ),
+        (r#"{"states": [{"index": 1}]}"#, "missing field `pos`"),
         (
             r#"{"states": [{"index": 1, "pos": "a.npy"}]}"#,
             "cannot find `a.npy`",
