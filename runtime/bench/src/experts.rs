@@ -4,7 +4,7 @@
 //! them. For a fold fraction below 1, each fold of the sequence is shortened accordingly.
 
 use super::lay_starts::LaidStarts;
-use super::play::{ExpertDistance, Phase, Spent, at, place, program_of};
+use super::play::{ExpertDistance, Progress, Spent, at, place};
 use super::record::Rollout;
 use super::{Bench, BenchError, Entry};
 use fab_agent::rollout::Job;
@@ -17,11 +17,10 @@ use std::collections::BTreeSet;
 /// Returns a program's sequences for comparison, with each fold ending at a fraction of its length.
 fn sequences(program: &Program, fraction: f64) -> Vec<Sequence> {
     let mut sequences = program.experts.clone();
-    for fold in sequences
-        .iter_mut()
-        .flat_map(|sequence| &mut sequence.folds)
-    {
-        fold.fraction *= fraction;
+    for sequence in &mut sequences {
+        for fold in &mut sequence.folds {
+            fold.fraction *= fraction;
+        }
     }
     sequences
 }
@@ -49,14 +48,14 @@ fn make_world(
 pub(super) fn simulate(
     bench: &Bench<'_>,
     laid: &LaidStarts,
-    progress: &(dyn Fn(Phase, usize, usize) + Sync),
+    progress: &Progress<'_>,
     spent: &mut Spent,
 ) -> Result<bool, BenchError> {
     let mut jobs = Vec::new();
     let mut known = BTreeSet::new();
     for (number, entry) in bench.entries.iter().enumerate() {
         for (start, laid) in laid[number].iter().enumerate() {
-            let program = program_of(bench, entry, start)?;
+            let program = entry.program(&bench.tasks[entry.task].starts[start]);
             let digest = laid.digest();
             let world = make_world(bench, entry, start, program);
             let world = world.map_err(|error| at(&place(bench, entry, start), error))?;
@@ -75,14 +74,14 @@ pub(super) fn simulate(
     if jobs.is_empty() {
         return Ok(true);
     }
-    progress(Phase::Experts, 0, jobs.len());
+    progress("expert ends known", 0, jobs.len());
     let done = in_parallel(
         jobs.len(),
         bench.threads,
         |index| {
             let (number, start, sequence) = &jobs[index];
             let entry = &bench.entries[*number];
-            let program = program_of(bench, entry, *start)?;
+            let program = entry.program(&bench.tasks[entry.task].starts[*start]);
             // One sequence per job, so that the job starts no thread of its own.
             let ends = expert::ends(
                 Sequences {
@@ -101,7 +100,7 @@ pub(super) fn simulate(
                 Err(error) => Err(at(&place(bench, entry, *start), error)),
             }
         },
-        |done| progress(Phase::Experts, done, jobs.len()),
+        |done| progress("expert ends known", done, jobs.len()),
     )?;
     spent.experts_simulated = done.iter().flatten().sum();
     Ok(done.iter().all(Option::is_some))

@@ -220,14 +220,6 @@ pub enum BenchError {
     /// The calls of an earlier part of the suite cannot be read.
     #[error(transparent)]
     Ledger(#[from] LedgerError),
-    /// No program was compiled for the grid of a start.
-    #[error("{place}: no program is compiled for a cloth of {} by {} particles", grid[0], grid[1])]
-    NoProgram {
-        /// Task and start.
-        place: String,
-        /// Particles along both sides.
-        grid: [u32; 2],
-    },
     /// A start is one of the examples in the prompts.
     #[error(
         "the start `{start}` of `{task}` is that of demonstration {demonstration}, which `{method}` shows the model: a result from it would not be a test; make the demonstrations again with another `--seed`"
@@ -261,6 +253,12 @@ impl Entry<'_> {
     /// Returns what differs from the task's own world at a start.
     pub fn values(&self, start: &StartPoint) -> AxisValues {
         self.variation.values(start.number)
+    }
+
+    /// Returns the program for the cloth of a start.
+    fn program(&self, start: &StartPoint) -> &Program {
+        let program = self.programs.get(&start.grid());
+        program.expect("the task is compiled for the grid of every start")
     }
 
     /// Returns whether rollouts end at their goal. A free model continues if a metric needs that, and the figures with

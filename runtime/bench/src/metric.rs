@@ -13,7 +13,7 @@ use super::record::Step;
 use super::statistics::Statistic;
 use fab_agent::outcome::Outcome;
 use fab_agent::policy::Finding;
-use fab_agent::record::{Asked, CoverageSource};
+use fab_agent::record::CoverageSource;
 use fab_program::Goal;
 use fab_program::verify::Verdict;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -228,16 +228,14 @@ const COVERS: &str = "Covers 0.85: share of the rollouts in which the cloth cove
 
 /// Returns how many answers of a step were refused by a check.
 fn refused(step: &Step) -> usize {
-    let is_refused = |asked: &&Asked| {
-        matches!(
-            asked.result,
-            Finding::Action {
-                verdict: Verdict::Reject { .. },
-                ..
-            }
-        )
-    };
-    step.line.attempts.iter().filter(is_refused).count()
+    let results = step.line.attempts.iter().map(|asked| &asked.result);
+    let verdicts = results.filter_map(|result| match result {
+        Finding::Action { verdict, .. } => Some(verdict),
+        _ => None,
+    });
+    verdicts
+        .filter(|it| matches!(it, Verdict::Reject { .. }))
+        .count()
 }
 
 fn share(holds: bool) -> f64 {

@@ -38,7 +38,7 @@ enum Arrangement {
     Turned { deg: f64 },
     Crumpled { seed: u64 },
     Recorded(Start),
-    ByHand { number: u32 },
+    ByHand,
 }
 
 /// Why a folder of recorded starts cannot be used.
@@ -94,8 +94,8 @@ pub fn generated(starts: &Starts, cloth: &Cloth) -> Vec<StartPoint> {
         }
         Starts::Operator { count } => {
             let own = [cloth.dimx, cloth.dimy];
-            let by_hand = |number| point(number as usize, own, Arrangement::ByHand { number });
-            (0..*count).map(by_hand).collect()
+            let by_hand = |number| point(number, own, Arrangement::ByHand);
+            (0..*count as usize).map(by_hand).collect()
         }
     }
 }
@@ -239,15 +239,16 @@ impl StartPoint {
 
     /// Describes how a person is to lay the cloth.
     pub fn in_words(&self) -> String {
-        let of_task = |number: &u32| match self.cloth.start {
-            ClothStart::Crumpled => format!("crumpled by hand, {}", number + 1),
-            _ => format!("flat, {}", number + 1),
-        };
+        let number = self.number + 1;
         match &self.lie {
             Arrangement::Turned { deg } => format!("flat, turned by {deg:.0} degrees"),
-            Arrangement::Crumpled { .. } => format!("crumpled by hand, {}", self.number + 1),
             Arrangement::Recorded(start) => format!("as `{}` was recorded", start.name),
-            Arrangement::ByHand { number } => of_task(number),
+            Arrangement::ByHand if self.cloth.start != ClothStart::Crumpled => {
+                format!("flat, {number}")
+            }
+            Arrangement::Crumpled { .. } | Arrangement::ByHand => {
+                format!("crumpled by hand, {number}")
+            }
         }
     }
 
@@ -271,21 +272,19 @@ impl StartPoint {
             }
             Arrangement::Recorded(start) => Ok(start.clone()),
             Arrangement::Crumpled { seed } => self.crumpled(*seed, world, cache, interrupt),
-            Arrangement::ByHand { number } => {
-                let seed = u64::from(*number);
+            Arrangement::ByHand => {
+                let seed = self.number;
+                let askew_rad = (ASKEW_DEG * seed as f64).to_radians();
                 let laid = match self.cloth.start {
                     ClothStart::Crumpled => self.crumpled(seed, world, cache, interrupt),
-                    _ => Ok(Start::turned_by(
-                        &self.cloth,
-                        (ASKEW_DEG * f64::from(*number)).to_radians(),
-                    )),
+                    _ => Ok(Start::turned_by(&self.cloth, askew_rad)),
                 };
                 let start = match laid {
                     Err(WorldError::CannotCrumple { .. }) => Start::flat(&self.cloth),
                     laid => laid?,
                 };
                 Ok(Start {
-                    name: format!("laid by hand, {}", number + 1),
+                    name: format!("laid by hand, {}", seed + 1),
                     seed: Some(seed),
                     ..start
                 })

@@ -3,8 +3,7 @@
 //! In: [`Row`]s. Out: text. Tables for people have a line per method and number of actions, and a column per measure;
 //! CSV has a line per row. Every table ends with notes on what its figures mean and do not mean.
 
-use super::metric::Metric;
-use super::rows::{FigureMeaning, Row};
+use super::rows::{Effort, FigureMeaning, Row};
 use super::statistics::Statistic;
 use super::suite::Suite;
 use fab_agent::record::CoverageSource;
@@ -115,30 +114,40 @@ fn lines<'r>(rows: impl Iterator<Item = &'r Row>) -> Vec<Vec<&'r Row>> {
     lines
 }
 
+/// A column: its heading, and what it shows of a line.
+type Column<'c> = (&'c str, Box<dyn Fn(&[&Row]) -> String + 'c>);
+
+fn column<'c>(heading: &'c str, cell: impl Fn(&Row) -> String + 'c) -> Column<'c> {
+    (heading, Box::new(move |line| cell(line[0])))
+}
+
+fn filled<'r>(columns: &[Column<'_>], lines: impl Iterator<Item = &'r Vec<&'r Row>>) -> Lines {
+    let headings = columns.iter().map(|(heading, _)| (*heading).to_owned());
+    let mut table = vec![headings.collect()];
+    table.extend(lines.map(|line| columns.iter().map(|(_, cell)| cell(line)).collect()));
+    table
+}
+
 fn figures(suite: &Suite, lines: &[Vec<&Row>]) -> Lines {
-    let there = |metric: &&Metric| lines.iter().flatten().any(|row| row.metric == **metric);
-    let metrics: Vec<Metric> = suite.metrics.iter().filter(there).copied().collect();
     let is_varied = is_varied(lines);
-    let mut head = headings(is_varied);
-    for metric in &metrics {
-        head.push(metric.row().heading.to_owned());
-        head.extend(is_varied.then(|| "change".to_owned()));
-    }
-    let mut table = vec![head];
-    for line in lines {
-        let mut cells = names(line[0], is_varied);
-        for metric in &metrics {
-            let shown = |is_change: bool| {
+    let mut columns = names(is_varied);
+    for metric in &suite.metrics {
+        if !lines.iter().flatten().any(|row| row.metric == *metric) {
+            continue;
+        }
+        let cell = |is_change: bool| {
+            Box::new(move |line: &[&Row]| {
                 let mut rows = line.iter().filter(|row| row.metric == *metric);
                 let row = rows.find(|row| is_a_change(row) == is_change);
                 row.map_or(String::new(), |row| figure(row))
-            };
-            cells.push(shown(false));
-            cells.extend(is_varied.then(|| shown(true)));
+            })
+        };
+        columns.push((metric.row().heading, cell(false)));
+        if is_varied {
+            columns.push(("change", cell(true)));
         }
-        table.push(cells);
     }
-    table
+    filled(&columns, lines.iter())
 }
 
 fn is_varied(lines: &[Vec<&Row>]) -> bool {
@@ -153,69 +162,45 @@ fn is_difference(row: &Row) -> bool {
     matches!(row.statistic, FigureMeaning::Difference(_)) || is_a_change(row)
 }
 
-/// Returns the headings of the cells of [`names`].
-fn headings(is_varied: bool) -> Vec<String> {
-    let varied = is_varied.then_some("varied");
-    let first = ["method", "policy"].into_iter().chain(varied);
-    let all = first.chain(["actions", "starts"]);
-    all.map(str::to_owned).collect()
-}
-
 /// Describes the effort and outcomes of each line's rollouts.
 fn effort(lines: &[Vec<&Row>]) -> Lines {
-    let is_varied = is_varied(lines);
-    let head = [
-        "examples",
-        "queries/action",
-        "s/action",
-        "planning, ms",
-        "cost/action",
-        "ended",
-    ];
-    let mut table = vec![headings(is_varied)];
-    table[0].extend(head.map(str::to_owned));
-    let has_hidden = lines
-        .iter()
-        .any(|line| line[0].effort.hidden_tokens > Some(0.0));
-    if has_hidden {
-        table[0].extend(["visible tokens/action", "hidden tokens/action"].map(str::to_owned));
-    }
-    let has_causes = lines.iter().any(|line| !line[0].effort.causes.is_empty());
-    if has_causes {
-        table[0].push("not reached for".to_owned());
-    }
     let number = |value: Option<f64>, digits: usize| {
         value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
     };
-    let used = |row: &Row, value: Option<f64>| match (is_difference(row), value) {
+    let used = move |row: &Row, value: Option<f64>| match (is_difference(row), value) {
         (true, Some(value)) => format!("{value:+.2}"),
         _ => number(value, 2),
     };
-    // A gain is read beside what it costs. Quoted figures have no effort.
-    for row in lines.iter().map(|line| line[0]).filter(|row| !row.quoted) {
-        let mut cells = names(row, is_varied);
-        cells.extend([
-            row.effort
-                .data_size
-                .map_or(String::new(), |size| size.to_string()),
-            used(row, row.effort.queries),
-            used(row, row.effort.s_per_action),
-            number(row.effort.planning_s.map(|seconds| seconds * 1000.0), 0),
-            cost(row),
-            listed(&row.effort.outcomes),
+    let planning_ms = |row: &Row| row.effort.planning_s.map(|seconds| seconds * 1000.0);
+    let mut columns = names(is_varied(lines));
+    columns.extend([
+        column("examples", |row| shown(row.effort.data_size)),
+        column("queries/action", move |row| used(row, row.effort.queries)),
+        column("s/action", move |row| used(row, row.effort.s_per_action)),
+        column("planning, ms", move |row| number(planning_ms(row), 0)),
+        column("cost/action", cost),
+        column("ended", |row| listed(&row.effort.outcomes)),
+    ]);
+    let any = |has: fn(&Effort) -> bool| lines.iter().any(|line| has(&line[0].effort));
+    if any(|effort| effort.hidden_tokens > Some(0.0)) {
+        columns.extend([
+            column("visible tokens/action", move |row| {
+                number(row.effort.visible_tokens, 0)
+            }),
+            column("hidden tokens/action", move |row| {
+                number(row.effort.hidden_tokens, 0)
+            }),
         ]);
-        if has_hidden {
-            cells.extend([
-                number(row.effort.visible_tokens, 0),
-                number(row.effort.hidden_tokens, 0),
-            ]);
-        }
-        if has_causes {
-            cells.push(listed(&row.effort.causes));
-        }
-        table.push(cells);
     }
-    table
+    if any(|effort| !effort.causes.is_empty()) {
+        columns.push(column("not reached for", |row| listed(&row.effort.causes)));
+    }
+    // A gain is read beside what it costs. Quoted figures have no effort.
+    filled(&columns, lines.iter().filter(|line| !line[0].quoted))
+}
+
+fn shown(value: Option<impl ToString>) -> String {
+    value.map_or(String::new(), |value| value.to_string())
 }
 
 /// Writes the cost per action; what calls of unknown usage cost is an upper bound.
@@ -230,34 +215,36 @@ fn cost(row: &Row) -> String {
     }
 }
 
-/// Writes the first cells of a line: method, policy, what varies if anything does in the table, actions, starts.
-fn names(row: &Row, is_varied: bool) -> Vec<String> {
-    let starts = row.n.map(|n| match row.repeats {
-        Some(repeats) if repeats > 1 => format!("{n} x {repeats}"),
-        _ => n.to_string(),
-    });
-    let clusters = row.clusters;
-    let clusters = clusters.map(|clusters| format!(", {}", counted(clusters, "cluster")));
-    let starts = starts.map(|starts| starts + &clusters.unwrap_or_default());
-    let mut cells = vec![
-        if row.quoted {
-            format!("quoted: {}", row.method)
-        } else {
-            row.method.clone()
-        },
-        row.policy.clone().unwrap_or_default(),
-    ];
-    cells.extend(is_varied.then(|| match (row.vary, row.quoted) {
+/// Returns the first columns: method, policy, what varies if anything does in the table, actions, starts.
+fn names(is_varied: bool) -> Vec<Column<'static>> {
+    let method = |row: &Row| match row.quoted {
+        true => format!("quoted: {}", row.method),
+        false => row.method.clone(),
+    };
+    let varied = |row: &Row| match (row.vary, row.quoted) {
         (Some(varied), _) => varied.to_owned(),
         (None, true) => String::new(),
         (None, false) => "nothing".to_owned(),
-    }));
-    cells.extend([
-        row.horizon
-            .map_or(String::new(), |horizon| horizon.to_string()),
-        starts.unwrap_or_default(),
-    ]);
-    cells
+    };
+    let mut columns = vec![
+        column("method", method),
+        column("policy", |row| shown(row.policy.as_ref())),
+    ];
+    if is_varied {
+        columns.push(column("varied", varied));
+    }
+    columns.push(column("actions", |row| shown(row.horizon)));
+    columns.push(column("starts", starts));
+    columns
+}
+
+fn starts(row: &Row) -> String {
+    let clusters = row.clusters;
+    let clusters = clusters.map(|clusters| format!(", {}", counted(clusters, "cluster")));
+    let repeats = row.repeats.filter(|repeats| *repeats > 1);
+    let repeats = repeats.map(|repeats| format!(" x {repeats}"));
+    let starts = [row.n.map(|n| n.to_string()), repeats, clusters];
+    starts.into_iter().flatten().collect()
 }
 
 /// Writes a figure with its spread and interval.

@@ -26,7 +26,7 @@ use crate::verbs::runtime::setting::worlds::{self, WorldChoice};
 use clap::{Args, ValueHint};
 use fab_agent::rollout::FirstQuestion;
 use fab_bench::on_arm::{Cloths, OnArm};
-use fab_bench::play::{self, Phase, Played, Results, StopReason};
+use fab_bench::play::{self, Played, Results, StopReason};
 use fab_bench::{Answers, Bench, Entry, OtherWorld, first_questions_of, rows};
 use fab_model::calls::Budget;
 use fab_program::Program;
@@ -259,8 +259,9 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         return Ok(foresee(&bench, &questions, &deciding, arguments, io));
     }
     io.talk(&report::plan(&found.name, &bench, arguments.shard));
-    let results = play::play(&bench, &|phase, done, of| {
-        show(phase, done, of, &budget, io)
+    let results = play::play(&bench, &|what, done, of| {
+        let spent = so_far(&budget.spent());
+        io.progress(&format!("{done} of {of} {what}{spent}"));
     });
     io.progress("");
     let results = results?;
@@ -373,16 +374,6 @@ impl SharedQuestions {
         });
         fresh.collect()
     }
-}
-
-fn show(phase: Phase, done: usize, of: usize, budget: &Budget, io: &Io) {
-    let what = match phase {
-        Phase::Starts => "starts laid",
-        Phase::Experts => "expert ends known",
-        Phase::Rollouts => "rollouts finished",
-    };
-    let spent = so_far(&budget.spent());
-    io.progress(&format!("{done} of {of} {what}{spent}"));
 }
 
 /// A suite succeeds when its rollouts have ended, whatever their outcomes; the environment failed only if no rollout
