@@ -140,7 +140,6 @@ impl Io {
         }
     }
 
-    /// Writes one JSON document to stdout.
     pub(crate) fn json(&self, value: &impl Serialize) {
         let text = serde_json::to_string_pretty(value);
         let text = text.expect("a result has string keys and finite numbers");
@@ -218,7 +217,6 @@ impl Io {
 
     // --- Input -------------------------------------------------------------------------
 
-    /// Reads from stdin.
     pub(crate) fn read<T>(&self, read: impl FnOnce(&mut dyn BufRead) -> T) -> T {
         read(&mut **lock(&self.streams.stdin))
     }
@@ -250,7 +248,6 @@ impl Io {
 
     // --- Surroundings ------------------------------------------------------------------
 
-    /// Returns a variable of the environment.
     pub(crate) fn variable(&self, name: impl AsRef<OsStr>) -> Option<OsString> {
         std::env::var_os(name)
     }
@@ -262,12 +259,10 @@ impl Io {
         named.or_else(|| Some(dirs::cache_dir()?.join("fabc")))
     }
 
-    /// Returns the current time.
     pub(crate) fn now(&self) -> SystemTime {
         SystemTime::now()
     }
 
-    /// Returns the program to start as a helper process.
     pub(crate) fn program(&self) -> std::io::Result<PathBuf> {
         std::env::current_exe()
     }
@@ -296,7 +291,6 @@ pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     files::write_whole(path, bytes).map_err(|error| Failure::unwritable(path, error))
 }
 
-/// Stdin as a stream.
 pub(crate) struct Input(Io);
 
 impl Read for Input {
@@ -305,7 +299,6 @@ impl Read for Input {
     }
 }
 
-/// Stdout as a stream.
 pub(crate) struct Output<'io>(&'io Io);
 
 impl Write for Output<'_> {

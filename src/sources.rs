@@ -17,7 +17,6 @@ use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// Which task of a file is meant.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
 pub struct TaskArguments {
     /// The file that declares the task, or the name of a shipped task.
@@ -54,25 +53,25 @@ impl Disk {
 
 impl Loader for Disk {
     fn load(&self, name: &str) -> Result<String, LoadError> {
-        let wrong = |message: String| LoadError { message };
         let path = Path::new(name);
-        let bytes = if name == self.entry {
-            read_bounded(path)
+        let found = if name == self.entry {
+            Ok(path.to_owned())
         } else {
-            inside_or_library(&self.folder, path).and_then(|path| read_bounded(&path))
+            inside_or_library(&self.folder, path)
         };
-        let bytes = bytes.map_err(|why| {
+        let bytes = found.and_then(|path| read_bounded(&path)).map_err(|why| {
             let nearby = match similar_file(path) {
                 Some(meant) => format!("; did you mean `{meant}`?"),
                 None => shipped::library_hint(path).unwrap_or_default(),
             };
-            wrong(format!("cannot read `{name}`: {why}{nearby}"))
-        })?;
-        files::text(bytes).map_err(|why| wrong(format!("cannot read `{name}`: {why}")))
+            format!("{why}{nearby}")
+        });
+        bytes.and_then(files::text).map_err(|why| LoadError {
+            message: format!("cannot read `{name}`: {why}"),
+        })
     }
 }
 
-/// Returns the name of a similar file beside one that does not exist.
 fn similar_file(path: &Path) -> Option<String> {
     let name = path.file_name()?.to_str()?;
     if path.exists() {
@@ -149,7 +148,6 @@ impl Loader for Looking {
     }
 }
 
-/// The part of a file of pins that a check reads.
 #[derive(Deserialize)]
 struct Tried {
     tried: Option<Trial>,
@@ -190,33 +188,25 @@ fn picture(_: &Path, _: &[u8]) -> Result<(Listed, Option<String>), String> {
     Ok((Listed::Unknown, None))
 }
 
-/// Checks that bytes are finite particle positions.
 fn are_positions(bytes: &[u8]) -> Result<(), String> {
     let positions = npy::decode_positions(bytes)?;
-    if positions.iter().flatten().all(|number| number.is_finite()) {
-        Ok(())
-    } else {
-        Err("a coordinate in it is not a number".to_owned())
-    }
+    let are_finite = positions.iter().flatten().all(|number| number.is_finite());
+    let fault = (!are_finite).then(|| "a coordinate in it is not a number".to_owned());
+    fault.map_or(Ok(()), Err)
 }
 
 /// Checks that bytes are lines with a JSON object each, the first of which states the format.
 fn are_json_lines(bytes: &[u8]) -> Result<(), String> {
     let text = files::text(without_mark(bytes).to_vec())?;
     let mut states_format = false;
-    for (number, line) in (1..).zip(text.lines()) {
-        if line.trim().is_empty() {
-            continue;
-        }
+    let lines = (1..).zip(text.lines());
+    for (number, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
         let object: serde_json::Map<String, serde_json::Value> = serde_json::from_str(line)
             .map_err(|error| format!("line {number} is no JSON object: {error}"))?;
         states_format |= number == 1 && object.contains_key("format");
     }
-    if states_format {
-        Ok(())
-    } else {
-        Err("its first line does not state a `format`".to_owned())
-    }
+    let fault = (!states_format).then(|| "its first line does not state a `format`".to_owned());
+    fault.map_or(Ok(()), Err)
 }
 
 /// Compiles a file, and looks for the files that its tasks name; returns what is done to pictures to show them, too.
@@ -234,12 +224,9 @@ pub fn used_files(file: &str) -> BTreeSet<PathBuf> {
     loader.asked.into_inner()
 }
 
-/// Returns the folder that holds a file.
 pub fn folder_of(file: &str) -> PathBuf {
-    Path::new(file)
-        .parent()
-        .map(Path::to_owned)
-        .unwrap_or_default()
+    let folder = Path::new(file).parent();
+    folder.map(Path::to_owned).unwrap_or_default()
 }
 
 /// Returns the real path of a file; the error says why it is not inside `folder` (an empty path means the current
@@ -247,13 +234,8 @@ pub fn folder_of(file: &str) -> PathBuf {
 ///
 /// Links are resolved in both paths, so a link may point to a neighbour but not out of the folder.
 pub fn inside(folder: &Path, path: &Path) -> Result<PathBuf, String> {
-    let folder = if folder.as_os_str().is_empty() {
-        Path::new(".")
-    } else {
-        folder
-    };
-    let folder = folder.canonicalize().map_err(|error| error.to_string())?;
-    let real = path.canonicalize().map_err(|error| error.to_string())?;
+    let real = |path: &Path| path.canonicalize().map_err(|error| error.to_string());
+    let (folder, real) = (real(&Path::new(".").join(folder))?, real(path)?);
     if real.starts_with(&folder) {
         return Ok(real);
     }
@@ -284,7 +266,6 @@ pub fn read_bounded(path: &Path) -> Result<Vec<u8>, String> {
     files::read(path, MAX_BYTES)
 }
 
-/// Compiles a file.
 pub fn compile(file: &str) -> Result<Compiled, Failure> {
     Ok(fab_compiler::compile(file, &Disk::beside(file))?)
 }
@@ -307,23 +288,18 @@ pub fn compile_tasks(file: &str, wanted: Option<&str>, io: &Io) -> Result<Vec<Pr
     runnable(compiled, file, wanted)
 }
 
-/// Returns the runnable tasks of a compilation; at least one.
 fn runnable(compiled: Compiled, file: &str, wanted: Option<&str>) -> Result<Vec<Program>, Failure> {
     if compiled.has_errors() {
         let diagnostics = diag::to_json(&compiled.diagnostics, &compiled.sources);
-        return Err(Failure::author(
-            format!("`{file}` cannot be compiled"),
-            diagnostics,
-        ));
+        let why = format!("`{file}` cannot be compiled");
+        return Err(Failure::author(why, diagnostics));
     }
     let mut programs = compiled.programs;
     if programs.is_empty() {
-        return Err(Failure::author(
-            format!(
-                "`{file}` declares no task that can run: one needs at least a cloth, a camera, actions, stages, and subgoals or a horizon, its own or from the task it extends"
-            ),
-            json!([]),
-        ));
+        let why = format!(
+            "`{file}` declares no task that can run: one needs at least a cloth, a camera, actions, stages, and subgoals or a horizon, its own or from the task it extends"
+        );
+        return Err(Failure::author(why, json!([])));
     }
     if let Some(wanted) = wanted {
         let names = quoted(tasks(&programs).map(|program| program.task.as_str()));
@@ -341,10 +317,8 @@ fn runnable(compiled: Compiled, file: &str, wanted: Option<&str>) -> Result<Vec<
 ///
 /// The task must be named if the file declares several; without a variant it is the task itself.
 pub fn compile_task(wanted: &TaskArguments, io: &Io) -> Result<Program, Failure> {
-    chosen(
-        compile_tasks(&wanted.file, wanted.task.as_deref(), io)?,
-        wanted,
-    )
+    let programs = compile_tasks(&wanted.file, wanted.task.as_deref(), io)?;
+    chosen(programs, wanted)
 }
 
 /// Compiles the task again for a cloth of another grid; shows only errors, since other diagnostics were shown before.
@@ -355,10 +329,8 @@ pub fn compile_task_for(
     grid: [u32; 2],
     io: &Io,
 ) -> Result<Program, Failure> {
-    chosen(
-        compile_tasks_for(&wanted.file, wanted.task.as_deref(), grid, io)?,
-        wanted,
-    )
+    let programs = compile_tasks_for(&wanted.file, wanted.task.as_deref(), grid, io)?;
+    chosen(programs, wanted)
 }
 
 /// Compiles a file again for a cloth of another grid, and returns its tasks with their variants, or only the `wanted` task.
@@ -385,20 +357,18 @@ fn chosen(programs: Vec<Program>, wanted: &TaskArguments) -> Result<Program, Fai
     }
     let variants = quoted(programs.iter().filter_map(|it| it.variant.as_deref()));
     let mut programs = programs.into_iter();
-    programs
-        .find(|program| program.variant == wanted.variant)
-        .ok_or_else(|| {
-            let there = if variants.is_empty() {
-                "there is none".to_owned()
-            } else {
-                format!("there is {variants}")
-            };
-            Failure::usage(format!(
-                "`{}` has no variant `{}`; {there}",
-                wanted.file,
-                wanted.variant.as_deref().unwrap_or_default()
-            ))
-        })
+    let found = programs.find(|program| program.variant == wanted.variant);
+    found.ok_or_else(|| {
+        let there = if variants.is_empty() {
+            "none"
+        } else {
+            &variants
+        };
+        let (file, variant) = (&wanted.file, wanted.variant.as_deref().unwrap_or_default());
+        Failure::usage(format!(
+            "`{file}` has no variant `{variant}`; there is {there}"
+        ))
+    })
 }
 
 fn tasks(programs: &[Program]) -> impl Iterator<Item = &Program> {

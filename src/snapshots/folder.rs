@@ -35,7 +35,6 @@ impl Side {
     }
 }
 
-/// A folder of snapshots.
 #[derive(Debug)]
 pub struct Folder {
     path: PathBuf,
@@ -144,7 +143,6 @@ impl Folder {
         moved.map_err(|error| Failure::unwritable(&to, error))
     }
 
-    /// Removes a snapshot, if there is one.
     pub fn remove(&self, name: &Name, side: Side) -> Result<(), Failure> {
         let path = self.file(name, side);
         let removed = remove_file(&path).and_then(|()| remove_file(&picture_of(&path)));

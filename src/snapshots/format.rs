@@ -13,12 +13,10 @@ const FENCE: &str = "---";
 /// How a line begins with which git marks a merge conflict.
 const CONFLICT: &str = "<<<<<<< ";
 
-/// A snapshot: metadata and contents.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
     /// Describes what the snapshot is of.
     pub metadata: Metadata,
-    /// The text or picture.
     pub contents: Contents,
 }
 
@@ -27,7 +25,6 @@ pub struct Snapshot {
 pub enum Contents {
     /// Lines of text. Line-end style and trailing whitespace are ignored.
     Text(String),
-    /// A PNG file.
     Picture(Vec<u8>),
 }
 
@@ -42,7 +39,6 @@ impl Contents {
 }
 
 impl Snapshot {
-    /// Makes a snapshot of these details.
     pub fn of(source: &str, description: String, info: Info, contents: Contents) -> Snapshot {
         let metadata = Metadata {
             source: Some(source.to_owned()),
@@ -79,15 +75,11 @@ pub struct Metadata {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Info {
-    /// The task.
     pub task: String,
-    /// The variant; absent for the task itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub variant: Option<String>,
-    /// The stage; absent for scenes and pictures.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stage: Option<String>,
-    /// The pinned scene.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scene: Option<String>,
     /// What the picture shows; only for pictures.
@@ -123,7 +115,6 @@ fn ours<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Info>, D::Error> {
 pub struct Origin {
     /// The first of these lines, from 1.
     pub from: u32,
-    /// The last of these lines.
     pub to: u32,
     /// The component, `STAGE.say`, `check.NAME`, or a word such as `frame`; contains no blanks.
     pub component: String,

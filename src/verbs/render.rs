@@ -27,7 +27,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use why::Why;
 
-/// Arguments of `render`.
 #[derive(Args)]
 pub struct RenderArguments {
     #[command(flatten)]
@@ -59,7 +58,6 @@ pub struct RenderArguments {
     pub json: bool,
 }
 
-/// Renders every stage or the named one, once or after every change of a file.
 pub fn run(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
     let entry = std::slice::from_ref(&arguments.task.file);
     #[cfg_attr(not(feature = "runtime"), expect(unused_mut))]
@@ -73,14 +71,12 @@ pub fn run(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
     }
 }
 
-/// The stages of a task for display.
 pub struct Rendered {
     stages: Vec<ShownStage>,
     /// What the model that is shown the messages costs, if one is named.
     price: Option<Price>,
 }
 
-/// The stages as they are printed.
 #[derive(Serialize)]
 struct Printed<'s> {
     stages: Vec<PrintedStage<'s>>,
@@ -190,7 +186,6 @@ fn chosen_stages<'p>(
     }
 }
 
-/// Describes the content of a prompt's picture.
 pub fn title(picture: &PromptPicture, step: u32) -> String {
     match picture {
         PromptPicture::File(file) => file.path.clone(),

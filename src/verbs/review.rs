@@ -26,7 +26,6 @@ Without --json, --accept, --reject and --accept-all it asks on the terminal; `?`
 An ID is a group's (8 letters of its hash), a snapshot's (its file name without `.snap`), or the
 path of a snapshot, pending or accepted.";
 
-/// Arguments of `review`.
 #[derive(Args)]
 #[command(after_help = KEYS)]
 pub struct ReviewArguments {
@@ -59,7 +58,6 @@ struct Review<'r> {
     outcome: Option<&'r Outcome>,
 }
 
-/// A group with its snapshots.
 #[derive(Serialize)]
 struct ShownGroup<'r> {
     #[serde(flatten)]
@@ -67,7 +65,6 @@ struct ShownGroup<'r> {
     snapshots: Vec<&'r Pending>,
 }
 
-/// Reviews the pending snapshots.
 pub fn run(arguments: &ReviewArguments, io: &Io) -> Result<Exit, Failure> {
     let mut pending = find::find(&arguments.places, arguments.only.as_deref(), io)?;
     let decides =
@@ -114,7 +111,6 @@ fn decide(arguments: &ReviewArguments, pending: &mut Vec<Pending>) -> Result<Out
     Ok(outcome)
 }
 
-/// Asks about each group on the terminal.
 fn ask(pending: &[Pending], groups: &[Group], io: &Io) -> Result<Exit, Failure> {
     if pending.is_empty() {
         io.talk("nothing is pending");

@@ -24,7 +24,6 @@ use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::thread;
 
-/// Arguments of `snap`.
 #[derive(Args)]
 pub struct SnapArguments {
     /// The files whose prompts are pinned.
@@ -73,7 +72,6 @@ impl SnapArguments {
     }
 }
 
-/// The states of all snapshots, and how many there are of each.
 #[derive(Default, Serialize)]
 struct Taken {
     snapshots: Vec<SnapshotState>,
@@ -85,7 +83,6 @@ struct Taken {
     pending: usize,
 }
 
-/// Takes snapshots, or reports how they differ.
 pub fn run(arguments: &SnapArguments, io: &Io) -> Result<Exit, Failure> {
     if !arguments.check {
         for file in &arguments.files {
@@ -157,7 +154,6 @@ fn planned(
 }
 
 impl Taken {
-    /// Adds the states of a folder's snapshots.
     fn add(&mut self, states: Vec<SnapshotState>) {
         for found in &states {
             let count = match found.state {
@@ -173,7 +169,6 @@ impl Taken {
         self.snapshots.extend(states);
     }
 
-    /// Reports the counts, and what can be done next.
     fn advise(&self, arguments: &SnapArguments, io: &Io) {
         let unseen = match self.unseen {
             0 => String::new(),

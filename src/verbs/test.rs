@@ -2,7 +2,6 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::report::Report;
 use crate::{shipped, sources, watch};
 use clap::{Args, ValueHint};
 use fab_base::wording::counted;
@@ -12,7 +11,6 @@ use fab_program::{Expect, Program, Test};
 use serde::Serialize;
 use serde_json::{Value, json};
 
-/// Arguments of `test`.
 #[derive(Args)]
 pub struct TestArguments {
     /// The files whose tests are run, or names of shipped tasks.
@@ -38,7 +36,6 @@ pub fn run(arguments: &TestArguments, io: &Io) -> Result<Exit, Failure> {
     }
 }
 
-/// The results of all tests.
 #[derive(Default, Serialize)]
 struct Tested {
     passed: usize,
@@ -49,7 +46,6 @@ struct Tested {
     diagnostics: Vec<Value>,
 }
 
-/// A test and its result.
 #[derive(Serialize)]
 struct TestedOne {
     file: String,
@@ -114,18 +110,14 @@ fn test(arguments: &TestArguments, io: &Io) -> Result<Exit, Failure> {
     if tested.failed > 0 && exit == Exit::Done {
         exit = Exit::Author;
     }
-    io.result(arguments.json, &tested);
-    Ok(exit)
-}
-
-impl Report for Tested {
-    fn text(&self) -> String {
-        let passed = format!("{} passed, {} failed", self.passed, self.failed);
-        match self.errors.len() {
+    io.either(arguments.json, &tested, || {
+        let passed = format!("{} passed, {} failed", tested.passed, tested.failed);
+        match tested.errors.len() {
             0 => passed,
             n => format!("{passed}, {} not run", counted(n, "file")),
         }
-    }
+    });
+    Ok(exit)
 }
 
 fn line(file: &str, test: &Test, trial: &Trial) -> String {

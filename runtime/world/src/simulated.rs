@@ -12,7 +12,9 @@ use fab_picture::DepthImage;
 use fab_picture::camera::Camera;
 use fab_picture::observation::Observation;
 use fab_program::{self as program, Program};
-use fab_sim::{Aim, Frame, Grid, Manner, Mask, PickAndPlace, SimError, Simulator, TopDownCamera};
+use fab_sim::{
+    Aim, Frame, Grid, Manner, Mask, MaskError, PickAndPlace, SimError, Simulator, TopDownCamera,
+};
 pub use fab_sim::{Look, Params};
 use image::RgbImage;
 
@@ -224,22 +226,23 @@ pub fn laid(start: &Start, parameters: &Params) -> Result<Simulator, WorldError>
         start: start.name.clone(),
         why,
     };
-    let grid = Grid::new(
-        start.grid.dimx as usize,
-        start.grid.dimy as usize,
-        start.grid.spacing_m as f32,
-    )
-    .map_err(|error| wrong(error.to_string()))?;
-    let mask = match &start.outline {
-        Some(outline) => Mask::parse(&outline.text(), grid.spacing_m)
-            .map_err(|error| wrong(error.to_string()))?,
-        None => Mask::full(grid),
-    };
-    if mask.grid() != grid {
+    let mask = mask(start).map_err(|error| wrong(error.to_string()))?;
+    let Grid { dimx, dimy, .. } = mask.grid();
+    if [dimx, dimy] != [start.grid.dimx, start.grid.dimy].map(|side| side as usize) {
         return Err(wrong("its outline is of another grid".to_owned()));
     }
     Simulator::from_positions(mask, &start.positions, parameters)
         .map_err(|error| wrong(error.to_string()))
+}
+
+/// Returns which particles of a start's grid there are.
+pub fn mask(start: &Start) -> Result<Mask, MaskError> {
+    let (dimx, dimy) = (start.grid.dimx as usize, start.grid.dimy as usize);
+    let spacing_m = start.grid.spacing_m as f32;
+    match &start.outline {
+        Some(outline) => Mask::parse(&outline.text(), spacing_m),
+        None => Ok(Mask::full(Grid::new(dimx, dimy, spacing_m)?)),
+    }
 }
 
 /// Refuses a cloth with missing particles: its corners, which tasks name, may not exist.

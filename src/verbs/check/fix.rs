@@ -13,12 +13,9 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// What is done with new texts.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Effect {
-    /// The files are written.
     Write,
-    /// The changes are shown as a unified diff.
     Show,
 }
 

@@ -44,7 +44,6 @@ pub struct CameraArguments {
 }
 
 impl CameraArguments {
-    /// Returns the files that it names.
     pub fn files(&self) -> impl Iterator<Item = PathBuf> {
         let start = self.start.start.iter().map(PathBuf::from);
         start.chain(self.shown.facts.models.iter().cloned())
@@ -200,7 +199,6 @@ impl Seen {
     }
 }
 
-/// Describes the finding about an answer.
 fn in_words(finding: &Finding) -> String {
     let (words, stated) = match finding {
         Finding::Text {

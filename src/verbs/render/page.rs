@@ -13,27 +13,20 @@ use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// One message for display.
 #[derive(Serialize)]
 pub struct DisplayMessage {
-    /// Who speaks.
     pub role: &'static str,
-    /// Its parts, in order.
     pub parts: Vec<DisplayPart>,
 }
 
-/// A part of a displayed message.
 #[derive(Serialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum DisplayPart {
-    /// Text.
     Text {
         #[serde(rename = "text", serialize_with = "words")]
         said: PromptText,
     },
-    /// A picture.
     Image {
-        /// The picture's description.
         #[serde(rename = "shows")]
         title: String,
         /// The PNG bytes, if requested and if this build can draw it.
@@ -50,13 +43,10 @@ pub struct Correction {
     said: PromptText,
 }
 
-/// A stage for display.
 #[derive(Serialize)]
 pub struct ShownStage {
-    /// Its name.
     #[serde(rename = "stage")]
     pub name: String,
-    /// Its messages, in order.
     pub messages: Vec<DisplayMessage>,
     /// How many of the messages make up the first question.
     #[serde(skip)]
@@ -69,9 +59,7 @@ pub struct ShownStage {
     pub results: Vec<serde_json::Value>,
 }
 
-/// A line of a page.
 pub struct Line {
-    /// The line's text.
     pub text: String,
     /// Where its text comes from; `None` for headings, blank lines between texts, and pictures.
     pub origin: Option<Origin>,
@@ -161,7 +149,6 @@ impl ShownStage {
         Ok(ShownStage::of(program, stage, values, messages)?)
     }
 
-    /// Makes a stage of its first question.
     pub fn of(
         program: &Program,
         stage: &Stage,
@@ -185,7 +172,6 @@ impl ShownStage {
         })
     }
 
-    /// Returns the lines of all messages, with a heading above each.
     pub fn lines(&self) -> Vec<Line> {
         let mut lines = Vec::new();
         for message in &self.messages {
@@ -206,7 +192,6 @@ impl ShownStage {
         lines
     }
 
-    /// Returns the parts of the first question.
     pub fn first_question(&self) -> impl Iterator<Item = &DisplayPart> {
         let asked = self.messages.iter().take(self.n_asked_first);
         asked.flat_map(|message| &message.parts)
@@ -220,7 +205,6 @@ impl ShownStage {
         })
     }
 
-    /// Returns the page as text.
     pub fn text(&self) -> String {
         let lines = self.lines().into_iter();
         lines.map(|line| line.text + "\n").collect()

@@ -10,7 +10,6 @@ use fab_program::tokens;
 use serde::Serialize;
 use std::path::Path;
 
-/// The size of one component of a stage.
 #[derive(Serialize)]
 struct Weight {
     said_by: String,
@@ -19,10 +18,8 @@ struct Weight {
     cost_nano_usd: Option<u64>,
 }
 
-/// The sizes of a stage's first question.
 #[derive(Serialize)]
 struct Weights {
-    /// In order of appearance.
     components: Vec<Weight>,
     all: Weight,
     /// How many pictures have an unknown token count.
@@ -36,12 +33,10 @@ pub struct Why<'s> {
     estimated_tokens: Weights,
 }
 
-/// A stretch of a text and its origin.
 #[derive(Serialize)]
 struct Stretch<'s> {
     message: usize,
     part: usize,
-    /// Its bytes in the text.
     start: usize,
     end: usize,
     said_by: &'s str,
@@ -182,7 +177,6 @@ fn dollars(nano: u64) -> String {
     format!("  ${}.{:06}", micro / 1_000_000, micro % 1_000_000)
 }
 
-/// Returns the stretches and the weights of a stage.
 pub fn of<'s>(stage: &'s ShownStage, folder: &Path, price: Option<&Price>) -> Why<'s> {
     let mut stretches = Vec::new();
     for (message, shown) in stage.messages.iter().enumerate() {

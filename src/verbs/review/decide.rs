@@ -13,7 +13,6 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// The decision about a pending snapshot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decision {
     /// It becomes the accepted one.
@@ -25,13 +24,10 @@ pub enum Decision {
 /// The target of a decision, by its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Selection {
-    /// A group.
     Group(usize),
-    /// A pending snapshot.
     Snapshot(usize),
 }
 
-/// All decisions so far.
 pub struct Decisions<'r> {
     pub pending: &'r [Pending],
     pub groups: &'r [Group],
@@ -47,13 +43,11 @@ pub struct Outcome {
     pub rejected: Vec<Name>,
     /// Those of which only some edits were accepted; they are still pending.
     pub waiting: Vec<Name>,
-    /// How many are still pending.
     #[serde(skip)]
     pub n_pending: usize,
 }
 
 impl<'r> Decisions<'r> {
-    /// Starts without a decision.
     pub fn about(pending: &'r [Pending], groups: &'r [Group]) -> Decisions<'r> {
         Decisions {
             pending,
@@ -63,7 +57,6 @@ impl<'r> Decisions<'r> {
         }
     }
 
-    /// Records a decision about a group.
     pub fn decide(&mut self, group: usize, decision: Decision) {
         self.made.insert(Selection::Group(group), decision);
     }
@@ -83,7 +76,6 @@ impl<'r> Decisions<'r> {
         Ok(())
     }
 
-    /// Accepts every group about which nothing was decided.
     pub fn accept_others(&mut self) {
         for group in (0..self.groups.len()).map(Selection::Group) {
             self.made.entry(group).or_insert(Decision::Accept);
@@ -110,7 +102,6 @@ impl<'r> Decisions<'r> {
         self.settled.contains_key(&member)
     }
 
-    /// Returns what became of the snapshots so far.
     pub fn outcome(&self) -> Outcome {
         let names = |is_meant: &dyn Fn(usize) -> bool| {
             let pending = self.pending.iter().enumerate();
@@ -173,7 +164,6 @@ impl<'r> Decisions<'r> {
 }
 
 impl Outcome {
-    /// Reports the outcome in one or two lines.
     pub fn report(&self, io: &Io) {
         if !self.waiting.is_empty() {
             io.talk(&format!(

@@ -16,7 +16,6 @@ use walkdir::{DirEntry, WalkDir};
 /// Folders with generated or downloaded files.
 const SKIPPED: [&str; 3] = ["target", "node_modules", "runs"];
 
-/// A pending snapshot.
 #[derive(Serialize)]
 pub struct Pending {
     #[serde(skip)]
@@ -24,7 +23,6 @@ pub struct Pending {
     /// Its name, which is also its id.
     #[serde(rename = "id")]
     pub name: Name,
-    /// The file.
     pub path: PathBuf,
     /// The file of the proposed picture, if it is one.
     pub file: Option<PathBuf>,

@@ -63,7 +63,6 @@ fn go_through(decisions: &mut Decisions<'_>, io: &Io) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// Decides about groups, and applies what that settles.
 fn decide(
     decisions: &mut Decisions<'_>,
     groups: Range<usize>,

@@ -14,7 +14,6 @@ use similar::{ChangeTag, TextDiff};
 /// Causes and names of snapshots that are listed; `--json` lists all.
 const LISTED: usize = 8;
 
-/// Returns a group as lines for the terminal.
 pub fn group(group: &Group, pending: &[Pending], color: Color) -> String {
     let mut page = Page {
         color,
@@ -69,7 +68,6 @@ fn head(group: &Group, pending: &[Pending]) -> String {
     }
 }
 
-/// Formats a cause: component, file and line.
 fn place(cause: &Cause) -> String {
     match (&cause.file, cause.line) {
         (Some(file), Some(line)) => format!("{} {file}:{line}", cause.component),
@@ -77,7 +75,6 @@ fn place(cause: &Cause) -> String {
     }
 }
 
-/// Lines under construction.
 struct Page {
     color: Color,
     lines: Vec<String>,
@@ -93,12 +90,10 @@ impl Page {
         self.line(text, &Style::new());
     }
 
-    /// Adds a line of one style.
     fn line(&mut self, text: &str, style: &Style) {
         self.lines.push(style.apply_to(shown(text)).to_string());
     }
 
-    /// Adds the first lines of a list, and how many more there are.
     fn list(&mut self, indent: &str, items: impl Iterator<Item = String>) {
         let items: Vec<String> = items.collect();
         for item in items.iter().take(LISTED) {

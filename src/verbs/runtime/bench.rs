@@ -28,7 +28,6 @@ use fab_agent::rollout::FirstQuestion;
 use fab_bench::on_arm::{Cloths, OnArm};
 use fab_bench::play::{self, Played, Results, StopReason};
 use fab_bench::{Answers, Bench, Entry, OtherWorld, first_questions_of, rows};
-use fab_model::calls::Budget;
 use fab_program::Program;
 use fab_providers::catalogue::Profile;
 use fab_providers::estimate::Estimate;
@@ -45,7 +44,6 @@ use std::time::Instant;
 /// The most rollouts in parallel.
 const MAX_JOBS: i64 = 256;
 
-/// Arguments of `bench`.
 #[derive(Args)]
 pub struct BenchArguments {
     /// A suite of tasks/suites by its name, or the path of a .toml file.
@@ -100,36 +98,27 @@ pub struct BenchArguments {
     pub json: bool,
 }
 
-/// One part of the starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// The number of this part, from 1.
     pub part: u32,
-    /// The number of parts.
     pub of: u32,
 }
 
-/// Parses `--shard`.
 fn shard(text: &str) -> Result<Shard, String> {
     let parts = text.split_once('/');
     let parts = parts.and_then(|(part, of)| Some((part.parse().ok()?, of.parse().ok()?)));
-    match parts {
-        Some((part, of)) if 1 <= part && part <= of => Ok(Shard { part, of }),
-        _ => Err("write a part and how many there are, such as 1/3, 2/3 and 3/3".to_owned()),
-    }
+    let shard = parts.map(|(part, of)| Shard { part, of });
+    let shard = shard.filter(|it| (1..=it.of).contains(&it.part));
+    shard.ok_or_else(|| "write a part and how many there are, such as 1/3, 2/3 and 3/3".to_owned())
 }
 
-/// Runs a suite and reports it.
 pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
     let begun = Instant::now();
     arguments.arm.check_world(&arguments.world)?;
     let found = suites::find(&arguments.suite)?;
     let mut suite = suites::narrowed(found.suite, arguments.variant.as_deref());
-    suite.structured &= !arguments
-        .model
-        .reach
-        .omitted()
-        .any(|it| it == Parameter::Schema);
+    let mut omitted = arguments.model.reach.omitted();
+    suite.structured &= !omitted.any(|it| it == Parameter::Schema);
     if suite.vary.is_some() && arguments.world != WorldChoice::Sim {
         return Err(Failure::environment(format!(
             "the suite varies its worlds (`[vary]`), which only the bundled simulator can, not `--world {}`: leave the option out, or run a suite without that table",
@@ -137,19 +126,11 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         )));
     }
     let arm = on_arm::check(arguments, &suite, io)?;
-    let has_operator = arguments.operator
-        || arm
-            .as_ref()
-            .is_some_and(|arm| setting::arm::has_operator(&arguments.arm, &arm.settings, io));
+    let asks_operator =
+        |arm: &on_arm::Arm| setting::arm::has_operator(&arguments.arm, &arm.settings, io);
+    let has_operator = arguments.operator || arm.as_ref().is_some_and(asks_operator);
     let interrupt = io.interrupt()?;
-    let deciding = prepare::deciding(
-        &suite,
-        &arguments.policy,
-        &arguments.model,
-        arguments.spend.purpose(),
-        &interrupt,
-        io,
-    )?;
+    let deciding = prepare::deciding(&suite, arguments, &interrupt, io)?;
     let mut answering = deciding.values().filter_map(Deciding::answering);
     if !arguments.share_answers && answering.any(Answering::shares_answers) {
         return Err(Failure::environment(
@@ -171,11 +152,12 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
     let cache = setting::cache_or_beside(&out, io);
     let entries = prepare::entries(&suite, &prepared, &deciding, arguments, &interrupt, io)?;
     let make_arm_world = |program: &Program, folder: &Path| {
+        let folder = Some(folder.to_owned());
         setting::arm::world(
             program,
             &arguments.arm,
             ArmMode::Execute,
-            Some(&folder.to_owned()),
+            folder.as_ref(),
             io,
         )
     };
@@ -184,11 +166,8 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         WorldChoice::Program(command) => Some(command),
         WorldChoice::Sim | WorldChoice::Arm => None,
     };
-    for command in deciding
-        .values()
-        .filter_map(Deciding::command)
-        .chain(world_command)
-    {
+    let commands = deciding.values().filter_map(Deciding::command);
+    for command in commands.chain(world_command) {
         io.talk(&format!("each rollout that asks for it starts `{command}`"));
     }
     let make_elsewhere;
@@ -233,10 +212,9 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         elsewhere,
         out: out.clone(),
         threads,
-        answers: if arguments.share_answers {
-            Answers::Shared
-        } else {
-            Answers::PerStart
+        answers: match arguments.share_answers {
+            true => Answers::Shared,
+            false => Answers::PerStart,
         },
         cache: &cache,
         budget: &budget,
@@ -244,12 +222,10 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         interrupt: &interrupt,
         listen: &|run, event| events.write(run, event),
     };
-    let asks = asks_a_provider(&deciding) || arguments.spend.estimate;
-    let questions = if asks {
-        first_questions_of(&bench)?
-    } else {
-        Vec::new()
-    };
+    let mut questions = Vec::new();
+    if asks_a_provider(&deciding) || arguments.spend.estimate {
+        questions = first_questions_of(&bench)?;
+    }
     for (entry, questions) in bench.entries.iter().zip(&questions) {
         if let Some(answering) = answering_of(&deciding, entry) {
             answering.check(questions)?;
@@ -279,11 +255,8 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
 fn usual_jobs(deciding: &DecidingBy) -> usize {
     const WITH_PROVIDERS: usize = 8;
     let cores = thread::available_parallelism().map_or(1, NonZero::get);
-    if asks_a_provider(deciding) {
-        cores.max(WITH_PROVIDERS)
-    } else {
-        cores
-    }
+    let least = asks_a_provider(deciding).then_some(WITH_PROVIDERS);
+    cores.max(least.unwrap_or(1))
 }
 
 fn asks_a_provider(deciding: &DecidingBy) -> bool {
@@ -296,7 +269,6 @@ fn answering_of<'d>(deciding: &'d DecidingBy, entry: &Entry<'_>) -> Option<&'d A
     deciding.get(&named_by(entry.method))?.answering()
 }
 
-/// Reports what the suite would ask and cost.
 fn foresee(
     bench: &Bench<'_>,
     questions: &[Vec<FirstQuestion>],
@@ -314,22 +286,16 @@ fn foresee(
         let program = entry.programs.values().next()?;
         let answering = answering_of(deciding, entry)?;
         let starts = bench.tasks[entry.task].starts.len() as u64;
-        Some(estimate::estimate(
-            &Asking {
-                program,
-                questions,
-                answering,
-                horizon: bench
-                    .suite
-                    .horizons
-                    .last()
-                    .copied()
-                    .unwrap_or(program.horizon),
-                rollouts: starts * u64::from(entry.repeats),
-                fresh: &shared.add(bench, entry, questions, answering),
-            },
-            io,
-        ))
+        let horizon = bench.suite.horizons.last().copied();
+        let asking = Asking {
+            program,
+            questions,
+            answering,
+            horizon: horizon.unwrap_or(program.horizon),
+            rollouts: starts * u64::from(entry.repeats),
+            fresh: &shared.add(bench, entry, questions, answering),
+        };
+        Some(estimate::estimate(&asking, io))
     });
     estimate::say(&Estimate::total(parts), arguments.json, io);
     Exit::Done
@@ -358,18 +324,14 @@ impl SharedQuestions {
             let model = answering.profile(request.role).map(Profile::title);
             let key = (entry.task, model.unwrap_or_default(), request.key());
             let before = self.repeats.entry(key).or_default();
-            let shared = if self.is_kept {
-                entry.repeats.min(*before)
-            } else {
-                0
-            };
+            if !self.is_kept {
+                *before = 0;
+            }
+            all_shared = all_shared.min(*before);
             *before = entry.repeats.max(*before);
-            all_shared = all_shared.min(shared);
             // A varied world may look the same at first, and differs after the first action.
-            let shared = match entry.variation.name() {
-                None => all_shared,
-                Some(_) => 0,
-            };
+            let is_varied = entry.variation.name().is_some();
+            let shared = if is_varied { 0 } else { all_shared };
             starts * u64::from(entry.repeats - shared)
         });
         fresh.collect()
@@ -379,18 +341,16 @@ impl SharedQuestions {
 /// A suite succeeds when its rollouts have ended, whatever their outcomes; the environment failed only if no rollout
 /// could be played.
 fn exit_of(results: &Results) -> Exit {
-    match results.stopped {
-        Some(StopReason::Interrupted) => return Exit::Interrupted,
-        Some(StopReason::Capped) => return Exit::Unreached,
-        // The same exit code as for the rollout that ended like this.
-        Some(StopReason::Arm) => return Exit::Environment,
-        None if !results.cut_off.is_empty() => return Exit::Unreached,
-        None => {}
-    }
     let has_failed =
         |it: &Played| exit_of_rollout(it.rollout.report.outcome, None, None) == Exit::Environment;
-    if !results.rollouts.is_empty() && results.rollouts.iter().all(has_failed) {
-        return Exit::Environment;
+    let all_failed = !results.rollouts.is_empty() && results.rollouts.iter().all(has_failed);
+    match results.stopped {
+        Some(StopReason::Interrupted) => Exit::Interrupted,
+        Some(StopReason::Capped) => Exit::Unreached,
+        // The same exit code as for the rollout that ended like this.
+        Some(StopReason::Arm) => Exit::Environment,
+        None if !results.cut_off.is_empty() => Exit::Unreached,
+        None if all_failed => Exit::Environment,
+        None => Exit::Done,
     }
-    Exit::Done
 }

@@ -15,7 +15,7 @@ use crate::verbs::runtime::setting::{self, catalogue};
 use clap::{Args, ValueHint};
 use fab_agent::arm_sight::draw_errors;
 use fab_arm::calibration::{
-    Calibration, LIMIT_MM, Pair, Refusal, SeenTags, Terms, ToolReader, place_at_rest, read_pairs,
+    Calibration, LIMIT_MM, Pair, Terms, ToolReader, place_at_rest, read_pairs,
 };
 use fab_arm::directory::{PictureSelection, last_picture};
 use fab_arm::rgbd::Intrinsics;
@@ -25,7 +25,6 @@ use fab_picture::png;
 use image::RgbImage;
 use std::path::{Path, PathBuf};
 
-/// How to state points.
 const POINTS: &str = "\
 Points are lines `u,v,x,y,z`: a pixel of the camera's own picture, then the tool's position in metres in the arm's \
 base frame when the fingertips touch what the pixel shows. If the picture shows printed AprilTags (family 36h11), the middle of \
@@ -36,7 +35,6 @@ from the arm, once it is at rest with its hand straight down.
 
 Exit codes: 0 written, 2 refused or a file cannot be used, 64 wrong usage.";
 
-/// Arguments of `calibrate`.
 #[derive(Args)]
 #[command(after_help = POINTS)]
 pub struct CalibrateArguments {
@@ -74,7 +72,6 @@ pub struct CalibrateArguments {
     pub json: bool,
 }
 
-/// Parses `4x4`, columns and rows.
 fn columns_and_rows(text: &str) -> Result<[u32; 2], String> {
     setting::two_counts(text)
         .filter(|sides| sides.iter().all(|side| (2..=20).contains(side)))
@@ -112,17 +109,22 @@ fn run_with(
         Some(seen) => (Some(seen.rgb), seen.intrinsics),
         None => (None, None),
     };
-    let size_px = size_px(&settings, seen.as_ref())?;
+    let stated_px = settings.camera.intrinsics.as_ref().map(|it| it.size_px);
+    let shown_px = seen.as_ref().map(|seen| [seen.width(), seen.height()]);
+    let size_px = shown_px.or(stated_px).ok_or_else(|| {
+        Failure::usage(
+            "the size of the camera's picture is not known: give a picture with `--image PNG`, or state \
+             `camera.intrinsics` in the settings",
+        )
+    })?;
     let limit_mm = arguments.limit.unwrap_or(LIMIT_MM);
     let mut terms = Terms::of(&settings, size_px, limit_mm);
     // Intrinsics in the settings were chosen by the user, so they override the camera's own.
     terms.intrinsics = terms.intrinsics.or(told);
     // Before anybody touches points in vain.
     terms.check()?;
-    let path = match &arguments.out {
-        Some(path) => path.clone(),
-        None => beside(&arguments.robot, &settings.calibration),
-    };
+    let named = || beside(&arguments.robot, &settings.calibration);
+    let path = arguments.out.clone().unwrap_or_else(named);
     let pairs = pairs(arguments, &terms, tool, &path, seen.as_ref(), io)?;
     let day = catalogue::today(io).to_string();
     let reference = seen.as_ref().map(image::imageops::grayscale);
@@ -131,43 +133,36 @@ fn run_with(
         Ok(calibration) => Some(&calibration.fit),
         Err(refusal) => refusal.fit.as_deref(),
     };
-    let drawn = match seen {
-        Some(mut seen) => {
-            draw_errors(&mut seen, &pairs, fit)?;
-            let drawn = path.with_extension("points.png");
-            write_file(&drawn, &png::encode(&seen))?;
-            Some(drawn)
-        }
-        None => None,
-    };
-    let calibration = made.map_err(|refusal| refused(&refusal, drawn.as_deref()))?;
+    let mut drawn = None;
+    if let Some(mut seen) = seen {
+        draw_errors(&mut seen, &pairs, fit)?;
+        let file = drawn.insert(path.with_extension("points.png"));
+        write_file(file, &png::encode(&seen))?;
+    }
+    let calibration = made.map_err(|refusal| {
+        let shown = drawn.iter();
+        let shown = shown.map(|drawn| format!("\n`{}` shows the points", drawn.display()));
+        let shown: String = shown.collect();
+        Failure::environment(format!(
+            "the points are refused and no calibration is written\n{refusal}{shown}"
+        ))
+    })?;
     let earlier = backup::copy(&path)?;
     backup::copy(&Calibration::picture_beside(&path))?;
     calibration.save(&path)?;
     report::say_doubts(&calibration, io);
-    let reference = calibration.reference.as_ref();
+    let picture = { calibration.reference.as_ref() }.map(|_| Calibration::picture_beside(&path));
     let written = report::Written {
-        file: &path,
-        reference: reference.map(|_| Calibration::picture_beside(&path)),
-        drawn: drawn.as_deref(),
-        earlier: earlier.as_deref(),
+        file: path,
+        reference: picture,
+        drawn,
+        earlier,
     };
     let calibrated = report::Calibrated::of(&calibration, &settings, written);
     io.result(arguments.json, &calibrated);
     Ok(Exit::Done)
 }
 
-fn refused(refusal: &Refusal, drawn: Option<&Path>) -> Failure {
-    let shown = match drawn {
-        Some(drawn) => format!("\n`{}` shows the points", drawn.display()),
-        None => String::new(),
-    };
-    Failure::environment(format!(
-        "the points are refused and no calibration is written\n{refusal}{shown}"
-    ))
-}
-
-/// Returns the points of the file and the typed ones.
 fn pairs(
     arguments: &CalibrateArguments,
     terms: &Terms,
@@ -182,12 +177,15 @@ fn pairs(
     };
     // It matters only to points that name a tag.
     let tags = tags.as_deref().map_err(String::as_str);
-    let given = match &arguments.pairs {
-        Some(file) => read(file, tags)?,
-        None => Vec::new(),
-    };
-    if arguments.pairs.is_some() && !arguments.more {
-        return Ok(given);
+    let mut given = Vec::new();
+    if let Some(file) = &arguments.pairs {
+        given = read_pairs(file, tags).map_err(|why| {
+            let file = file.display();
+            Failure::environment(format!("the points in `{file}` cannot be used: {why}"))
+        })?;
+        if !arguments.more {
+            return Ok(given);
+        }
     }
     let asked = typing::TypingSetup {
         grid: arguments.grid,
@@ -196,13 +194,6 @@ fn pairs(
         tags,
     };
     io.read(|stdin| typing::type_points(terms, given, tool, &asked, stdin, io))
-}
-
-fn read(file: &Path, tags: SeenTags<'_>) -> Result<Vec<Pair>, Failure> {
-    read_pairs(file, tags).map_err(|why| {
-        let file = file.display();
-        Failure::environment(format!("the points in `{file}` cannot be used: {why}"))
-    })
 }
 
 /// A picture of the table, and the camera's intrinsics if it reports them.
@@ -227,47 +218,28 @@ fn seen(
     }
     if arguments.shoot {
         let timeout_s = settings.camera.timeout_s;
-        let camera = connect::camera(
-            settings,
-            &arguments.robot,
-            PictureSelection::Fresh { timeout_s },
-        );
+        let fresh = PictureSelection::Fresh { timeout_s };
+        let camera = connect::camera(settings, &arguments.robot, fresh);
         let shot = camera.map_err(Failure::environment)?.shoot()?;
         return Ok(Some(TablePicture {
             rgb: shot.rgb,
             intrinsics: shot.intrinsics,
         }));
     }
-    let path = match (
-        &arguments.image,
-        settings.camera.source,
-        &settings.camera.folder,
-    ) {
+    let camera = &settings.camera;
+    let path = match (&arguments.image, camera.source, &camera.folder) {
         (Some(path), _, _) => Some(path.clone()),
         (None, CameraSource::Directory, Some(folder)) => {
             let folder = beside(&arguments.robot, folder);
             last_picture(&folder).map_err(|why| {
-                Failure::environment(format!(
-                    "cannot read the folder `{}`: {why}",
-                    folder.display()
-                ))
+                let folder = folder.display();
+                Failure::environment(format!("cannot read the folder `{folder}`: {why}"))
             })?
         }
         _ => None,
     };
     let seen = path.map(|path| png::load(&path).map(plain)).transpose();
     seen.map_err(Failure::environment)
-}
-
-fn size_px(settings: &Settings, seen: Option<&RgbImage>) -> Result<[u32; 2], Failure> {
-    let stated = settings.camera.intrinsics.as_ref().map(|it| it.size_px);
-    let shown = seen.map(|seen| [seen.width(), seen.height()]);
-    shown.or(stated).ok_or_else(|| {
-        Failure::usage(
-            "the size of the camera's picture is not known: give a picture with `--image PNG`, or state \
-             `camera.intrinsics` in the settings",
-        )
-    })
 }
 
 /// Resolves a path that a settings file names, relative to it.

@@ -11,7 +11,6 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-/// Where events go.
 #[derive(Args, Clone, Debug, Default)]
 pub struct EventArguments {
     /// Write each event of a rollout to FILE as it happens, one line of JSON each; `-` is stdout, and the report then goes
@@ -20,7 +19,6 @@ pub struct EventArguments {
     pub events: Option<PathBuf>,
 }
 
-/// Writes events.
 pub struct EventLog<'io> {
     io: &'io Io,
     begun: Instant,
@@ -38,10 +36,10 @@ enum Destination {
 impl EventArguments {
     /// Returns the same with a path that is valid in every folder.
     pub fn absolute(&self) -> Result<EventArguments, Failure> {
-        let events = match &self.events {
-            Some(path) if path != Path::new("-") => Some(std::path::absolute(path)?),
-            other => other.clone(),
-        };
+        let mut events = self.events.clone();
+        if let Some(path) = events.as_mut().filter(|path| *path != Path::new("-")) {
+            *path = std::path::absolute(&path)?;
+        }
         Ok(EventArguments { events })
     }
 

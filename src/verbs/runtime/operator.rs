@@ -10,7 +10,6 @@ use fab_agent::operator::Operator;
 use fab_agent::record::Report;
 use std::path::Path;
 
-/// Asks on the terminal.
 pub struct TerminalOperator<'io>(pub &'io Io);
 
 impl Operator for TerminalOperator<'_> {

@@ -52,7 +52,6 @@ pub struct FrameArguments {
 /// The seed of a crumpled cloth if the command line gives none.
 const DEFAULT_SEED: u64 = 0;
 
-/// Makes a simulated world for a program.
 pub fn world(program: &Program) -> Result<Box<dyn World>, WorldError> {
     Ok(Box::new(SimulatedWorld::of(program)?))
 }
@@ -62,11 +61,11 @@ pub fn filmed_world(
     program: &Program,
     recorder: Option<&Recorder>,
 ) -> Result<Box<dyn World>, WorldError> {
-    let Some(recorder) = recorder else {
-        return world(program);
-    };
     let world = SimulatedWorld::of(program)?;
-    Ok(Box::new(world.with_recorder(recorder.clone())))
+    Ok(Box::new(match recorder {
+        Some(recorder) => world.with_recorder(recorder.clone()),
+        None => world,
+    }))
 }
 
 /// Finds or draws the pictures of a task's subgoals; `folder` holds the task's file.
@@ -122,11 +121,6 @@ pub fn start(
     Ok(start)
 }
 
-fn may_be_stated(spacing_mm: f64) -> bool {
-    let [least, most] = STATED_SPACING_MM;
-    (least..=most).contains(&spacing_mm)
-}
-
 /// Refuses a start whose particles are not as far apart as those of the task's cloth, from which the task counts lengths.
 pub fn check_spacing(start: &str, spacing_m: f64, program: &Program) -> Result<(), Failure> {
     let declared_m = program.cloth.spacing_m;
@@ -134,8 +128,9 @@ pub fn check_spacing(start: &str, spacing_m: f64, program: &Program) -> Result<(
         return Ok(());
     }
     let [found, wanted] = [spacing_m, declared_m].map(|metres| written(metres * 1000.0, 3));
+    let [least, most] = STATED_SPACING_MM;
     let state = match program.cloth.material {
-        Some(_) if may_be_stated(spacing_m * 1000.0) => {
+        Some(_) if (least..=most).contains(&(spacing_m * 1000.0)) => {
             format!("; the task would state `spacing: {found}mm`")
         }
         _ => String::new(),

@@ -24,7 +24,6 @@ use fab_sim::Grid;
 /// The most threads that a verb starts.
 const MAX_THREADS: i64 = 256;
 
-/// Arguments of `sim`.
 #[derive(Args)]
 pub struct SimArguments {
     /// What to do.
@@ -54,7 +53,6 @@ crate::verbs::verbs! {
 /// Distance between neighbours in a flat cloth unless stated otherwise, metres (protocol, section 1).
 const SPACING_M: f64 = 0.00625;
 
-/// Runs one of the subcommands.
 pub fn run(arguments: &SimArguments, io: &Io) -> Result<Exit, Failure> {
     arguments.verb.run(io)
 }

@@ -58,7 +58,6 @@ pub fn fitted(file: &str, programs: Vec<Program>, io: &Io) -> Result<Vec<Program
 
 #[cfg(feature = "runtime")]
 impl Camera<'_> {
-    /// Returns what the camera sees.
     pub fn scene(&self, seen_of: String) -> Result<PinnedScene, Failure> {
         let seen = &self.seen()?.scene;
         let names = || self.program.keypoints.iter().map(|it| it.name.clone());
@@ -156,7 +155,6 @@ pub fn fitted(_file: &str, programs: Vec<Program>, _io: &Io) -> Result<Vec<Progr
 
 #[cfg(not(feature = "runtime"))]
 impl Camera<'_> {
-    /// Fails: there is no camera.
     pub fn scene(&self, _seen_of: String) -> Result<PinnedScene, Failure> {
         Err(Failure::environment(format!(
             "the scene `{}` of `{}` is not pinned, or is of another cloth, camera or keypoints; this build of fabc has no camera to see it anew",

@@ -20,11 +20,9 @@ use std::path::Path;
 /// The last part of the name of a scene's snapshot.
 const POINTS: &str = "points";
 
-/// A file of tasks.
 pub struct Source<'f> {
     /// Its name, as snapshots record it.
     pub name: &'f str,
-    /// Holds the file.
     pub folder: &'f Path,
 }
 
@@ -40,7 +38,6 @@ struct Page<'p> {
 /// What a task's variants may share with it at one moment.
 #[derive(Default)]
 struct Shared {
-    /// The task's own scene.
     scene: Option<PinnedScene>,
     /// Hashes of what the task's own pictures are drawn from, by what they show.
     pictures: BTreeMap<String, String>,
@@ -163,7 +160,6 @@ impl Page<'_> {
         Ok(scene)
     }
 
-    /// Returns the text of a stage.
     fn stage(&self, stage: &Stage, scene: &PinnedScene) -> Result<Expected, Failure> {
         let name = self.name(Some(&stage.name), None);
         if !self.camera.can_tell(stage) {

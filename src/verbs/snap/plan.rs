@@ -10,7 +10,6 @@ use std::path::{Path, PathBuf};
 /// A snapshot that should exist, and what it should hold; `None` if this build cannot tell.
 pub type Expected = (Name, Option<Snapshot>);
 
-/// The snapshots beside some tasks.
 pub struct Plan {
     /// The folder that holds the tasks.
     tasks: PathBuf,
@@ -24,10 +23,8 @@ pub struct Plan {
     sources: BTreeSet<String>,
 }
 
-/// The state of one snapshot.
 #[derive(Serialize)]
 pub struct SnapshotState {
-    /// Its name.
     #[serde(rename = "id")]
     pub name: Name,
     /// The accepted file, whether or not it exists.
@@ -49,7 +46,6 @@ pub enum State {
     Unseen,
     /// Its contents differ, or it cannot be read.
     Changed,
-    /// It does not exist.
     New,
     /// It exists, but nothing declares it any more.
     Orphaned,
@@ -97,12 +93,10 @@ impl Plan {
         Ok(())
     }
 
-    /// Returns an accepted snapshot that can be read.
     pub fn accepted(&self, name: &Name) -> Option<&Snapshot> {
         self.accepted.get(name)?.as_ref()
     }
 
-    /// Returns a pending snapshot that can be read.
     pub fn pending(&self, name: &Name) -> Option<&Snapshot> {
         self.pending.get(name)
     }

@@ -12,7 +12,6 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// A pinned scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PinnedScene {
@@ -20,11 +19,8 @@ pub struct PinnedScene {
     pub seen_of: String,
     /// The start of the cloth: a seed, or `None` for the task's own.
     pub start: Option<u64>,
-    /// The step, from 1.
     pub step: u32,
-    /// The previous action.
     pub last: Option<PinnedAction>,
-    /// The points, by keypoint.
     pub points: BTreeMap<String, Vec<PixelPoint>>,
     /// The number of pixels of each mask.
     pub areas: BTreeMap<String, f64>,
@@ -34,25 +30,20 @@ pub struct PinnedScene {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PinnedAction {
-    /// The fields of its answer.
     pub fields: BTreeMap<String, Value>,
-    /// The pixel that was picked.
     pub pick: PixelPoint,
-    /// The pixel where it was placed.
     pub place: PixelPoint,
 }
 
 /// Names of the scenes that are pinned by default.
 pub const USUAL: [&str; 2] = ["start", "later"];
 
-/// Identifies a scene.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Moment {
     /// Its name in the snapshots.
     pub name: String,
     /// The start of the cloth: a seed, or `None` for the task's own.
     pub start: Option<u64>,
-    /// The step, from 1.
     pub step: u32,
 }
 
@@ -115,7 +106,6 @@ impl PinnedScene {
         )
     }
 
-    /// Returns the scene's moment.
     pub fn moment(&self, name: &str) -> Moment {
         Moment {
             name: name.to_owned(),

@@ -14,13 +14,10 @@ use fab_bench::on_arm::Cloths;
 use fab_bench::suite::Suite;
 use fab_world::About;
 
-/// An arm that can run a suite.
 pub struct Arm {
-    /// The description of its world.
     pub about: About,
     /// Who or what lays cloths on its table.
     pub cloths: Cloths,
-    /// Its settings.
     pub settings: Settings,
 }
 

@@ -1,38 +1,38 @@
 //! Backs up a file that is about to be replaced.
 
 use crate::exit::Failure;
-use std::fs;
-use std::io::ErrorKind;
+use std::fs::File;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-/// The most backups of a file.
 const MAX_BACKUPS: u32 = 9999;
 
 /// Copies a file to the first free `FILE.before-N`; returns that name, or `None` if there is no file.
 pub fn copy(path: &Path) -> Result<Option<PathBuf>, Failure> {
-    let failed = |error| {
+    copied(path).map_err(|error| {
         Failure::environment(format!(
             "cannot keep a copy of `{}`, so it is not replaced: {error}",
             path.display()
         ))
-    };
-    let mut old = match fs::File::open(path) {
-        Ok(old) => old,
+    })
+}
+
+fn copied(path: &Path) -> io::Result<Option<PathBuf>> {
+    let mut old = match File::open(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(failed(error)),
+        old => old?,
     };
     for number in 1..=MAX_BACKUPS {
-        let mut name = path.file_name().unwrap_or_default().to_owned();
-        name.push(format!(".before-{number}"));
-        let earlier = path.with_file_name(name);
-        match fs::File::create_new(&earlier) {
-            Ok(mut file) => {
-                let copied = std::io::copy(&mut old, &mut file).and_then(|_| file.sync_all());
-                return copied.map(|()| Some(earlier)).map_err(failed);
-            }
+        let earlier = path.with_added_extension(format!("before-{number}"));
+        match File::create_new(&earlier) {
             Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
-            Err(error) => return Err(failed(error)),
+            file => {
+                let mut file = file?;
+                io::copy(&mut old, &mut file)?;
+                file.sync_all()?;
+                return Ok(Some(earlier));
+            }
         }
     }
-    Err(failed(ErrorKind::AlreadyExists.into()))
+    Err(ErrorKind::AlreadyExists.into())
 }

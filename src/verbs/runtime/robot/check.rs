@@ -5,7 +5,6 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::report::Report;
 use clap::{Args, ValueHint};
 use fab_arm::calibration::{Accuracy, Calibration, METHOD};
 use fab_arm::guard::{Guard, Surface};
@@ -15,7 +14,6 @@ use nalgebra::Point3;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Arguments of `robot check`.
 #[derive(Args)]
 pub struct RobotCheckArguments {
     /// The arm's settings.
@@ -38,13 +36,11 @@ struct NamedPose {
     why_not: Option<String>,
 }
 
-/// Why a calibration cannot be used, and what to do.
 struct Unusable {
     why: String,
     next: String,
 }
 
-/// An arm's settings, and what is wrong with what they name.
 #[derive(Serialize)]
 struct Inspection {
     #[serde(skip)]
@@ -53,7 +49,6 @@ struct Inspection {
     model: String,
     calibration: CheckedCalibration,
     reach: Vec<NamedPose>,
-    /// What prevents a run.
     #[serde(skip)]
     faults: Vec<String>,
     /// What to do: about each fault, else to plan.
@@ -62,26 +57,26 @@ struct Inspection {
 }
 
 #[derive(Serialize)]
-#[serde(untagged)]
-enum CheckedCalibration {
-    Usable {
-        usable: bool,
-        made_on: String,
-        method: &'static str,
-        camera: String,
-        #[serde(flatten)]
-        accuracy: Box<Accuracy>,
-    },
-    Unusable {
-        usable: bool,
-        why: String,
-    },
+struct CheckedCalibration {
+    usable: bool,
+    #[serde(flatten)]
+    made: Option<MadeCalibration>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    why: Option<String>,
 }
 
-/// Checks the settings and everything that they name.
+#[derive(Serialize)]
+struct MadeCalibration {
+    made_on: String,
+    method: &'static str,
+    camera: String,
+    #[serde(flatten)]
+    accuracy: Accuracy,
+}
+
 pub fn run(arguments: &RobotCheckArguments, io: &Io) -> Result<Exit, Failure> {
     let inspection = inspect(&arguments.robot)?;
-    io.result(arguments.json, &inspection);
+    io.either(arguments.json, &inspection, || inspection.text());
     if inspection.faults.is_empty() {
         return Ok(Exit::Done);
     }
@@ -107,19 +102,12 @@ fn inspect(robot: &Path) -> Result<Inspection, Failure> {
     let settings = Settings::load(robot)?;
     let (reach, file) = (places(&settings), robot.display());
     let (mut faults, mut next) = (Vec::new(), Vec::new());
-    let calibration = match calibration(robot, &settings) {
-        Ok((made, compared)) => CheckedCalibration::Usable {
-            usable: true,
-            made_on: made.made_on,
-            method: METHOD,
-            camera: made.terms.camera,
-            accuracy: Box::new(compared),
-        },
+    let (made, why) = match calibration(robot, &settings) {
+        Ok(made) => (Some(made), None),
         Err(Unusable { why, next: cure }) => {
             faults.push(format!("the calibration cannot be used: {why}"));
             next.push(cure);
-            let usable = false;
-            CheckedCalibration::Unusable { usable, why }
+            (None, Some(why))
         }
     };
     for place in &reach {
@@ -144,7 +132,11 @@ fn inspect(robot: &Path) -> Result<Inspection, Failure> {
         name: settings.name.clone(),
         model: settings.model.clone(),
         settings,
-        calibration,
+        calibration: CheckedCalibration {
+            usable: made.is_some(),
+            made,
+            why,
+        },
         reach,
         faults,
         next,
@@ -165,14 +157,14 @@ fn places(settings: &Settings) -> Vec<NamedPose> {
         motion.retreat_m,
         motion.travel_m,
     ];
-    let place = |name, at_m: [f64; 3], above_m: &[f64]| NamedPose {
-        name,
-        needed: None,
-        at_m,
-        why_not: reach
-            .check(&Point3::from(at_m), above_m)
-            .err()
-            .map(|why| why.to_string()),
+    let place = |name, at_m: [f64; 3], above_m: &[f64]| {
+        let checked = reach.check(&Point3::from(at_m), above_m);
+        NamedPose {
+            name,
+            needed: None,
+            at_m,
+            why_not: checked.err().map(|why| why.to_string()),
+        }
     };
     let top_m = over_table.into_iter().fold(0.0, f64::max);
     // The corners are those of the workspace, so only the other places are checked against it.
@@ -199,14 +191,14 @@ fn places(settings: &Settings) -> Vec<NamedPose> {
 }
 
 /// Reads the calibration that the settings name, and compares it with them.
-fn calibration(robot: &Path, settings: &Settings) -> Result<(Calibration, Accuracy), Unusable> {
+fn calibration(robot: &Path, settings: &Settings) -> Result<MadeCalibration, Unusable> {
     let beside = robot.parent().unwrap_or(Path::new(""));
     let path = beside.join(&settings.calibration);
     let is_simulated = settings.camera.source == CameraSource::Simulated;
-    let picture = match (is_simulated, settings.camera.source) {
-        (true, _) => "",
-        (_, CameraSource::Ros | CameraSource::Ros2) => " --shoot",
-        _ => " --image PNG",
+    let picture = match settings.camera.source {
+        CameraSource::Simulated => "",
+        CameraSource::Ros | CameraSource::Ros2 => " --shoot",
+        CameraSource::Directory => " --image PNG",
     };
     let calibrate = format!(
         "touch points and calibrate: `fabc calibrate --robot {} --grid 4x4{picture}`",
@@ -229,41 +221,42 @@ fn calibration(robot: &Path, settings: &Settings) -> Result<(Calibration, Accura
         let why = "it has no picture, so that a moved camera could not be noticed";
         return Err(unusable(why.to_owned(), &calibrate));
     }
-    Ok((made, compared))
+    Ok(MadeCalibration {
+        made_on: made.made_on,
+        method: METHOD,
+        camera: made.terms.camera,
+        accuracy: compared,
+    })
 }
 
-impl Report for Inspection {
+impl Inspection {
     fn text(&self) -> String {
         let mut lines = vec![format!(
             "settings     {}, {}: can be used",
             self.name, self.model
         )];
-        match &self.calibration {
-            CheckedCalibration::Usable {
+        if let Some(made) = &self.calibration.made {
+            let MadeCalibration {
                 made_on,
                 method,
                 camera,
                 accuracy,
-                ..
-            } => {
-                let left_out_mm = accuracy.left_out_rms_mm;
-                lines.push(format!(
-                    "calibration  of {made_on}, {method}, camera {camera}: can be used; a point left out is {left_out_mm:.1} mm off"
-                ));
-                lines.extend(accuracy.corners.iter().map(|corner| {
-                    let [x, y, _] = corner.at_m;
-                    let side = if corner.above_mm < 0.0 { "below" } else { "above" };
-                    format!(
-                        "corner       ({x:.3}, {y:.3}): {:.1} mm {side} the table's middle, known to {:.1} mm",
-                        corner.above_mm.abs(),
-                        corner.error_mm
-                    )
-                }));
-            }
-            CheckedCalibration::Unusable { why, .. } => {
-                lines.push(format!("calibration  cannot be used: {why}"));
-            }
+            } = made;
+            let left_out_mm = accuracy.left_out_rms_mm;
+            lines.push(format!(
+                "calibration  of {made_on}, {method}, camera {camera}: can be used; a point left out is {left_out_mm:.1} mm off"
+            ));
+            lines.extend(accuracy.corners.iter().map(|corner| {
+                let ([x, y, _], above_mm) = (corner.at_m, corner.above_mm.abs());
+                let side = if corner.above_mm < 0.0 { "below" } else { "above" };
+                format!(
+                    "corner       ({x:.3}, {y:.3}): {above_mm:.1} mm {side} the table's middle, known to {:.1} mm",
+                    corner.error_mm
+                )
+            }));
         }
+        let why = self.calibration.why.iter();
+        lines.extend(why.map(|why| format!("calibration  cannot be used: {why}")));
         lines.extend(self.reach.iter().map(|place| {
             let [x, y, z] = place.at_m;
             let why = place.why_not.as_ref();

@@ -10,7 +10,6 @@ use fab_base::table::{Align, aligned};
 use serde::Serialize;
 use std::path::Path;
 
-/// The outcome, and the plan if there is one.
 #[derive(Serialize)]
 pub struct PlannedRun<'a> {
     #[serde(flatten)]
@@ -21,14 +20,11 @@ pub struct PlannedRun<'a> {
 }
 
 impl PlannedRun<'_> {
-    /// Reads the plan of a run that ended.
     pub fn of(report: Ended, settings: &Settings) -> Result<PlannedRun<'_>, Failure> {
         let folder = Path::new(&report.took.run_dir);
-        let plan = if folder.join(PLAN_FILE).exists() {
-            Some(read_plan(folder).map_err(Failure::environment)?)
-        } else {
-            None
-        };
+        let is_planned = folder.join(PLAN_FILE).exists();
+        let plan = is_planned.then(|| read_plan(folder)).transpose();
+        let plan = plan.map_err(Failure::environment)?;
         Ok(PlannedRun {
             report,
             plan,

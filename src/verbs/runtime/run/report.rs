@@ -19,14 +19,11 @@ use fab_world::metrics::ClothMoved;
 use serde::Serialize;
 use std::path::Path;
 
-/// Shows events on stderr.
 pub struct Progress<'io> {
     io: &'io Io,
     /// How many actions were shown in an earlier run.
     earlier: u32,
-    /// The most steps.
     horizon: u32,
-    /// The last answer.
     answer: String,
 }
 
@@ -41,7 +38,6 @@ impl Progress<'_> {
         }
     }
 
-    /// Shows one event.
     pub fn show(&mut self, event: &Event) {
         let is_earlier = event.at().is_some_and(|at| at.action <= self.earlier);
         if is_earlier && !matches!(event, Event::Stopped { .. }) {
@@ -53,15 +49,14 @@ impl Progress<'_> {
             Event::Answer { text, .. } => self.answer.clone_from(text),
             Event::Verdict { of, note, result } => {
                 let words = match (note, refusal(result, &self.answer)) {
-                    (Some(note), Some(refusal)) => format!("{note}; {refusal}"),
-                    (Some(note), None) => format!("{note}; accepted"),
+                    (Some(note), refusal) => {
+                        format!("{note}; {}", refusal.as_deref().unwrap_or("accepted"))
+                    }
                     (None, Some(refusal)) => refusal,
                     (None, None) => return,
                 };
-                io.talk(&format!(
-                    "  step {}, {} attempt {}: {words}",
-                    of.at.step, of.stage, of.attempt
-                ));
+                let (step, stage, attempt) = (of.at.step, &of.stage, of.attempt);
+                io.talk(&format!("  step {step}, {stage} attempt {attempt}: {words}"));
             }
             Event::Retried { at, overlap, limit } => io.talk(&format!(
                 "step {} again, kept as `step_{}`: its result overlaps the subgoal's cloth by {:.3}, and the task asks for more than {limit}",
@@ -77,11 +72,10 @@ impl Progress<'_> {
                 at,
                 rehearsal,
                 took_s,
-            } => io.talk(&format!(
-                "  step {}, {}",
-                at.step,
-                rehearsed(rehearsal, *took_s)
-            )),
+            } => {
+                let words = rehearsed(rehearsal, *took_s);
+                io.talk(&format!("  step {}, {words}", at.step));
+            }
             Event::Motion {
                 at,
                 grips,
@@ -110,39 +104,34 @@ impl Progress<'_> {
                 ));
             }
             Event::Skipped { at, why } => {
-                io.talk(&format!(
-                    "step {}/{horizon}: skipped ({})",
-                    at.step,
-                    why.name()
-                ));
+                let (step, why) = (at.step, why.name());
+                io.talk(&format!("step {step}/{horizon}: skipped ({why})"));
             }
-            Event::Experts { missing, total } => {
-                io.talk(&format!(
-                    "simulating {missing} of {total} expert results to score against; they are kept for the next run"
-                ));
-            }
+            Event::Experts { missing, total } => io.talk(&format!(
+                "simulating {missing} of {total} expert results to score against; they are kept for the next run"
+            )),
             Event::Note { note } => io.talk(&format!("note: {note}")),
             Event::Picture { .. } | Event::Question { .. } | Event::End { .. } => {}
         }
     }
 }
 
-/// Says what one gripper did.
 fn grip(action: &Action, grasp: Grasp) -> String {
-    let beside = if action.pick_px == action.pick_on_cloth_px {
-        String::new()
-    } else {
-        format!(", taken at {} on the cloth", action.pick_on_cloth_px)
-    };
+    let Action {
+        pick_px,
+        place_px,
+        pick_on_cloth_px: taken_px,
+        ..
+    } = action;
+    let is_beside = taken_px != pick_px;
+    let beside = is_beside.then(|| format!(", taken at {taken_px} on the cloth"));
+    let beside = beside.unwrap_or_default();
     let missed = match grasp {
         Grasp::Missed => ", nothing grasped",
         Grasp::Unverified => ", grasp not verified",
         Grasp::Particle(_) | Grasp::Held => "",
     };
-    format!(
-        "pick {}{beside}, place {}{missed}",
-        action.pick_px, action.place_px
-    )
+    format!("pick {pick_px}{beside}, place {place_px}{missed}")
 }
 
 /// Says which of the answers that were tried on twins was taken, by its measure and its place among them.
@@ -173,26 +162,20 @@ fn rehearsed(line: &RehearsedStep, seconds: f64) -> String {
 /// Says how far an action moved the cloth, and how much of that stayed.
 fn cloth(moved: &ClothMoved) -> String {
     let slides = moved.slid_mm >= LEAST_SLIDE_MM;
-    let held = match &moved.held {
-        Some(held) if held.sprang_back && slides => format!(
-            ", cloth moved {:.0} mm, opened again, rests {:.0} mm away",
-            held.carried_mm, held.stayed_mm
-        ),
-        Some(held) if held.sprang_back => format!(
-            ", cloth moved {:.0} mm, sprang back to {:.0}",
-            held.carried_mm, held.stayed_mm
-        ),
-        Some(held) => format!(
-            ", cloth moved {:.0} mm, rests {:.0} mm away",
-            held.carried_mm, held.stayed_mm
-        ),
-        None => format!(", cloth moved at most {:.0} mm", moved.farthest_mm),
+    let way = match &moved.held {
+        Some(held) => {
+            let (carried, stayed) = (held.carried_mm, held.stayed_mm);
+            let end = match (held.sprang_back, slides) {
+                (true, true) => format!("opened again, rests {stayed:.0} mm away"),
+                (true, false) => format!("sprang back to {stayed:.0}"),
+                (false, _) => format!("rests {stayed:.0} mm away"),
+            };
+            format!("{carried:.0} mm, {end}")
+        }
+        None => format!("at most {:.0} mm", moved.farthest_mm),
     };
-    if slides {
-        format!("{held}, slid {:.0} mm", moved.slid_mm)
-    } else {
-        held
-    }
+    let slid = slides.then(|| format!(", slid {:.0} mm", moved.slid_mm));
+    format!(", cloth moved {way}{}", slid.unwrap_or_default())
 }
 
 /// Reports the calls so far and their cost, if there were any, as the end of a sentence.
@@ -201,6 +184,12 @@ pub fn so_far(spent: &Spent) -> String {
         0 => String::new(),
         calls => format!(", {calls} calls, {}", spent.in_words()),
     }
+}
+
+/// Says what calls took.
+pub fn calls(spent: &Spent) -> String {
+    let (tokens, cost) = (spent.tokens_in_words(), spent.in_words());
+    format!("calls: {}, {tokens}, {cost}", spent.calls)
 }
 
 /// How much of an answer that cannot be read is printed, characters.
@@ -244,62 +233,40 @@ pub struct RunReport<'a> {
 
 impl Report for RunReport<'_> {
     fn text(&self) -> String {
-        let summary = summary(&self.report, self.goal);
-        match &self.video {
-            None => summary,
-            Some(None) => format!("{summary}\nvideo: none"),
-            Some(Some(film)) => format!("{summary}\n{film}"),
-        }
+        let mut lines = summary(&self.report, self.goal);
+        lines.extend(self.video.as_ref().map(|film| match film {
+            None => "video: none".to_owned(),
+            Some(film) => film.to_string(),
+        }));
+        lines.join("\n")
     }
 }
 
-/// Summarizes a rollout.
-fn summary(report: &Ended, goal: Option<&Goal>) -> String {
+fn summary(report: &Ended, goal: Option<&Goal>) -> Vec<String> {
     let mut lines = vec![format!("outcome: {}", report.outcome.name())];
-    let words = report.stopped.as_deref();
-    lines.extend(
-        words
-            .filter(|why| *why != report.outcome.name())
-            .map(|why| format!("stopped: {why}")),
-    );
+    let why = report.stopped.as_deref();
+    let why = why.filter(|why| *why != report.outcome.name());
+    lines.extend(why.map(|why| format!("stopped: {why}")));
     if let Some(mm) = report.mean_particle_distance_mm {
-        let goal = goal
-            .filter(|goal| goal.metric == Metric::ParticleDistance)
-            .map_or(String::new(), |goal| {
-                format!(" (goal: below {:.0} mm)", goal.limit * 1000.0)
-            });
+        let goal = goal.filter(|goal| goal.metric == Metric::ParticleDistance);
+        let goal = goal.map(|goal| format!(" (goal: below {:.0} mm)", goal.limit * 1000.0));
         lines.push(format!(
-            "mean particle distance to the nearest expert result: {mm:.1} mm{goal}"
+            "mean particle distance to the nearest expert result: {mm:.1} mm{}",
+            goal.unwrap_or_default()
         ));
         let judged_by = report.judged_by.iter();
-        lines.extend(
-            judged_by
-                .filter(|judged_by| judged_by.world != report.world)
-                .map(|JudgedBy { world, grid: [x, y] }| {
-                    format!("judged by expert results of `{world}`, on a grid of {x} x {y} particles")
-                }),
-        );
-    }
-    if let Some(coverage) = report.coverage
-        && goal.is_some_and(|goal| goal.metric.is_judged_each_step())
-    {
-        let measure = match report.coverage_source {
-            Some(CoverageSource::Picture) => "by pictures",
-            _ => "source",
-        };
-        let both = |source: f64, truly: Option<f64>| {
-            let truly = truly.map_or(String::new(), |truly| format!(", {truly:.3} (true)"));
-            format!("{source:.3} ({measure}){truly}")
-        };
-        let gained = report.normalized_improvement;
-        let gained = gained.map_or(String::new(), |gained| {
-            let truly = report.normalized_improvement_true;
-            format!("; normalized improvement {}", both(gained, truly))
-        });
-        lines.push(format!(
-            "coverage {}{gained}",
-            both(coverage, report.coverage_true)
+        let elsewhere = judged_by.filter(|judged_by| judged_by.world != report.world);
+        lines.extend(elsewhere.map(
+            |JudgedBy {
+                 world,
+                 grid: [x, y],
+             }| {
+                format!("judged by expert results of `{world}`, on a grid of {x} x {y} particles")
+            },
         ));
+    }
+    if goal.is_some_and(|goal| goal.metric.is_judged_each_step()) {
+        lines.extend(coverage(report));
     }
     lines.extend(report.operator.as_ref().map(judged));
     lines.push(match &report.model {
@@ -311,32 +278,42 @@ fn summary(report: &Ended, goal: Option<&Goal>) -> String {
     });
     lines.push(questions(report));
     lines.extend(spent(report));
-    let seconds = report
-        .took
-        .seconds
-        .iter()
-        .filter_map(|(what, spent)| Some(format!("{what} {:.2}", spent.as_f64()?)));
-    lines.push(format!(
-        "seconds: {}, in all {:.1}",
-        seconds.collect::<Vec<_>>().join(", "),
-        report.took.wall_s
-    ));
-    if report.took.experts_simulated > 0 {
+    let took = &report.took;
+    let seconds = took.seconds.iter();
+    let seconds =
+        seconds.filter_map(|(what, spent)| Some(format!("{what} {:.2}", spent.as_f64()?)));
+    let seconds = seconds.collect::<Vec<_>>().join(", ");
+    lines.push(format!("seconds: {seconds}, in all {:.1}", took.wall_s));
+    if took.experts_simulated > 0 {
         lines.push(format!(
             "of that, {} expert results were simulated for the first time",
-            report.took.experts_simulated
+            took.experts_simulated
         ));
     }
-    let sheet = if Path::new(&report.took.run_dir).join(SHEET_FILE).exists() {
-        format!(" (contact sheet: {SHEET_FILE})")
-    } else {
-        String::new()
-    };
-    lines.push(format!("run folder: {}{sheet}", report.took.run_dir));
-    lines.join("\n")
+    let has_sheet = Path::new(&took.run_dir).join(SHEET_FILE).exists();
+    let sheet = has_sheet.then(|| format!(" (contact sheet: {SHEET_FILE})"));
+    let sheet = sheet.unwrap_or_default();
+    lines.push(format!("run folder: {}{sheet}", took.run_dir));
+    lines
 }
 
-/// Reports the operator's judgement.
+fn coverage(report: &Ended) -> Option<String> {
+    let measure = match report.coverage_source {
+        Some(CoverageSource::Picture) => "by pictures",
+        _ => "source",
+    };
+    let both = |source: f64, truly: Option<f64>| {
+        let truly = truly.map_or(String::new(), |truly| format!(", {truly:.3} (true)"));
+        format!("{source:.3} ({measure}){truly}")
+    };
+    let covered = both(report.coverage?, report.coverage_true);
+    let gained = report.normalized_improvement.map(|gained| {
+        let gained = both(gained, report.normalized_improvement_true);
+        format!("; normalized improvement {gained}")
+    });
+    Some(format!("coverage {covered}{}", gained.unwrap_or_default()))
+}
+
 fn judged(judgement: &Judgement) -> String {
     let said = match (judgement.reached, judgement.why) {
         (true, _) => "reached".to_owned(),
@@ -353,21 +330,15 @@ fn spent(report: &Ended) -> Option<String> {
     if report.took.calls == 0 {
         return None;
     }
-    let spent = &report.took.spent;
-    let mut text = format!(
-        "calls: {}, {}, {}",
-        spent.calls,
-        spent.tokens_in_words(),
-        spent.in_words()
-    );
     let faults = report.took.faults.iter();
-    let faults: Vec<String> = faults
-        .map(|(fault, count)| format!("{fault} {count}"))
-        .collect();
-    if !faults.is_empty() {
-        text.push_str(&format!(" ({})", faults.join(", ")));
-    }
-    Some(text)
+    let faults = faults.map(|(fault, count)| format!("{fault} {count}"));
+    let faults = faults.collect::<Vec<_>>().join(", ");
+    let calls = calls(&report.took.spent);
+    Some(if faults.is_empty() {
+        calls
+    } else {
+        format!("{calls} ({faults})")
+    })
 }
 
 /// Reports how questions ended, with the names of failures.
@@ -380,12 +351,8 @@ fn questions(report: &Ended) -> String {
     }
     let skipped = report.skipped.iter();
     counts.extend(skipped.map(|(why, count)| format!("steps skipped ({why}): {count}")));
-    if let Some(planning_s) = report.took.planning_s {
-        counts.push(format!(
-            "{:.0} ms of planning per action",
-            planning_s * 1000.0
-        ));
-    }
+    let planning_ms = report.took.planning_s.map(|seconds| seconds * 1000.0);
+    counts.extend(planning_ms.map(|ms| format!("{ms:.0} ms of planning per action")));
     counts.join(", ")
 }
 

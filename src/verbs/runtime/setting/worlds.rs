@@ -10,15 +10,11 @@ use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
-/// A world named on the command line.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum WorldChoice {
-    /// The bundled simulator.
     Sim,
-    /// An arm, by its settings.
     Arm,
-    /// A program of the user's.
     Program(CommandLine),
 }
 
@@ -79,11 +75,11 @@ pub fn external(
 
 /// Fails if a rollout cannot be resumed in a world, because the world cannot reproduce its start.
 pub fn check_repeats(world: &dyn World) -> Result<(), Failure> {
-    match world.repeats() {
-        true => Ok(()),
-        false => Err(Failure::environment(format!(
-            "the world `{}` says that it cannot lay a start again exactly, so no rollout in it can be resumed: begin a new run",
-            world.name()
-        ))),
+    if world.repeats() {
+        return Ok(());
     }
+    Err(Failure::environment(format!(
+        "the world `{}` says that it cannot lay a start again exactly, so no rollout in it can be resumed: begin a new run",
+        world.name()
+    )))
 }

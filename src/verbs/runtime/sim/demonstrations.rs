@@ -31,15 +31,12 @@ pub struct Demonstration {
     pub task: String,
     /// Its number within the task.
     pub id: u64,
-    /// The picks and places, in order.
     pub steps: Vec<Step>,
-    /// The folder of its positions.
     dir: PathBuf,
     #[serde(flatten)]
     grid: start::Grid,
 }
 
-/// One recorded pick and place.
 #[derive(Deserialize)]
 pub struct Step {
     pick_world_m: [f64; 3],
@@ -143,7 +140,6 @@ impl Demonstration {
         keypoints[step.pick_keypoint]
     }
 
-    /// Returns an error in simulating this demonstration.
     pub fn failure(&self, error: impl Display) -> Failure {
         Failure::environment(format!("`{}` {}: {error}", self.task, self.id))
     }

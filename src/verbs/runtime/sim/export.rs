@@ -3,14 +3,12 @@
 use super::files::{self, StateArguments};
 use crate::exit::{Exit, Failure};
 use crate::io::{Io, write_file};
-use crate::report::Report;
 use clap::{Args, ValueHint};
 use fab_base::files::ends_in;
 use fab_sim::{Params, mesh};
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Arguments of `sim export`.
 #[derive(Args)]
 pub struct ExportArguments {
     #[command(flatten)]
@@ -23,7 +21,6 @@ pub struct ExportArguments {
     pub json: bool,
 }
 
-/// The files that were written.
 #[derive(Serialize)]
 struct Exported {
     params: String,
@@ -31,7 +28,6 @@ struct Exported {
     particles: usize,
 }
 
-/// Writes positions, and lists the files.
 pub fn run(arguments: &ExportArguments, io: &Io) -> Result<Exit, Failure> {
     let (path, input) = (&arguments.out, &arguments.state.file);
     let is_mesh = ends_in(path, "obj");
@@ -60,13 +56,9 @@ pub fn run(arguments: &ExportArguments, io: &Io) -> Result<Exit, Failure> {
         files: written,
         particles: mask.count(),
     };
-    io.result(arguments.json, &exported);
-    Ok(Exit::Done)
-}
-
-impl Report for Exported {
-    fn text(&self) -> String {
-        let files = self.files.iter().map(|file| file.display().to_string());
+    io.either(arguments.json, &exported, || {
+        let files = exported.files.iter().map(|file| file.display().to_string());
         files.collect::<Vec<_>>().join("\n")
-    }
+    });
+    Ok(Exit::Done)
 }

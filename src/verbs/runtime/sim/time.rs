@@ -4,14 +4,12 @@ use super::parallel::in_parallel;
 use super::usage;
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::report::Report;
 use crate::verbs::runtime::setting::materials::MaterialArguments;
 use clap::Args;
 use fab_sim::{SimError, diagonal_fold};
 use serde::Serialize;
 use std::time::Instant;
 
-/// Arguments of `sim time`.
 #[derive(Args)]
 pub struct TimeArguments {
     /// Particles along each side of the cloth.
@@ -30,7 +28,6 @@ pub struct TimeArguments {
 /// How often the fold is timed; the median is reported.
 const REPEATS: usize = 3;
 
-/// The figures.
 #[derive(Serialize)]
 struct Timing {
     params: String,
@@ -49,7 +46,6 @@ struct Timing {
     digest: String,
 }
 
-/// Times the fold and reports.
 pub fn run(arguments: &TimeArguments, io: &Io) -> Result<Exit, Failure> {
     let grid = super::square(arguments.size)?;
     let (params, _) = arguments.cloth.params(io)?;
@@ -100,7 +96,7 @@ pub fn run(arguments: &TimeArguments, io: &Io) -> Result<Exit, Failure> {
         peak_mb: usage::peak_mb(),
         digest,
     };
-    io.result(arguments.json, &timing);
+    io.either(arguments.json, &timing, || text(&timing));
     Ok(Exit::Done)
 }
 
@@ -110,30 +106,27 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
     values.get(values.len() / 2).copied()
 }
 
-impl Report for Timing {
-    fn text(&self) -> String {
-        let number = |value: Option<f64>| match value {
-            Some(value) => format!("{value:.3}"),
-            None => "unknown here".to_owned(),
-        };
-        format!(
-            "{size} x {size} particles, {} steps of {} substeps, {} springs, self-contact {}\n\
-             CPU ms per step   {}   (median of {REPEATS})\n\
-             wall ms per step  {}   ({} side by side)\n\
-             peak memory MB    {}\n\
-             digest {}\n\
-             simulator parameters {}",
-            self.steps,
-            self.substeps,
-            self.constraints,
-            if self.self_contact { "on" } else { "off" },
-            number(self.cpu_ms_per_step),
-            number(self.wall_ms_per_step),
-            self.threads,
-            number(self.peak_mb),
-            self.digest,
-            self.params,
-            size = self.size,
-        )
-    }
+fn text(timing: &Timing) -> String {
+    let number = |value: Option<f64>| match value {
+        Some(value) => format!("{value:.3}"),
+        None => "unknown here".to_owned(),
+    };
+    let Timing { size, threads, .. } = timing;
+    let (steps, substeps, springs) = (timing.steps, timing.substeps, timing.constraints);
+    let contact = if timing.self_contact { "on" } else { "off" };
+    let [cpu, wall, peak] = [
+        timing.cpu_ms_per_step,
+        timing.wall_ms_per_step,
+        timing.peak_mb,
+    ]
+    .map(number);
+    format!(
+        "{size} x {size} particles, {steps} steps of {substeps} substeps, {springs} springs, self-contact {contact}\n\
+         CPU ms per step   {cpu}   (median of {REPEATS})\n\
+         wall ms per step  {wall}   ({threads} side by side)\n\
+         peak memory MB    {peak}\n\
+         digest {}\n\
+         simulator parameters {}",
+        timing.digest, timing.params
+    )
 }

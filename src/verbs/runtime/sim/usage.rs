@@ -11,36 +11,19 @@ pub fn cpu_s() -> Option<f64> {
     Some(micros as f64 * 1e-6)
 }
 
-/// Returns the largest resident memory, megabytes of 10^6 bytes.
-#[cfg(unix)]
-pub fn peak_mb() -> Option<f64> {
-    use nix::sys::resource::{UsageWho, getrusage};
-
-    // On Linux, `getrusage` starts from the memory of the parent program.
-    if let Ok(status) = std::fs::read_to_string("/proc/self/status") {
-        let mut lines = status.lines();
-        let line = lines.find_map(|line| line.strip_prefix("VmHWM:"))?;
-        let kib: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-        return Some(kib * 1024.0 * 1e-6);
-    }
-    // macOS counts in bytes, other systems in KiB.
-    let unit_bytes = if cfg!(target_os = "macos") {
-        1.0
-    } else {
-        1024.0
-    };
-    let used = getrusage(UsageWho::RUSAGE_SELF).ok()?;
-    Some(used.max_rss() as f64 * unit_bytes * 1e-6)
-}
-
 /// Returns `None`.
 #[cfg(not(unix))]
 pub fn cpu_s() -> Option<f64> {
     None
 }
 
-/// Returns `None`.
-#[cfg(not(unix))]
+/// Returns the largest resident memory, megabytes of 10^6 bytes; Linux alone tells it.
 pub fn peak_mb() -> Option<f64> {
-    None
+    // `getrusage` would start from the memory of the parent program.
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kib: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kib * 1024.0 * 1e-6)
 }

@@ -19,12 +19,10 @@ const READY: Duration = Duration::from_secs(30);
 /// How long to wait for its end, or for its stop of the arm. It takes longer only if the arm's node does not answer; then
 /// it continues alone, so that this program can report at once that the arm may move.
 const ENDED: Duration = Duration::from_secs(5);
-/// Interval between two checks for its end.
 const LOOK: Duration = Duration::from_millis(20);
 /// The most lines that wait for a pipe that is full.
 const MAX_WAITING: usize = 16;
 
-/// A watchdog that is another process of this program.
 pub struct Process {
     child: Child,
     /// `None` once its input was closed.
@@ -80,19 +78,16 @@ impl Process {
             has_stopped_arm: false,
             timeout,
         };
-        let nothing = "so that nothing is moved";
-        match ready.as_deref() {
-            Ok("ready") => Ok(process),
+        let why = match ready.as_deref() {
+            Ok("ready") => return Ok(process),
             Err(RecvTimeoutError::Timeout) => {
                 // It watches nothing yet, and may hang without noticing that its input has ended.
                 let _ = process.child.kill();
-                let secs = longest.as_secs_f64();
-                Err(format!(
-                    "the watchdog was not ready after {secs} s, {nothing}"
-                ))
+                format!("was not ready after {} s", longest.as_secs_f64())
             }
-            _ => Err(format!("the watchdog cannot stop this arm, {nothing}")),
-        }
+            _ => "cannot stop this arm".to_owned(),
+        };
+        Err(format!("the watchdog {why}, so that nothing is moved"))
     }
 
     /// Sends a line without waiting; fails if an earlier one was not acknowledged in time.
