@@ -10,7 +10,6 @@ mod scene;
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::report::Report;
 use crate::{shipped, sources};
 use clap::Args;
 use expected::Source;
@@ -103,7 +102,18 @@ pub fn run(arguments: &SnapArguments, io: &Io) -> Result<Exit, Failure> {
         }
         taken.add(states);
     }
-    io.result(arguments.json, &taken);
+    io.either(arguments.json, &taken, || {
+        let differing = taken.snapshots.iter().filter_map(|found| {
+            let state = match found.state {
+                State::Same | State::Unseen => return None,
+                State::Changed => "changed",
+                State::New => "new",
+                State::Orphaned => "orphaned",
+            };
+            Some(format!("{state:8} {}", found.path.display()))
+        });
+        differing.collect::<Vec<String>>().join("\n")
+    });
     if !arguments.json {
         taken.advise(arguments, io);
     }
@@ -193,20 +203,5 @@ impl Taken {
                 "an orphaned snapshot is of something that its file no longer declares; `fabc snap --prune` removes it",
             );
         }
-    }
-}
-
-impl Report for Taken {
-    fn text(&self) -> String {
-        let differing = self.snapshots.iter().filter_map(|found| {
-            let state = match found.state {
-                State::Same | State::Unseen => return None,
-                State::Changed => "changed",
-                State::New => "new",
-                State::Orphaned => "orphaned",
-            };
-            Some(format!("{state:8} {}", found.path.display()))
-        });
-        differing.collect::<Vec<String>>().join("\n")
     }
 }

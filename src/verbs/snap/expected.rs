@@ -3,7 +3,7 @@
 //! A variant shares the scenes and pictures of its task in which it would see and draw the same.
 
 use super::SnapArguments;
-use super::camera::Camera;
+use super::camera::Seen;
 use super::plan::{Expected, Plan};
 use super::scene::{Moment, PinnedScene, USUAL, hashes_of_pictures, short_hash};
 use crate::exit::Failure;
@@ -14,6 +14,7 @@ use crate::verbs::render::title;
 use fab_program::render::PromptPicture;
 use fab_program::{Picture, Program, Stage, tokens};
 use serde_json::json;
+use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
@@ -27,12 +28,14 @@ pub struct Source<'f> {
 }
 
 /// A program at one moment.
-struct Page<'p> {
-    program: &'p Program,
-    moment: &'p Moment,
-    source: &'p Source<'p>,
+pub struct Page<'p> {
+    pub program: &'p Program,
+    pub moment: &'p Moment,
+    pub source: &'p Source<'p>,
+    pub io: &'p Io,
+    /// What the camera sees, once somebody looked.
+    pub seen: OnceCell<Seen>,
     plan: &'p Plan,
-    camera: Camera<'p>,
 }
 
 /// What a task's variants may share with it at one moment.
@@ -61,8 +64,9 @@ pub fn of_file(
                     program,
                     moment,
                     source,
+                    io,
+                    seen: OnceCell::new(),
                     plan,
-                    camera: Camera::of(program, moment, source.folder, io),
                 };
                 let scene = page.scene(&mut shared, &mut found)?;
                 for stage in &program.stages {
@@ -97,9 +101,10 @@ fn moments(
         return Ok(moments);
     };
     if wanted.step > task.horizon {
+        let Program { task, horizon, .. } = task;
         return Err(Failure::usage(format!(
-            "`{}` has {} steps; there is no step {} to pin",
-            task.task, task.horizon, wanted.step
+            "`{task}` has {horizon} steps; there is no step {} to pin",
+            wanted.step
         )));
     }
     // Another start or step replaces what was pinned under this name, as a change to review.
@@ -149,7 +154,7 @@ impl Page<'_> {
         };
         let scene = match known.find(fits) {
             Some(known) => known,
-            None => self.camera.scene(seen_of)?,
+            None => self.look(seen_of)?,
         };
         let contents = Contents::Text(scene.text().trim_end().to_owned());
         let taken = self.snapshot("the points seen in", self.info(), contents);
@@ -162,11 +167,11 @@ impl Page<'_> {
 
     fn stage(&self, stage: &Stage, scene: &PinnedScene) -> Result<Expected, Failure> {
         let name = self.name(Some(&stage.name), None);
-        if !self.camera.can_tell(stage) {
+        if !self.can_tell(stage) {
             return Ok((name, None));
         }
-        let (program, folder) = (self.program, self.source.folder);
-        let (last, step) = (scene.last(program), self.moment.step);
+        let (program, folder, step) = (self.program, self.source.folder, self.moment.step);
+        let last = scene.last(program);
         let shown =
             ShownStage::without_camera(program, folder, stage, Some(scene), last.as_ref(), step)?;
         let tokens = shown.texts().map(|said| tokens::of_text(&said.text));
@@ -221,7 +226,7 @@ impl Page<'_> {
         if let Some(known) = known {
             return Ok((name, Some(known.clone())));
         }
-        let taken = self.camera.picture(picture)?.map(|png| {
+        let taken = self.draw(picture)?.map(|png| {
             let info = Info {
                 bytes: Some(short_hash(&png)),
                 ..info
@@ -239,8 +244,7 @@ impl Page<'_> {
 
     /// Returns `TASK.STAGE@SCENE`, `TASK.VARIANT.STAGE@SCENE`, or `TASK@SCENE.PART`.
     fn name(&self, stage: Option<&str>, part: Option<&str>) -> Name {
-        let stage = stage.map_or(String::new(), |stage| format!(".{stage}"));
-        let part = part.map_or(String::new(), |part| format!(".{part}"));
+        let [stage, part] = [stage, part].map(|it| it.map_or(String::new(), |it| format!(".{it}")));
         let title = self.program.title().replace('/', ".");
         Name(format!("{title}{stage}@{}{part}", self.moment.name))
     }

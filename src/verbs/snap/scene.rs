@@ -87,10 +87,10 @@ impl PinnedScene {
     /// Parses a scene; the error says what is wrong with the text.
     pub fn parse(text: &str) -> Result<PinnedScene, String> {
         let scene: PinnedScene = serde_json::from_str(text).map_err(|error| error.to_string())?;
-        match scene.step {
-            0 => Err("its `step` is 0, and steps are counted from 1".to_owned()),
-            _ => Ok(scene),
+        if scene.step == 0 {
+            return Err("its `step` is 0, and steps are counted from 1".to_owned());
         }
+        Ok(scene)
     }
 
     /// Formats the scene, one line per keypoint.
@@ -117,12 +117,12 @@ impl PinnedScene {
     /// Returns the previous action, with its fields in the program's order.
     pub fn last(&self, program: &Program) -> Option<ExecutedAction> {
         let last = self.last.as_ref()?;
-        let names = program.actions.iter().map(|field| &field.name);
-        let fields = names
-            .filter_map(|name| Some((name.clone(), last.fields.get(name)?.clone())))
-            .collect();
+        let names = program.actions.iter().map(|field| field.name.clone());
+        let fields = names.filter_map(|name| last.fields.get(&name).cloned().map(|it| (name, it)));
         Some(ExecutedAction {
-            proposal: Proposal { fields },
+            proposal: Proposal {
+                fields: fields.collect(),
+            },
             pick: last.pick,
             place: last.place,
         })
@@ -134,9 +134,8 @@ fn block(map: &BTreeMap<String, impl Serialize>) -> String {
     if map.is_empty() {
         return "{}".to_owned();
     }
-    let lines = map
-        .iter()
-        .map(|(key, value)| format!("    {}: {}", json(key), json(value)));
+    let lines = map.iter();
+    let lines = lines.map(|(key, value)| format!("    {}: {}", json(key), json(value)));
     format!("{{\n{}\n  }}", lines.collect::<Vec<String>>().join(",\n"))
 }
 
@@ -164,21 +163,20 @@ pub fn hashes_of_pictures(program: &Program, folder: &Path) -> Vec<String> {
     let files: Vec<PathBuf> = match &program.subgoals {
         None => Vec::new(),
         Some(Subgoals::Images { images }) => {
-            let images = images.iter();
-            images
-                .map(|image| PathBuf::from(&image.file.path))
-                .collect()
+            let paths = images.iter().map(|image| &image.file.path);
+            paths.map(PathBuf::from).collect()
         }
         Some(Subgoals::Demonstrate { folds }) => {
-            let own = pins_folder(&program.title());
+            let titles = [program.title(), program.task.clone()];
+            let [own, of_task] = titles.map(|title| PathBuf::from(pins_folder(&title)));
             let pins = if folder.join(&own).exists() {
                 own
             } else {
-                pins_folder(&program.task)
+                of_task
             };
             let numbers = 0..=folds.len();
             numbers
-                .map(|number| Path::new(&pins).join(format!("{number}.png")))
+                .map(|number| pins.join(format!("{number}.png")))
                 .collect()
         }
     };
