@@ -71,7 +71,7 @@ pub fn find_beside(folder: &Path, word: &str, io: &Io) -> Result<String, Failure
     let named = io.variable(VARIABLE).filter(|value| !value.is_empty());
     let places = [
         (named.map(PathBuf::from), "of FABC_TASKS"),
-        (installed(io), "shipped with fabc"),
+        (installed(), "shipped with fabc"),
     ];
     for (folder, whose) in places {
         let path = folder.map(|folder| folder.join(&name));
@@ -100,7 +100,7 @@ pub fn is_shipped(file: &str, io: &Io) -> bool {
     let Some(file) = real(Path::new(file)) else {
         return false;
     };
-    let folders = [embedded_folder(io), installed(io)].into_iter().flatten();
+    let folders = [embedded_folder(io), installed()].into_iter().flatten();
     folders
         .filter_map(|folder| real(&folder))
         .any(|folder| file.starts_with(folder))
@@ -180,9 +180,9 @@ fn names() -> impl Iterator<Item = &'static str> {
 }
 
 /// Returns where an installation would keep the tasks, whether or not the folder exists.
-fn installed(io: &Io) -> Option<PathBuf> {
+fn installed() -> Option<PathBuf> {
     // The PATH may hold a link to the program, so resolve it to find the installation.
-    let program = io.program().ok()?.canonicalize().ok()?;
+    let program = std::env::current_exe().ok()?.canonicalize().ok()?;
     Some(program.parent()?.parent()?.join(INSTALLED))
 }
 

@@ -42,7 +42,7 @@ pub fn run(arguments: &WorldArguments, io: &Io) -> Result<Exit, Failure> {
     match &arguments.verb {
         WorldVerb::Check(arguments) => check(arguments, io),
         WorldVerb::Serve => {
-            serve(BufReader::new(io.input()), &mut io.output())?;
+            serve(BufReader::new(std::io::stdin()), &mut std::io::stdout())?;
             Ok(Exit::Done)
         }
     }

@@ -46,7 +46,7 @@ type Stop = Box<dyn FnMut() -> Result<(), String>>;
 pub fn run(arguments: &WatchdogArguments, io: &Io) -> Result<Exit, Failure> {
     let settings = Settings::load(&arguments.robot)?;
     let mut stop = stopper(&settings).map_err(Failure::environment)?;
-    let lines = lines_of(io.input());
+    let lines = lines_of(std::io::stdin());
     io.data("ready");
     let timeout = Duration::from_secs_f64(arguments.timeout);
     let mut acknowledge = |line: &str| io.data(line);

@@ -157,7 +157,7 @@ pub fn world(
         }
         (ArmMode::Execute, false) => {
             preflight::check(robot).map_err(failed)?;
-            parts.watchdog = Box::new(Process::start(robot, watchdog_s, io).map_err(failed)?);
+            parts.watchdog = Box::new(Process::start(robot, watchdog_s).map_err(failed)?);
             let timeout_s = parts.settings.camera.timeout_s;
             let camera = camera(&parts.settings, PictureSelection::Fresh { timeout_s })?;
             let arm = connect::arm(&parts.settings, parts.guard()).map_err(failed)?;

@@ -4,7 +4,6 @@
 //! does not acknowledge in time: one that hangs could not stop the arm. Nothing here waits while the arm moves.
 
 use super::{STOPPED, lines_of};
-use crate::io::Io;
 use fab_arm::supervisor::Watchdog;
 use fab_base::outbox::Outbox;
 use std::collections::VecDeque;
@@ -38,8 +37,8 @@ impl Process {
     /// Starts it, and waits until it can stop the arm; the error says why it cannot.
     ///
     /// - `timeout_s`: the longest time without a heartbeat, and without its acknowledgement, seconds.
-    pub fn start(robot: &Path, timeout_s: f64, io: &Io) -> Result<Process, String> {
-        let program = io.program().map_err(|error| error.to_string())?;
+    pub fn start(robot: &Path, timeout_s: f64) -> Result<Process, String> {
+        let program = std::env::current_exe().map_err(|error| error.to_string())?;
         let mut command = Command::new(program);
         command
             .args(["robot", "watchdog", "--robot"])
