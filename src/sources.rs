@@ -51,6 +51,18 @@ impl Disk {
     }
 }
 
+/// A loader of texts that are in no file, by name.
+pub struct Texts<'t>(pub BTreeMap<&'t str, &'t str>);
+
+impl Loader for Texts<'_> {
+    fn load(&self, name: &str) -> Result<String, LoadError> {
+        let text = self.0.get(name).ok_or_else(|| LoadError {
+            message: format!("cannot read `{name}`: it is not part of the new task"),
+        })?;
+        Ok((*text).to_owned())
+    }
+}
+
 impl Loader for Disk {
     fn load(&self, name: &str) -> Result<String, LoadError> {
         let path = Path::new(name);
@@ -94,10 +106,9 @@ const MAX_LOOKED_AT: u64 = 64 << 20;
 /// Only `fabc check` reports what it sees: other verbs read what they need, and say themselves what is missing.
 struct Looking {
     disk: Disk,
-    /// What was found, because each task that inherits a file asks again.
-    found: RefCell<BTreeMap<(String, Wanted), Listed>>,
-    /// What is done to the pictures to show them as a viewer does.
-    notes: RefCell<Vec<String>>,
+    /// What was found, because each task that inherits a file asks again, and what is done to a picture to show it as a
+    /// viewer does.
+    found: RefCell<BTreeMap<(String, Wanted), (Listed, Option<String>)>>,
     /// The files that were asked for, including missing ones.
     asked: RefCell<BTreeSet<PathBuf>>,
 }
@@ -107,37 +118,36 @@ impl Looking {
         Looking {
             disk: Disk::beside(file),
             found: RefCell::default(),
-            notes: RefCell::default(),
             asked: RefCell::default(),
         }
     }
 
-    fn ask(&self, path: impl Into<PathBuf>) {
-        self.asked.borrow_mut().insert(path.into());
+    /// Returns a path as seen from the working folder.
+    fn ask(&self, path: impl AsRef<Path>) -> PathBuf {
+        let path = self.disk.folder.join(path);
+        self.asked.borrow_mut().insert(path.clone());
+        path
     }
 }
 
 impl Loader for Looking {
     fn load(&self, name: &str) -> Result<String, LoadError> {
-        self.ask(name);
+        self.asked.borrow_mut().insert(name.into());
         self.disk.load(name)
     }
 
     fn look(&self, path: &str, wanted: Wanted) -> Listed {
-        self.ask(self.disk.folder.join(path));
+        let file = self.ask(path);
         let mut found = self.found.borrow_mut();
-        let look = || {
-            let seen = listed(&self.disk.folder, &self.disk.folder.join(path), wanted);
-            let (listed, note) = seen.unwrap_or_else(|why| (Listed::Nothing(why), None));
-            self.notes.borrow_mut().extend(note);
-            listed
-        };
-        let found = found.entry((path.to_owned(), wanted));
-        found.or_insert_with(look).clone()
+        let found = found.entry((path.to_owned(), wanted)).or_insert_with(|| {
+            let seen = listed(&self.disk.folder, &file, wanted);
+            seen.unwrap_or_else(|why| (Listed::Nothing(why), None))
+        });
+        found.0.clone()
     }
 
     fn trial(&self, title: &str) -> Option<Trial> {
-        self.ask(self.disk.folder.join(pins_folder(title)).join(PINS_FILE));
+        self.ask(Path::new(&pins_folder(title)).join(PINS_FILE));
         pinned_trial(&self.disk.folder, title)
     }
 
@@ -213,7 +223,8 @@ fn are_json_lines(bytes: &[u8]) -> Result<(), String> {
 pub fn compile_looking(file: &str) -> Result<(Compiled, Vec<String>), Failure> {
     let loader = Looking::beside(file);
     let compiled = fab_compiler::compile(file, &loader)?;
-    Ok((compiled, loader.notes.into_inner()))
+    let found = loader.found.into_inner().into_values();
+    Ok((compiled, found.filter_map(|(_, note)| note).collect()))
 }
 
 /// Returns a file of tasks and all files that it uses, including missing ones.

@@ -8,9 +8,9 @@ pub mod simulator;
 
 use crate::exit::{Exit, Failure};
 use crate::io::{Io, write_file};
-use crate::{shipped, sources};
+use crate::shipped;
+use crate::sources::{self, Texts};
 use clap::{Args, Subcommand, ValueHint};
-use fab_compiler::{LoadError, Loader};
 use fab_program::Program;
 use serde::Serialize;
 use serde_json::json;
@@ -107,14 +107,23 @@ pub struct Draft {
 }
 
 pub fn run(arguments: &NewArguments, io: &Io) -> Result<Exit, Failure> {
-    match &arguments.what {
-        NewVerb::Fold(arguments) => fold(arguments, io),
-        NewVerb::Smoothing(arguments) => {
-            let draft = Draft::of(include_str!("new/smoothing.fab"), SMOOTHING, arguments);
-            begin(arguments, draft, io)
+    let (task, draft) = match &arguments.what {
+        NewVerb::Library(arguments) => return library(arguments, io),
+        NewVerb::Smoothing(task) => (
+            task,
+            Draft::of(include_str!("new/smoothing.fab"), SMOOTHING, task),
+        ),
+        #[cfg(feature = "runtime")]
+        NewVerb::Fold(arguments) if !arguments.pictures.from_images.is_empty() => {
+            // Checked before looking at the pictures, which takes a while.
+            check_place(&arguments.task)?;
+            (&arguments.task, simulator::draft(arguments, io)?)
         }
-        NewVerb::Library(arguments) => library(arguments, io),
-    }
+        NewVerb::Fold(NewFoldArguments { task, .. }) => {
+            (task, Draft::of(include_str!("new/fold.fab"), FOLDING, task))
+        }
+    };
+    begin(task, draft, io)
 }
 
 /// Copies what is not there yet; a file of another content stays as it is, and is named.
@@ -160,18 +169,6 @@ impl Copied {
     }
 }
 
-fn fold(arguments: &NewFoldArguments, io: &Io) -> Result<Exit, Failure> {
-    let task = &arguments.task;
-    #[cfg(feature = "runtime")]
-    if !arguments.pictures.from_images.is_empty() {
-        // Checked before looking at the pictures, which takes a while.
-        check_place(task)?;
-        return begin(task, simulator::draft(arguments, io)?, io);
-    }
-    let draft = Draft::of(include_str!("new/fold.fab"), FOLDING, task);
-    begin(task, draft, io)
-}
-
 impl Draft {
     fn of(template: &str, library: Library, arguments: &NewTaskArguments) -> Draft {
         let file = shown(&arguments.file());
@@ -181,13 +178,6 @@ impl Draft {
             pictures: Vec::new(),
             next: NEXT.map(|verb| format!("fabc {verb} {file}")).to_vec(),
         }
-    }
-
-    /// Returns what had to be guessed, as its comments say.
-    fn guesses(&self) -> Vec<&str> {
-        let lines = self.text.lines();
-        let guesses = lines.filter_map(|line| line.trim_start().strip_prefix(GUESSED));
-        guesses.collect()
     }
 }
 
@@ -232,7 +222,9 @@ fn begin(arguments: &NewTaskArguments, draft: Draft, io: &Io) -> Result<Exit, Fa
     }
     // Last, so that there is no task without what it uses.
     write(&arguments.file(), draft.text.as_bytes())?;
-    let (guesses, next) = (draft.guesses(), &draft.next);
+    let lines = draft.text.lines();
+    let guesses = lines.filter_map(|line| line.trim_start().strip_prefix(GUESSED));
+    let (guesses, next) = (guesses.collect::<Vec<_>>(), &draft.next);
     let document = json!({ "files": files, "guesses": guesses, "next": next });
     io.either(arguments.json, &document, || files.join("\n"));
     if !arguments.json {
@@ -287,18 +279,6 @@ fn refuse_if_there(place: &Path, advice: &str) -> Result<(), Failure> {
     Err(Failure::environment(why))
 }
 
-/// A loader that finds the draft as if it were already written.
-struct DraftOverDisk<'d>(BTreeMap<&'d str, &'d str>);
-
-impl Loader for DraftOverDisk<'_> {
-    fn load(&self, name: &str) -> Result<String, LoadError> {
-        let text = self.0.get(name).ok_or_else(|| LoadError {
-            message: format!("cannot read `{name}`: it is not part of the new task"),
-        })?;
-        Ok((*text).to_owned())
-    }
-}
-
 fn compile(
     arguments: &NewTaskArguments,
     draft: &Draft,
@@ -306,7 +286,7 @@ fn compile(
     io: &Io,
 ) -> Result<Program, Failure> {
     let entry = format!("{}.fab", arguments.name);
-    let files = DraftOverDisk(BTreeMap::from([
+    let files = Texts(BTreeMap::from([
         (entry.as_str(), draft.text.as_str()),
         (draft.library, library),
     ]));
@@ -330,9 +310,8 @@ fn compile(
 }
 
 fn shown(path: &Path) -> String {
-    if path.as_os_str().is_empty() {
-        ".".to_owned()
-    } else {
-        path.display().to_string()
+    match path.as_os_str().is_empty() {
+        true => ".".to_owned(),
+        false => path.display().to_string(),
     }
 }

@@ -2,12 +2,14 @@
 
 use crate::exit::Failure;
 use crate::io::Io;
-use crate::{shipped, sources};
+use crate::shipped;
+use crate::sources::{self, Texts};
 use clap::Args;
 use fab_base::wording::quoted;
 use fab_program::Material;
 use fab_sim::Params;
 use fab_world::simulated;
+use std::collections::BTreeMap;
 
 /// What a simulated cloth is made of.
 #[derive(Args)]
@@ -49,26 +51,21 @@ pub fn find(word: &str, io: &Io) -> Result<Material, Failure> {
             sources::compile(file)?.materials,
         ),
         None => {
-            struct Embedded;
-            impl fab_compiler::Loader for Embedded {
-                fn load(&self, _: &str) -> Result<String, fab_compiler::LoadError> {
-                    Ok(shipped::text(SHIPPED).to_owned())
-                }
-            }
-            let compiled = fab_compiler::compile(SHIPPED, &Embedded)
+            let texts = Texts(BTreeMap::from([(SHIPPED, shipped::text(SHIPPED))]));
+            let compiled = fab_compiler::compile(SHIPPED, &texts)
                 .map_err(|error| Failure::environment(error.message))?;
             ("fabc ships".to_owned(), compiled.materials)
         }
     };
-    let names: Vec<&str> = materials.iter().map(|it| it.name.as_str()).collect();
-    let near = fab_compiler::diag::nearest(name, names.iter().copied());
+    if let Some(found) = materials.iter().find(|it| it.name == name) {
+        return Ok(found.clone());
+    }
+    let names = || materials.iter().map(|it| it.name.as_str());
+    let near = fab_compiler::diag::nearest(name, names());
     let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`"));
-    let listed = quoted(&names);
-    let found = materials.iter().find(|it| it.name == name).cloned();
-    found.ok_or_else(|| {
-        Failure::usage(format!(
-            "there is no material `{name}`{near}; {whose} {}. Name one of a file with `FILE.fab:NAME`",
-            if listed.is_empty() { "none" } else { &listed }
-        ))
-    })
+    let listed = quoted(names());
+    let listed = if listed.is_empty() { "none" } else { &listed };
+    Err(Failure::usage(format!(
+        "there is no material `{name}`{near}; {whose} {listed}. Name one of a file with `FILE.fab:NAME`"
+    )))
 }
