@@ -3,7 +3,6 @@
 //! `fab_bench` defines suites, runs them and computes their figures. This module finds files, compiles tasks, and
 //! prints and writes tables.
 
-mod on_arm;
 mod prepare;
 mod report;
 mod suites;
@@ -25,8 +24,10 @@ use crate::verbs::runtime::setting::policies::Deciding;
 use crate::verbs::runtime::setting::worlds::{self, WorldChoice};
 use clap::{Args, ValueHint};
 use fab_agent::rollout::FirstQuestion;
+use fab_arm::settings::{DriverKind, Settings};
 use fab_bench::on_arm::{Cloths, OnArm};
 use fab_bench::play::{self, Played, Results, StopReason};
+use fab_bench::suite::Suite;
 use fab_bench::{Answers, Bench, Entry, OtherWorld, first_questions_of, rows};
 use fab_program::Program;
 use fab_providers::catalogue::Profile;
@@ -125,9 +126,13 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
             arguments.world
         )));
     }
-    let arm = on_arm::check(arguments, &suite, io)?;
-    let asks_operator =
-        |arm: &on_arm::Arm| setting::arm::has_operator(&arguments.arm, &arm.settings, io);
+    let arm = match arguments.world {
+        WorldChoice::Arm => Some(check_arm(arguments, &suite, io)?),
+        _ => None,
+    };
+    let asks_operator = |(_, _, settings): &(Cloths, About, Settings)| {
+        setting::arm::has_operator(&arguments.arm, settings, io)
+    };
     let has_operator = arguments.operator || arm.as_ref().is_some_and(asks_operator);
     let interrupt = io.interrupt()?;
     let deciding = prepare::deciding(&suite, arguments, &interrupt, io)?;
@@ -203,9 +208,9 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         tasks: prepared.into_iter().map(|it| it.task).collect(),
         entries,
         make_world: &setting::varied_world,
-        arm: arm.map(|arm| OnArm {
-            about: arm.about,
-            cloths: arm.cloths,
+        arm: arm.map(|(cloths, about, _)| OnArm {
+            about,
+            cloths,
             make_world: &make_arm_world,
             make_look: &make_look,
         }),
@@ -245,9 +250,31 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
     let wall_s = begun.elapsed().as_secs_f64();
     let report = BenchReport::new(&found.name, &bench, &results, &rows, wall_s);
     report.write(&out)?;
-    events.result(arguments.json, &report)?;
+    events.result(arguments.json, &report.document, || report.text())?;
     io.talk(&report.summary());
     Ok(exit_of(&results))
+}
+
+/// Checks first of all that the arm can run the suite; returns who lays cloths on its table, its world, and its settings.
+fn check_arm(
+    arguments: &BenchArguments,
+    suite: &Suite,
+    io: &Io,
+) -> Result<(Cloths, About, Settings), Failure> {
+    if let Some(jobs) = arguments.jobs.filter(|jobs| *jobs != 1) {
+        return Err(Failure::usage(format!(
+            "`--jobs {jobs}` is for the simulator: an arm carries rollouts out one at a time"
+        )));
+    }
+    let robot = arguments.arm.robot();
+    let cloths = match Settings::load(robot)?.driver {
+        DriverKind::Simulated => Cloths::Simulated,
+        DriverKind::Kinova | DriverKind::Trajectory | DriverKind::Ros2 => Cloths::ByHand,
+    };
+    cloths.check(suite)?;
+    let settings = setting::arm::check(&arguments.arm, ArmMode::Execute, io)?;
+    let about = fab_arm::world::about(robot).map_err(Failure::environment)?;
+    Ok((cloths, about, settings))
 }
 
 /// Returns the default number of parallel rollouts: one per core, or more if most of the time is spent waiting for a

@@ -4,7 +4,6 @@
 //! Out: the calibration file, its picture, a drawing of the errors, and their summary. Nothing is lost: an existing
 //! file is kept under another name.
 
-mod backup;
 pub mod report;
 mod typing;
 
@@ -23,6 +22,8 @@ use fab_arm::settings::{CameraSource, Settings};
 use fab_arm::world;
 use fab_picture::png;
 use image::RgbImage;
+use std::fs::File;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 const POINTS: &str = "\
@@ -147,8 +148,8 @@ fn run_with(
             "the points are refused and no calibration is written\n{refusal}{shown}"
         ))
     })?;
-    let earlier = backup::copy(&path)?;
-    backup::copy(&Calibration::picture_beside(&path))?;
+    let earlier = keep_copy(&path)?;
+    keep_copy(&Calibration::picture_beside(&path))?;
     calibration.save(&path)?;
     report::say_doubts(&calibration, io);
     let picture = { calibration.reference.as_ref() }.map(|_| Calibration::picture_beside(&path));
@@ -245,4 +246,36 @@ fn seen(
 /// Resolves a path that a settings file names, relative to it.
 fn beside(robot: &Path, named: &Path) -> PathBuf {
     robot.parent().unwrap_or(Path::new("")).join(named)
+}
+
+const MAX_BACKUPS: u32 = 9999;
+
+/// Copies a file to the first free `FILE.before-N`; returns that name, or `None` if there is no file.
+fn keep_copy(path: &Path) -> Result<Option<PathBuf>, Failure> {
+    copied(path).map_err(|error| {
+        Failure::environment(format!(
+            "cannot keep a copy of `{}`, so it is not replaced: {error}",
+            path.display()
+        ))
+    })
+}
+
+fn copied(path: &Path) -> io::Result<Option<PathBuf>> {
+    let mut old = match File::open(path) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        old => old?,
+    };
+    for number in 1..=MAX_BACKUPS {
+        let earlier = path.with_added_extension(format!("before-{number}"));
+        match File::create_new(&earlier) {
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+            file => {
+                let mut file = file?;
+                io::copy(&mut old, &mut file)?;
+                file.sync_all()?;
+                return Ok(Some(earlier));
+            }
+        }
+    }
+    Err(ErrorKind::AlreadyExists.into())
 }

@@ -2,9 +2,9 @@
 
 use crate::exit::Failure;
 use crate::io::Io;
-use crate::report::Report;
 use clap::{Args, ValueHint};
 use fab_agent::rollout::event::{Event, Line};
+use serde::Serialize;
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -88,10 +88,15 @@ impl EventLog<'_> {
     }
 
     /// Prints a result, on stderr if stdout has the events; fails if an event could not be written.
-    pub fn result(&self, json: bool, result: &impl Report) -> Result<(), Failure> {
+    pub fn result(
+        &self,
+        json: bool,
+        document: &impl Serialize,
+        text: impl FnOnce() -> String,
+    ) -> Result<(), Failure> {
         match &self.to {
-            Destination::Stdout => self.io.talk(&result.text()),
-            _ => self.io.result(json, result),
+            Destination::Stdout => self.io.talk(&text()),
+            _ => self.io.either(json, document, text),
         }
         let mut failed = self.failed.lock().unwrap_or_else(PoisonError::into_inner);
         match (&self.to, failed.take()) {

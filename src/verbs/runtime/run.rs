@@ -279,14 +279,11 @@ pub fn play(
     let judged = report.operator.as_ref().map(|judgement| judgement.reached);
     let exit = exit_of(report.outcome, report.goal_reached, judged);
     if let Some(settings) = arm.filter(|_| arguments.plan_only) {
-        events.result(arguments.json, &PlannedRun::of(report, &settings)?)?;
+        let planned = PlannedRun::of(report)?;
+        events.result(arguments.json, &planned, || planned.text(&settings))?;
     } else {
-        let document = RunReport {
-            report,
-            goal: program.goal.as_ref(),
-            video,
-        };
-        events.result(arguments.json, &document)?;
+        let ended = RunReport { report, video };
+        events.result(arguments.json, &ended, || ended.text(program.goal.as_ref()))?;
     }
     Ok(exit)
 }

@@ -2,7 +2,6 @@
 
 use crate::exit::Failure;
 use crate::io::write_file;
-use crate::report::Report;
 use crate::verbs::runtime::bench::Shard;
 use crate::verbs::runtime::run::report::calls;
 use crate::verbs::runtime::setting::policies;
@@ -11,27 +10,19 @@ use fab_base::wording::{counted, quoted};
 use fab_bench::play::{Results, StopReason};
 use fab_bench::rows::Row;
 use fab_bench::{Answers, Bench, statistics, table};
-use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::Path;
 
-#[derive(Serialize)]
-#[serde(transparent)]
 pub struct BenchReport<'a> {
-    document: Value,
-    #[serde(skip)]
+    /// The result as JSON.
+    pub document: Value,
     name: &'a str,
-    #[serde(skip)]
     bench: &'a Bench<'a>,
-    #[serde(skip)]
     results: &'a Results,
-    #[serde(skip)]
     rows: &'a [Row],
-    #[serde(skip)]
     wall_s: f64,
     /// Seconds of planning, mean over all actions.
-    #[serde(skip)]
     planning_s: Option<f64>,
 }
 
@@ -67,6 +58,13 @@ pub fn plan(name: &str, bench: &Bench<'_>, shard: Option<Shard>) -> String {
 }
 
 impl<'a> BenchReport<'a> {
+    pub fn text(&self) -> String {
+        if self.rows.is_empty() {
+            return "no rollout has finished: there is nothing to tabulate".to_owned();
+        }
+        table::text(self.bench.suite, self.rows)
+    }
+
     /// Summarises a suite's results.
     ///
     /// - `rows`: the figures.
@@ -116,7 +114,7 @@ impl<'a> BenchReport<'a> {
     }
 
     pub fn write(&self, out: &Path) -> Result<(), Failure> {
-        let json = serde_json::to_string_pretty(self)?;
+        let json = serde_json::to_string_pretty(&self.document)?;
         let markdown = table::markdown(self.name, self.bench.suite, self.rows);
         for (name, text) in [
             ("table.csv", table::csv(self.rows)),
@@ -213,15 +211,5 @@ impl<'a> BenchReport<'a> {
                 "the arm was left in the middle of a motion, and no further rollout was begun: {why}; look after it, and say so by `fabc robot recover {folder}`"
             )
         })
-    }
-}
-
-impl Report for BenchReport<'_> {
-    fn text(&self) -> String {
-        if self.rows.is_empty() {
-            "no rollout has finished: there is nothing to tabulate".to_owned()
-        } else {
-            table::text(self.bench.suite, self.rows)
-        }
     }
 }

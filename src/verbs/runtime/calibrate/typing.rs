@@ -3,7 +3,7 @@
 //! In: lines, and with an arm, its tool's position at each. Out: the points, and on stderr how well each fits the
 //! earlier ones. The points are saved to a file after every line, so that an interrupted session loses none.
 
-use super::backup;
+use super::keep_copy;
 use crate::exit::Failure;
 use crate::io::{Io, write_file};
 use fab_arm::calibration::{
@@ -62,7 +62,7 @@ pub fn type_points(
         match session.line(&line) {
             LineOutcome::Added(message) | LineOutcome::Undone(message) => {
                 if std::mem::take(&mut is_first)
-                    && let Some(earlier) = backup::copy(&saved_in)?
+                    && let Some(earlier) = keep_copy(&saved_in)?
                 {
                     let earlier = earlier.display();
                     io.talk(&format!(

@@ -1,7 +1,6 @@
 //! The output of `fabc run`: a line per step while it runs, and a summary.
 
 use crate::io::Io;
-use crate::report::Report;
 use fab_agent::action::Action;
 use fab_agent::judgement::Judgement;
 use fab_agent::outcome::Outcome;
@@ -222,18 +221,16 @@ fn refusal(result: &Finding, answer: &str) -> Option<String> {
 
 /// What became of a rollout, and of its film if there was to be one.
 #[derive(Serialize)]
-pub struct RunReport<'a> {
+pub struct RunReport {
     #[serde(flatten)]
     pub report: Ended,
-    #[serde(skip)]
-    pub goal: Option<&'a Goal>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub video: Option<Option<Film>>,
 }
 
-impl Report for RunReport<'_> {
-    fn text(&self) -> String {
-        let mut lines = summary(&self.report, self.goal);
+impl RunReport {
+    pub fn text(&self, goal: Option<&Goal>) -> String {
+        let mut lines = summary(&self.report, goal);
         lines.extend(self.video.as_ref().map(|film| match film {
             None => "video: none".to_owned(),
             Some(film) => film.to_string(),

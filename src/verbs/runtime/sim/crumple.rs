@@ -3,8 +3,7 @@
 //! The starts are the same as those of `fabc run --start SEED` with a crumpled cloth of the same size, and share its
 //! cache. Cloths with an outline use that cache too, although `fabc run` does not support them.
 
-use super::parallel::{ThreadArguments, each};
-use super::{SPACING_M, files};
+use super::{SPACING_M, ThreadArguments, each, files};
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::sources;

@@ -4,7 +4,7 @@
 //! particles of the same index, as in the scoring of folds.
 
 use super::demonstrations::{self, Demonstration};
-use super::parallel::{ThreadArguments, each};
+use super::{ThreadArguments, each};
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use clap::{Args, ValueHint};

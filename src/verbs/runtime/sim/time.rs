@@ -1,11 +1,10 @@
 //! `fabc sim time`: measures the time per step of one fixed fold, with every step computed.
 
-use super::parallel::in_parallel;
-use super::usage;
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::verbs::runtime::setting::materials::MaterialArguments;
 use clap::Args;
+use fab_base::parallel::in_parallel;
 use fab_sim::{SimError, diagonal_fold};
 use serde::Serialize;
 use std::time::Instant;
@@ -55,7 +54,7 @@ pub fn run(arguments: &TimeArguments, io: &Io) -> Result<Exit, Failure> {
     let mut ends = Vec::new();
     for repeat in 1..=REPEATS {
         io.progress(&format!("fold {repeat} of {REPEATS}"));
-        let (began, cpu_before) = (Instant::now(), usage::cpu_s());
+        let (began, cpu_before) = (Instant::now(), cpu_s());
         let fold = |_| match diagonal_fold(grid, &params, &|| interrupt.is_raised()) {
             Ok(cloth) => Ok(Some(cloth)),
             Err(SimError::Interrupted { .. }) => Ok(None),
@@ -63,7 +62,7 @@ pub fn run(arguments: &TimeArguments, io: &Io) -> Result<Exit, Failure> {
         };
         let folded = in_parallel(threads, threads, fold, |_| {});
         let wall_s = began.elapsed().as_secs_f64();
-        let cpu_s = usage::cpu_s().zip(cpu_before).map(|(now, then)| now - then);
+        let cpu_s = cpu_s().zip(cpu_before).map(|(now, then)| now - then);
         io.progress("");
         for cloth in folded? {
             let cloth = cloth.ok_or_else(Failure::interrupted)?;
@@ -93,7 +92,7 @@ pub fn run(arguments: &TimeArguments, io: &Io) -> Result<Exit, Failure> {
         self_contact: params.self_contact_m > 0.0,
         cpu_ms_per_step: median(cpu_ms),
         wall_ms_per_step: median(wall_ms),
-        peak_mb: usage::peak_mb(),
+        peak_mb: peak_mb(),
         digest,
     };
     io.either(arguments.json, &timing, || text(&timing));
@@ -129,4 +128,32 @@ fn text(timing: &Timing) -> String {
          simulator parameters {}",
         timing.digest, timing.params
     )
+}
+
+/// Returns the CPU time of all threads, user and system, seconds.
+#[cfg(unix)]
+fn cpu_s() -> Option<f64> {
+    use nix::sys::resource::{UsageWho, getrusage};
+    use nix::sys::time::TimeValLike;
+
+    let used = getrusage(UsageWho::RUSAGE_SELF).ok()?;
+    let micros = used.user_time().num_microseconds() + used.system_time().num_microseconds();
+    Some(micros as f64 * 1e-6)
+}
+
+/// Returns `None`.
+#[cfg(not(unix))]
+fn cpu_s() -> Option<f64> {
+    None
+}
+
+/// Returns the largest resident memory, megabytes of 10^6 bytes; Linux alone tells it.
+fn peak_mb() -> Option<f64> {
+    // `getrusage` would start from the memory of the parent program.
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kib: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kib * 1024.0 * 1e-6)
 }
