@@ -18,7 +18,7 @@ use clap::Args;
 use decide::{Decision, Decisions, Outcome};
 use find::Pending;
 use groups::Group;
-use serde::Serialize;
+use serde_json::{Value, json};
 use std::path::PathBuf;
 
 const KEYS: &str = "\
@@ -49,42 +49,29 @@ pub struct ReviewArguments {
     pub json: bool,
 }
 
-/// The JSON of a review: what is pending, and what was decided.
-#[derive(Serialize)]
-struct Review<'r> {
-    groups: Vec<ShownGroup<'r>>,
-    pending: usize,
-    #[serde(flatten)]
-    outcome: Option<&'r Outcome>,
-}
-
-#[derive(Serialize)]
-struct ShownGroup<'r> {
-    #[serde(flatten)]
-    group: &'r Group,
-    snapshots: Vec<&'r Pending>,
-}
-
 pub fn run(arguments: &ReviewArguments, io: &Io) -> Result<Exit, Failure> {
     let mut pending = find::find(&arguments.places, arguments.only.as_deref(), io)?;
     let decides =
         arguments.accept_all || !arguments.accept.is_empty() || !arguments.reject.is_empty();
-    let outcome = if decides {
-        Some(decide(arguments, &mut pending)?)
-    } else {
-        None
-    };
+    let outcome = decides
+        .then(|| decide(arguments, &mut pending))
+        .transpose()?;
     let groups = groups::group(&pending);
     if arguments.json {
-        let shown = groups.iter().map(|group| ShownGroup {
-            group,
-            snapshots: group.members.iter().map(|at| &pending[*at]).collect(),
+        let shown = groups.iter().map(|group| {
+            let mut shown = json!(group);
+            let members = group.members.iter().map(|at| &pending[*at]);
+            shown["snapshots"] = members.map(|one| json!(one)).collect();
+            shown
         });
-        io.json(&Review {
-            groups: shown.collect(),
-            pending: pending.len(),
-            outcome: outcome.as_ref(),
-        });
+        let shown: Vec<Value> = shown.collect();
+        let mut document = json!({ "groups": shown, "pending": pending.len() });
+        if let Some(outcome) = outcome {
+            document["accepted"] = json!(outcome.accepted);
+            document["rejected"] = json!(outcome.rejected);
+            document["waiting"] = json!(outcome.waiting);
+        }
+        io.json(&document);
     } else if let Some(outcome) = outcome {
         outcome.report(io);
     } else {
@@ -117,9 +104,9 @@ fn ask(pending: &[Pending], groups: &[Group], io: &Io) -> Result<Exit, Failure> 
         return Ok(Exit::Done);
     }
     if !io.is_interactive() {
+        let n_pending = pending.len();
         return Err(Failure::usage(format!(
-            "{} snapshots are pending, and this is not a terminal; use --json, --accept, --reject or --accept-all",
-            pending.len()
+            "{n_pending} snapshots are pending, and this is not a terminal; use --json, --accept, --reject or --accept-all"
         )));
     }
     session::run(Decisions::about(pending, groups), io)

@@ -15,7 +15,7 @@ use std::path::Path;
 
 #[derive(Serialize)]
 pub struct DisplayMessage {
-    pub role: &'static str,
+    pub role: String,
     pub parts: Vec<DisplayPart>,
 }
 
@@ -86,10 +86,10 @@ fn messages(
 ) -> Result<Vec<DisplayMessage>, Failure> {
     let examples = fab_agent::examples::Examples::load(program, folder)?;
     let spoken = fab_agent::policy::opening(program, stage, values, &examples, step)?;
-    let spoken = spoken.iter();
-    Ok(spoken
-        .map(|it| super::camera::displayed(it, None, step))
-        .collect())
+    let displayed = spoken
+        .iter()
+        .map(|it| super::camera::displayed(it, None, step));
+    Ok(displayed.collect())
 }
 
 /// Returns the first question of a stage, without pictures and demonstrations, which the authoring tool cannot read.
@@ -101,7 +101,6 @@ fn messages(
     values: Values<'_>,
     step: u32,
 ) -> Result<Vec<DisplayMessage>, Failure> {
-    use fab_program::render::PromptSpeaker;
     let messages = render::messages(program, stage, values)?.into_iter();
     let displayed = messages.map(|message| {
         let said = message.content;
@@ -110,11 +109,7 @@ fn messages(
             title: super::title(picture, step),
             png: None,
         }));
-        let role = match message.speaker {
-            PromptSpeaker::System => "system",
-            PromptSpeaker::User => "user",
-            PromptSpeaker::Assistant => "assistant",
-        };
+        let role = format!("{:?}", message.speaker).to_lowercase();
         DisplayMessage { role, parts }
     });
     Ok(displayed.collect())
@@ -160,13 +155,12 @@ impl ShownStage {
             Read::Text { .. } => Vec::new(),
         };
         let corrections = corrections.into_iter();
+        let corrections = corrections.map(|(check, said)| Correction { check, said });
         Ok(ShownStage {
             name: stage.name.clone(),
             n_asked_first: messages.len(),
             messages,
-            corrections: corrections
-                .map(|(check, said)| Correction { check, said })
-                .collect(),
+            corrections: corrections.collect(),
             findings: Vec::new(),
             results: Vec::new(),
         })

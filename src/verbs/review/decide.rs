@@ -9,7 +9,6 @@ use crate::exit::Failure;
 use crate::io::Io;
 use crate::snapshots::{Name, Side};
 use fab_base::wording::quoted;
-use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -37,13 +36,12 @@ pub struct Decisions<'r> {
 }
 
 /// What the decisions of a review came to.
-#[derive(Serialize)]
+#[derive(Default)]
 pub struct Outcome {
     pub accepted: Vec<Name>,
     pub rejected: Vec<Name>,
     /// Those of which only some edits were accepted; they are still pending.
     pub waiting: Vec<Name>,
-    #[serde(skip)]
     pub n_pending: usize,
 }
 
@@ -103,17 +101,24 @@ impl<'r> Decisions<'r> {
     }
 
     pub fn outcome(&self) -> Outcome {
-        let names = |is_meant: &dyn Fn(usize) -> bool| {
-            let pending = self.pending.iter().enumerate();
-            let meant = pending.filter(|(at, _)| is_meant(*at));
-            meant.map(|(_, one)| one.name.clone()).collect()
-        };
-        Outcome {
-            accepted: names(&|at| self.settled.get(&at) == Some(&Decision::Accept)),
-            rejected: names(&|at| self.settled.get(&at) == Some(&Decision::Reject)),
-            waiting: names(&|at| self.is_waiting(at)),
-            n_pending: self.pending.len() - self.settled.len(),
+        let mut outcome = Outcome::default();
+        for (at, one) in self.pending.iter().enumerate() {
+            let names = match self.settled.get(&at) {
+                Some(Decision::Accept) => &mut outcome.accepted,
+                Some(Decision::Reject) => &mut outcome.rejected,
+                None => {
+                    outcome.n_pending += 1;
+                    // Some of its edits are accepted, and others undecided.
+                    let is_waiting = self.of_groups(at).any(|it| it.is_some());
+                    if !is_waiting || self.of(at).is_some() {
+                        continue;
+                    }
+                    &mut outcome.waiting
+                }
+            };
+            names.push(one.name.clone());
         }
+        outcome
     }
 
     /// Returns what the decisions come to for a snapshot; `None` while some are open.
@@ -127,11 +132,6 @@ impl<'r> Decisions<'r> {
         }
         let is_accepted = of_groups.iter().all(Option::is_some);
         is_accepted.then_some(Decision::Accept)
-    }
-
-    /// Returns whether some edits of a snapshot are accepted, and others undecided.
-    fn is_waiting(&self, member: usize) -> bool {
-        self.of(member).is_none() && self.of_groups(member).any(|it| it.is_some())
     }
 
     fn of_groups(&self, member: usize) -> impl Iterator<Item = Option<Decision>> {
@@ -165,17 +165,16 @@ impl<'r> Decisions<'r> {
 
 impl Outcome {
     pub fn report(&self, io: &Io) {
-        if !self.waiting.is_empty() {
+        let (accepted, rejected) = (self.accepted.len(), self.rejected.len());
+        let (n_waiting, n_pending) = (self.waiting.len(), self.n_pending);
+        if n_waiting > 0 {
             io.talk(&format!(
                 "{}; decide about all of them at once, since single ones are not remembered",
-                waiting(self.waiting.len())
+                waiting(n_waiting)
             ));
         }
         io.data(&format!(
-            "accepted {}, rejected {}, still pending {}",
-            self.accepted.len(),
-            self.rejected.len(),
-            self.n_pending
+            "accepted {accepted}, rejected {rejected}, still pending {n_pending}"
         ));
     }
 }

@@ -68,8 +68,7 @@ impl<'a> Text<'a> {
         let number = u32::try_from(at).ok()?.checked_add(1)?;
         let mut origins = self.origins.iter();
         let origin = origins.find(|origin| (origin.from..=origin.to).contains(&number))?;
-        let place = origin.place.clone();
-        let (file, first) = place.unzip();
+        let (file, first) = origin.place.clone().unzip();
         Some(Cause {
             component: origin.component.clone(),
             file,

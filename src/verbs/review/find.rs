@@ -76,10 +76,8 @@ fn snapshot_folders(place: &Path) -> Result<Vec<PathBuf>, Failure> {
                 folders.push(path.strip_prefix(".").unwrap_or(path).to_owned());
             }
             Err(error) if error.depth() == 0 => {
-                let path = place.display();
-                return Err(Failure::environment(format!(
-                    "cannot read `{path}`: {error}"
-                )));
+                let why = format!("cannot read `{}`: {error}", place.display());
+                return Err(Failure::environment(why));
             }
             // An unreadable folder below a named one is skipped.
             _ => {}
@@ -100,11 +98,9 @@ fn pending_in(
     for name in folder.pending.iter().filter(|name| name.0.contains(only)) {
         let proposed = match folder.read(name, Side::Pending) {
             Err(_) if !name.is_ours() => None,
-            Err(failure) => {
-                return Err(failure
-                    .saying("run `fabc snap` again, which proposes anew what cannot be read"));
-            }
-            Ok(read) => read,
+            read => read.map_err(|failure| {
+                failure.saying("run `fabc snap` again, which proposes anew what cannot be read")
+            })?,
         };
         let info = proposed.as_ref().and_then(|it| it.metadata.info.clone());
         let (Some(proposed), Some(info)) = (proposed, info) else {
@@ -138,13 +134,11 @@ impl Pending {
     /// Names the files of the accepted and the proposed picture, for a viewer of pictures.
     pub fn pictures_to_look_at(&self) -> Option<String> {
         let proposed = self.file.as_ref()?.display();
-        match self.accepted.as_ref().map(|it| &it.contents) {
-            None | Some(Contents::Text(_)) => Some(proposed.to_string()),
-            Some(Contents::Picture(_)) => {
-                let accepted = self.folder.file(&self.name, Side::Accepted);
-                Some(format!("{} -> {proposed}", picture_of(&accepted).display()))
-            }
+        if self.pictures().is_none() {
+            return Some(proposed.to_string());
         }
+        let accepted = picture_of(&self.folder.file(&self.name, Side::Accepted));
+        Some(format!("{} -> {proposed}", accepted.display()))
     }
 
     /// Returns both pictures, if a picture changed.

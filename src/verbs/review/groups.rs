@@ -56,9 +56,8 @@ pub fn group(pending: &[Pending]) -> Vec<Group> {
         };
         for part in parts {
             let id = id(one, kind, part);
-            let known = groups.iter().position(|group| group.id == id);
-            let at = known.unwrap_or(groups.len());
-            if known.is_none() {
+            let at = groups.iter().position(|group| group.id == id);
+            let at = at.unwrap_or_else(|| {
                 groups.push(Group {
                     id,
                     kind,
@@ -67,7 +66,8 @@ pub fn group(pending: &[Pending]) -> Vec<Group> {
                     members: Vec::new(),
                     tokens: None,
                 });
-            }
+                groups.len() - 1
+            });
             groups[at].add(number, one, part);
         }
     }

@@ -73,9 +73,9 @@ fn decide(
         decisions.decide(group, decision);
     }
     decisions.apply()?;
-    match decisions.outcome().waiting.len() {
-        0 => {}
-        count => io.data(&decide::waiting(count)),
+    let n_waiting = decisions.outcome().waiting.len();
+    if n_waiting > 0 {
+        io.data(&decide::waiting(n_waiting));
     }
     Ok(())
 }

@@ -15,10 +15,8 @@ use similar::{ChangeTag, TextDiff};
 const LISTED: usize = 8;
 
 pub fn group(group: &Group, pending: &[Pending], color: Color) -> String {
-    let mut page = Page {
-        color,
-        lines: Vec::new(),
-    };
+    let lines = Vec::new();
+    let mut page = Page { color, lines };
     let members = || group.members.iter().map(|at| &pending[*at]);
     let bold = page.style().bold();
     page.line(&format!("{} {}", group.id, head(group, pending)), &bold);
@@ -44,9 +42,8 @@ pub fn group(group: &Group, pending: &[Pending], color: Color) -> String {
     if let Some(tokens) = group.tokens {
         let change = tokens.after as i64 - tokens.before as i64;
         let questions = counted(group.members.len(), "question");
-        page.plain(&format!(
-            "tokens of whole texts (estimated): {change:+} over {questions}"
-        ));
+        let of = "tokens of whole texts (estimated)";
+        page.plain(&format!("{of}: {change:+} over {questions}"));
     }
     page.lines.join("\n")
 }
@@ -112,17 +109,12 @@ impl Page {
             self.line(&format!("  {line}"), &faint);
         }
         let [old, new] = [&edit.removed, &edit.added].map(|lines| {
-            lines
-                .iter()
-                .map(|line| shown(line) + "\n")
-                .collect::<String>()
+            let lines = lines.iter().map(|line| shown(line) + "\n");
+            lines.collect::<String>()
         });
         let diff = TextDiff::from_lines(&old, &new);
-        let changes = diff
-            .ops()
-            .iter()
-            .flat_map(|op| diff.iter_inline_changes(op));
-        for change in changes {
+        let changes = diff.ops().iter();
+        for change in changes.flat_map(|op| diff.iter_inline_changes(op)) {
             let (sign, style) = match change.tag() {
                 ChangeTag::Delete => ("- ", self.style().red()),
                 ChangeTag::Insert => ("+ ", self.style().green()),
