@@ -36,11 +36,6 @@ struct NamedPose {
     why_not: Option<String>,
 }
 
-struct Unusable {
-    why: String,
-    next: String,
-}
-
 #[derive(Serialize)]
 struct Inspection {
     #[serde(skip)]
@@ -104,7 +99,7 @@ fn inspect(robot: &Path) -> Result<Inspection, Failure> {
     let (mut faults, mut next) = (Vec::new(), Vec::new());
     let (made, why) = match calibration(robot, &settings) {
         Ok(made) => (Some(made), None),
-        Err(Unusable { why, next: cure }) => {
+        Err([why, cure]) => {
             faults.push(format!("the calibration cannot be used: {why}"));
             next.push(cure);
             (None, Some(why))
@@ -124,9 +119,8 @@ fn inspect(robot: &Path) -> Result<Inspection, Failure> {
     let mut exit = Exit::Environment;
     if faults.is_empty() {
         exit = Exit::Done;
-        next.push(format!(
-            "`fabc run TASK --world arm --robot {file} --plan-only`"
-        ));
+        let plan = format!("`fabc run TASK --world arm --robot {file} --plan-only`");
+        next.push(plan);
     }
     Ok(Inspection {
         name: settings.name.clone(),
@@ -151,47 +145,46 @@ fn places(settings: &Settings) -> Vec<NamedPose> {
     let [x, y, z] = settings.table.center_m;
     let ([left, low, _], [right, high, _]) = (settings.workspace.min_m, settings.workspace.max_m);
     let motion = &settings.motion;
-    let over_table = [
+    let over_table = &[
         motion.pre_pick_m,
         motion.lift_m,
         motion.retreat_m,
         motion.travel_m,
+    ][..];
+    let rest_m = settings.workspace.rest_m;
+    // The corners are those of the workspace, so only the other places are checked against it.
+    let places = [
+        (
+            "middle of the table",
+            [x, y, z],
+            over_table,
+            Some("table.center_m"),
+        ),
+        ("rest", rest_m, &[], Some("workspace.rest_m")),
+        ("corner, least x, least y", [left, low, z], over_table, None),
+        ("corner, least x, most y", [left, high, z], over_table, None),
+        ("corner, most x, least y", [right, low, z], over_table, None),
+        ("corner, most x, most y", [right, high, z], over_table, None),
     ];
-    let place = |name, at_m: [f64; 3], above_m: &[f64]| {
-        let checked = reach.check(&Point3::from(at_m), above_m);
+    let checked = places.map(|(name, at_m, above_m, needed)| {
+        let out_of_reach = reach.check(&Point3::from(at_m), above_m).err();
+        let top_m = above_m.iter().copied().fold(0.0, f64::max);
+        let ends = [at_m[2], at_m[2] + top_m].map(|z| Point3::new(at_m[0], at_m[1], z));
+        let mut ends = ends.iter().filter(|_| needed.is_some());
+        let out_of_box = || ends.find_map(|end| guard.goal(end).err());
         NamedPose {
             name,
-            needed: None,
+            needed,
             at_m,
-            why_not: checked.err().map(|why| why.to_string()),
+            why_not: out_of_reach.map(|why| why.to_string()).or_else(out_of_box),
         }
-    };
-    let top_m = over_table.into_iter().fold(0.0, f64::max);
-    // The corners are those of the workspace, so only the other places are checked against it.
-    let in_box = |place: NamedPose, key, above_m: f64| {
-        let [x, y, z] = place.at_m;
-        let ends = [z, z + above_m].map(|z| Point3::new(x, y, z));
-        let mut why = ends.iter().filter_map(|end| guard.goal(end).err());
-        NamedPose {
-            needed: Some(key),
-            why_not: place.why_not.clone().or_else(|| why.next()),
-            ..place
-        }
-    };
-    let middle = place("middle of the table", [x, y, z], &over_table);
-    let rest = place("rest", settings.workspace.rest_m, &[]);
-    vec![
-        in_box(middle, "table.center_m", top_m),
-        in_box(rest, "workspace.rest_m", 0.0),
-        place("corner, least x, least y", [left, low, z], &over_table),
-        place("corner, least x, most y", [left, high, z], &over_table),
-        place("corner, most x, least y", [right, low, z], &over_table),
-        place("corner, most x, most y", [right, high, z], &over_table),
-    ]
+    });
+    checked.into()
 }
 
-/// Reads the calibration that the settings name, and compares it with them.
-fn calibration(robot: &Path, settings: &Settings) -> Result<MadeCalibration, Unusable> {
+/// Reads the calibration that the settings name, and compares it with them; else returns why it cannot be used, and what to
+/// do.
+fn calibration(robot: &Path, settings: &Settings) -> Result<MadeCalibration, [String; 2]> {
     let beside = robot.parent().unwrap_or(Path::new(""));
     let path = beside.join(&settings.calibration);
     let is_simulated = settings.camera.source == CameraSource::Simulated;
@@ -204,22 +197,19 @@ fn calibration(robot: &Path, settings: &Settings) -> Result<MadeCalibration, Unu
         "touch points and calibrate: `fabc calibrate --robot {} --grid 4x4{picture}`",
         robot.display()
     );
-    let unusable = |why: String, next: &str| Unusable {
-        why,
-        next: next.to_owned(),
-    };
-    let made = Calibration::load(&path).map_err(|error| unusable(error.to_string(), &calibrate))?;
+    let made = Calibration::load(&path);
+    let made = made.map_err(|error| [error.to_string(), calibrate.clone()])?;
     let compared = made.check_settings(settings).map_err(|refusal| {
-        let next = format!(
-            "correct what is said of it in `{}`; else {calibrate}",
-            robot.display()
-        );
-        unusable(format!("it does not fit these settings: {refusal}"), &next)
+        let file = robot.display();
+        [
+            format!("it does not fit these settings: {refusal}"),
+            format!("correct what is said of it in `{file}`; else {calibrate}"),
+        ]
     })?;
     // A simulated camera cannot be moved.
     if made.reference.is_none() && !is_simulated {
         let why = "it has no picture, so that a moved camera could not be noticed";
-        return Err(unusable(why.to_owned(), &calibrate));
+        return Err([why.to_owned(), calibrate]);
     }
     Ok(MadeCalibration {
         made_on: made.made_on,
@@ -236,12 +226,8 @@ impl Inspection {
             self.name, self.model
         )];
         if let Some(made) = &self.calibration.made {
-            let MadeCalibration {
-                made_on,
-                method,
-                camera,
-                accuracy,
-            } = made;
+            let (made_on, method, camera) = (&made.made_on, made.method, &made.camera);
+            let accuracy = &made.accuracy;
             let left_out_mm = accuracy.left_out_rms_mm;
             lines.push(format!(
                 "calibration  of {made_on}, {method}, camera {camera}: can be used; a point left out is {left_out_mm:.1} mm off"
@@ -261,10 +247,8 @@ impl Inspection {
             let [x, y, z] = place.at_m;
             let why = place.why_not.as_ref();
             let result = why.map_or("reached".to_owned(), |why| format!("out of reach: {why}"));
-            format!(
-                "reach        {} ({x:.3}, {y:.3}, {z:.3}): {result}",
-                place.name
-            )
+            let name = place.name;
+            format!("reach        {name} ({x:.3}, {y:.3}, {z:.3}): {result}")
         }));
         lines.extend(self.next.iter().map(|next| format!("next         {next}")));
         lines.join("\n")
