@@ -158,10 +158,7 @@ impl Io {
         let _ = lock(&self.streams.stderr).write(&format!("{text}\n"));
     }
 
-    /// Shows the progress of a long job in one terminal line, which the next call replaces; does nothing without a
-    /// terminal.
-    ///
-    /// An empty text clears the line.
+    /// Shows the progress of a long job in one terminal line, which the next call replaces; an empty text clears it.
     pub(crate) fn progress(&self, text: &str) {
         if self.streams.terminals[2] {
             // Carriage return, text, and "erase to the end of the line".
@@ -255,9 +252,7 @@ impl Io {
         SystemTime::now()
     }
 
-    /// Starts to record interrupts, so that work can stop between two of its steps.
-    ///
-    /// A second SIGINT ends the process at once.
+    /// Starts to record interrupts, so that work can stop between two of its steps. A second SIGINT ends the process at once.
     pub(crate) fn interrupt(&self) -> Result<Interrupt, Failure> {
         match &self.interrupt {
             Some(interrupt) => Ok(interrupt.clone()),

@@ -119,9 +119,7 @@ pub fn check_own(file: &str, io: &Io) -> Result<(), Failure> {
     )))
 }
 
-/// Returns the text of an embedded file.
-///
-/// - `path`: relative to the tasks folder.
+/// Returns the text of an embedded file, by its path relative to the tasks folder.
 pub fn text(path: &str) -> &'static str {
     let bytes = FILES.get(path);
     let bytes = bytes.expect("every file that the program itself uses is embedded");

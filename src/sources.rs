@@ -33,9 +33,7 @@ pub struct TaskArguments {
 /// The largest source file that is read, bytes.
 const MAX_BYTES: u64 = 1 << 22;
 
-/// Loads one file from disk, the files of its folder, and those of the neighbouring folder `lib`.
-///
-/// The entry itself may be a link to elsewhere; the files that it uses may not.
+/// Loads one file from disk, which may be a link to elsewhere, and files that are really in its folder or in `lib` beside it.
 pub struct Disk {
     entry: String,
     folder: PathBuf,
@@ -101,13 +99,10 @@ fn similar_file(path: &Path) -> Option<String> {
 /// The largest file that a check looks into, bytes; as much as a start may have.
 const MAX_LOOKED_AT: u64 = 64 << 20;
 
-/// A loader that also looks into the files that tasks name, and remembers every file that was asked for.
-///
-/// Only `fabc check` reports what it sees: other verbs read what they need, and say themselves what is missing.
+/// A loader that also looks into the files that tasks name, for `fabc check` alone, and remembers what was asked for.
 struct Looking {
     disk: Disk,
-    /// What was found, because each task that inherits a file asks again, and what is done to a picture to show it as a
-    /// viewer does.
+    /// What was found, because each task that inherits a file asks again, and what is done to a picture to show it.
     found: RefCell<BTreeMap<(String, Wanted), (Listed, Option<String>)>>,
     /// The files that were asked for, including missing ones.
     asked: RefCell<BTreeSet<PathBuf>>,
@@ -163,8 +158,7 @@ struct Tried {
     tried: Option<Trial>,
 }
 
-/// Returns what `fabc subgoals` found of a task's demonstration. A file that cannot be read counts as none: a rollout
-/// draws such pictures anew.
+/// Returns what `fabc subgoals` found of a task's demonstration, if there is a file that can be read.
 pub fn pinned_trial(folder: &Path, title: &str) -> Option<Trial> {
     let path = folder.join(pins_folder(title)).join(PINS_FILE);
     let path = inside(folder, &path).ok()?;
@@ -240,10 +234,7 @@ pub fn folder_of(file: &str) -> PathBuf {
     folder.map(Path::to_owned).unwrap_or_default()
 }
 
-/// Returns the real path of a file; the error says why it is not inside `folder` (an empty path means the current
-/// folder).
-///
-/// Links are resolved in both paths, so a link may point to a neighbour but not out of the folder.
+/// Returns the real path of a file, links resolved; the error says why it is not inside `folder` (empty: the current one).
 pub fn inside(folder: &Path, path: &Path) -> Result<PathBuf, String> {
     let real = |path: &Path| path.canonicalize().map_err(|error| error.to_string());
     let (folder, real) = (real(&Path::new(".").join(folder))?, real(path)?);
@@ -324,17 +315,13 @@ fn runnable(compiled: Compiled, file: &str, wanted: Option<&str>) -> Result<Vec<
     Ok(programs)
 }
 
-/// Compiles a file, shows its diagnostics, and returns the task to work on.
-///
-/// The task must be named if the file declares several; without a variant it is the task itself.
+/// Compiles a file, shows its diagnostics, and returns the task to work on; it must be named if the file declares several.
 pub fn compile_task(wanted: &TaskArguments, io: &Io) -> Result<Program, Failure> {
     let programs = compile_tasks(&wanted.file, wanted.task.as_deref(), io)?;
     chosen(programs, wanted)
 }
 
 /// Compiles the task again for a cloth of another grid; shows only errors, since other diagnostics were shown before.
-///
-/// - `grid`: particles along X and along Y.
 pub fn compile_task_for(
     wanted: &TaskArguments,
     grid: [u32; 2],

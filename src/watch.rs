@@ -14,14 +14,10 @@ use std::path::PathBuf;
 use std::time::{Duration, SystemTime};
 use std::{fs, thread};
 
-/// Interval between two looks at the files. A change counts once two looks see the same: an editor writes, renames and
-/// deletes within this time.
+/// Interval between two looks at the files. A change counts once two looks see the same: editors write in steps.
 const INTERVAL: Duration = Duration::from_millis(120);
 
-/// Runs a verb, then again after each change, until Ctrl-C.
-///
-/// - `entries`: the `.fab` files; the files that they use are watched too.
-/// - `others`: further files named on the command line.
+/// Runs a verb, then again after each change of `entries`, of the files that they use, or of `others`, until Ctrl-C.
 pub fn run(
     entries: &[String],
     others: &[PathBuf],

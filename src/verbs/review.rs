@@ -80,8 +80,7 @@ pub fn run(arguments: &ReviewArguments, io: &Io) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// Applies the decisions of the command line, and leaves in `pending` what they do not settle; an unknown id ends it
-/// before anything is changed.
+/// Applies the decisions of the command line, and leaves in `pending` what they do not settle.
 fn decide(arguments: &ReviewArguments, pending: &mut Vec<Pending>) -> Result<Outcome, Failure> {
     let groups = groups::group(pending);
     let mut decisions = Decisions::about(pending, &groups);

@@ -84,10 +84,7 @@ pub fn fitted_to_start(
     setting::fitted(task, declared, &start, io)
 }
 
-/// Renders stages as a rollout would ask them: brings the cloth to the step, takes a picture, and goes through the
-/// stages with the rollout's own functions.
-///
-/// - `declared`: the task as written, whose subgoals are shown.
+/// Renders stages by the rollout's own functions; subgoals are those of the task as `declared`.
 pub fn rendered(
     declared: &Program,
     arguments: &RenderArguments,
@@ -162,9 +159,7 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// Lays the cloth, executes the steps before this one, and takes a picture.
-    ///
-    /// - `declared`: the task as written, whose subgoals are shown; `folder` holds its file.
+    /// Lays the cloth, executes the steps before this one, and takes a picture; subgoals are those of the task as `declared`.
     pub fn at(
         program: &Program,
         declared: &Program,

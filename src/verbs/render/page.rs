@@ -74,8 +74,6 @@ fn length<S: Serializer>(png: &Option<Vec<u8>>, serializer: S) -> Result<S::Ok, 
 }
 
 /// Returns the first question of a stage, without pictures, by the function that a rollout uses.
-///
-/// - `folder`: holds the program's file.
 #[cfg(feature = "runtime")]
 fn messages(
     program: &Program,
@@ -116,11 +114,7 @@ fn messages(
 }
 
 impl ShownStage {
-    /// Makes a stage of its first question, with the points of a scene or else with typed placeholders, and without
-    /// pictures.
-    ///
-    /// - `folder`: holds the program's file.
-    /// - `last`: the previous action.
+    /// Makes a stage of its first question, with the points of a scene or else with typed placeholders, without pictures.
     pub fn without_camera(
         program: &Program,
         folder: &Path,

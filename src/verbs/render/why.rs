@@ -46,9 +46,7 @@ struct Stretch<'s> {
     line: Option<u32>,
 }
 
-/// Returns the page with line numbers, and a table of the tokens of each component.
-///
-/// - `folder`: the folder of the task's file; prefixed to file names.
+/// Returns the page with line numbers, and a table of the tokens of each component; `folder` goes before file names.
 pub fn text(stage: &ShownStage, folder: &Path, price: Option<&Price>) -> String {
     let mut lines = vec![format!("=== stage {}", stage.name)];
     let mut before: Option<String> = None;

@@ -59,9 +59,7 @@ impl<'r> Decisions<'r> {
         self.made.insert(Selection::Group(group), decision);
     }
 
-    /// Records the same decision about everything that the ids name.
-    ///
-    /// Fails if one names nothing, or something that was decided otherwise.
+    /// Records a decision about all that the ids name; fails if one names nothing, or something that was decided otherwise.
     pub fn decide_named(&mut self, ids: &[String], decision: Decision) -> Result<(), Failure> {
         for id in ids {
             let earlier = self.made.insert(self.named(id)?, decision);
@@ -140,8 +138,7 @@ impl<'r> Decisions<'r> {
         own.map(|(number, _)| self.made.get(&Selection::Group(number)).copied())
     }
 
-    /// Returns what an id names: a group's, a snapshot's, or the path of a snapshot, pending or accepted, or of its
-    /// picture.
+    /// Returns what an id names: a group's, a snapshot's, or the path of a snapshot, pending or accepted, or of its picture.
     fn named(&self, id: &str) -> Result<Selection, Failure> {
         if let Some(group) = self.groups.iter().position(|group| group.id == id) {
             return Ok(Selection::Group(group));

@@ -36,9 +36,7 @@ pub struct Pending {
     pub info: Info,
 }
 
-/// Finds the pending snapshots in the named places, or below the current folder.
-///
-/// - `only`: a part of the names of those to return; default: all.
+/// Finds the pending snapshots in the named places, or below the current folder; `only` is a part of their names.
 pub fn find(places: &[PathBuf], only: Option<&str>, io: &Io) -> Result<Vec<Pending>, Failure> {
     let here = [PathBuf::from(".")];
     let places = if places.is_empty() { &here } else { places };

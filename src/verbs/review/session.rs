@@ -22,8 +22,6 @@ const PROMPT: &str = "[a]ccept [r]eject [s]kip [A]ccept all left [q]uit [?] ";
 const END_OF_INPUT: char = '\u{4}';
 
 /// Shows each group in turn and applies the decisions.
-///
-/// Fails if there is no terminal, or if a folder cannot be changed.
 pub fn run(mut decisions: Decisions<'_>, io: &Io) -> Result<Exit, Failure> {
     let ended = go_through(&mut decisions, io);
     decisions.outcome().report(io);

@@ -277,8 +277,7 @@ fn check_arm(
     Ok((cloths, about, settings))
 }
 
-/// Returns the default number of parallel rollouts: one per core, or more if most of the time is spent waiting for a
-/// provider.
+/// Returns the default number of parallel rollouts: one per core, or more if most of the time a provider is waited for.
 fn usual_jobs(deciding: &DecidingBy) -> usize {
     const WITH_PROVIDERS: usize = 8;
     let cores = thread::available_parallelism().map_or(1, NonZero::get);
@@ -365,8 +364,7 @@ impl SharedQuestions {
     }
 }
 
-/// A suite succeeds when its rollouts have ended, whatever their outcomes; the environment failed only if no rollout
-/// could be played.
+/// A suite succeeds when its rollouts have ended, however they did; only if none could be played, the environment failed.
 fn exit_of(results: &Results) -> Exit {
     let has_failed =
         |it: &Played| exit_of_rollout(it.rollout.report.outcome, None, None) == Exit::Environment;

@@ -79,8 +79,7 @@ fn columns_and_rows(text: &str) -> Result<[u32; 2], String> {
         .ok_or_else(|| "write columns and rows, such as `4x4`; each 2 to 20".to_owned())
 }
 
-/// Calibrates from points of a file, typed points, or points to which a person guides the arm by hand or with the vendor's
-/// joystick; fabc reads its position and never moves it.
+/// Calibrates from points of a file, typed ones, or ones to which a person guides the arm; fabc never moves it.
 pub fn run(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
     if !arguments.jog {
         return run_with(arguments, None, io);
@@ -203,8 +202,7 @@ struct TablePicture {
     intrinsics: Option<Intrinsics>,
 }
 
-/// Returns the camera's own picture: the one given or taken now, the newest of the camera's folder, or that of a
-/// simulated table.
+/// Returns the camera's picture: one given or taken now, the newest of its folder, or that of a simulated table.
 fn seen(
     arguments: &CalibrateArguments,
     settings: &Settings,

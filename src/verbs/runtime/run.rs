@@ -306,8 +306,7 @@ pub fn say_pictures(subgoals: &SubgoalSet, examples: &Examples, file: &str, io: 
     io.talk(&note.replace("{}", &format!("`fabc subgoals {file}`")));
 }
 
-/// Returns the exit code for an outcome; `goal_reached` is `None` without a goal, `judged` without an operator's
-/// answer.
+/// Returns the exit code for an outcome; `goal_reached` is `None` without a goal, `judged` without an operator.
 pub fn exit_of(outcome: Outcome, goal_reached: Option<bool>, judged: Option<bool>) -> Exit {
     match outcome {
         // A person who saw the cloth overrides the measure.

@@ -63,9 +63,7 @@ fn square(size: u32) -> Result<Grid, Failure> {
     grid([size; 2], &format!("--size {size}"))
 }
 
-/// Returns a grid of the usual spacing.
-///
-/// - `stated`: the option that states it, for the message.
+/// Returns a grid of the usual spacing; `stated` is the option that states it, for the message.
 fn grid([dimx, dimy]: [u32; 2], stated: &str) -> Result<Grid, Failure> {
     Grid::new(dimx as usize, dimy as usize, SPACING_M as f32)
         .map_err(|error| Failure::usage(format!("`{stated}`: {error}")))
@@ -88,8 +86,6 @@ pub fn threads(arguments: &ThreadArguments) -> usize {
 }
 
 /// Simulates `count` cloths, with a line of progress; the first failure or an interrupt ends all.
-///
-/// - `what`: what is done with each, such as `crumpled`.
 pub fn each<T: Send>(
     count: usize,
     arguments: &ThreadArguments,

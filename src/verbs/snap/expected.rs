@@ -113,9 +113,7 @@ fn moments(
     Ok(moments)
 }
 
-/// Reads the scenes pinned under a name: the pending one, which is newer, then the accepted one.
-///
-/// Fails if a readable snapshot is not a valid scene, since somebody edited it.
+/// Reads the scenes pinned under a name: the pending one, which is newer, then the accepted one; both must be valid.
 fn known_scenes(name: &Name, plan: &Plan) -> Result<Vec<PinnedScene>, Failure> {
     let pending = plan.pending(name).map(|it| (it, Side::Pending));
     let accepted = plan.accepted(name).map(|it| (it, Side::Accepted));
@@ -134,8 +132,7 @@ fn known_scenes(name: &Name, plan: &Plan) -> Result<Vec<PinnedScene>, Failure> {
 }
 
 impl Page<'_> {
-    /// Returns a scene: the task's, if a variant would see the same; the accepted or pending one, if it still fits this
-    /// program; otherwise a new one from the camera.
+    /// Returns the task's scene if a variant would see the same, or one that is pinned and still fits, or a new one.
     fn scene(
         &self,
         shared: &mut Shared,
@@ -281,8 +278,7 @@ impl Page<'_> {
     }
 }
 
-/// Returns whether a picture was drawn from the same inputs, and still has the bytes that were drawn. Bytes that were
-/// swapped, as by a bad merge, have not.
+/// Returns whether a picture was drawn from the same inputs, and still has these bytes: a bad merge may swap them.
 fn is_drawn_from(snapshot: &Snapshot, wanted: &Info) -> bool {
     match (&snapshot.metadata.info, &snapshot.contents) {
         (Some(info), Contents::Picture(png)) => {

@@ -132,8 +132,7 @@ impl Plan {
         }
     }
 
-    /// Returns the snapshots of `fabc` that are not expected, with their sources. Those of other tools, such as of a test
-    /// suite, have no source or details.
+    /// Returns the snapshots that are not expected, with their sources; those of other tools have neither source nor details.
     fn undeclared<'s>(
         &self,
         snapshots: impl Iterator<Item = (&'s Name, &'s Snapshot)>,
@@ -145,9 +144,7 @@ impl Plan {
         })
     }
 
-    /// Writes differences as pending, removes pending snapshots that are not needed, and orphans if asked to.
-    ///
-    /// Updates in `states` which are pending.
+    /// Writes differences as pending, removes what need not be pending, and orphans if asked to; updates what is pending.
     pub fn write(&self, states: &mut [SnapshotState], prunes: bool) -> Result<(), Failure> {
         for found in states {
             let name = &found.name;

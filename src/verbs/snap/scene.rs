@@ -157,8 +157,7 @@ impl SceneView for PinnedScene {
     }
 }
 
-/// Returns hashes of the subgoal pictures beside the task, in order: the author's, or the pinned ones. One that cannot be
-/// read has none: drawing it says why, or draws it anew.
+/// Returns hashes of the subgoal pictures beside the task that can be read, in order: the author's, or the pinned ones.
 pub fn hashes_of_pictures(program: &Program, folder: &Path) -> Vec<String> {
     let files: Vec<PathBuf> = match &program.subgoals {
         None => Vec::new(),

@@ -65,10 +65,7 @@ impl<'a> BenchReport<'a> {
         table::text(self.bench.suite, self.rows)
     }
 
-    /// Summarises a suite's results.
-    ///
-    /// - `rows`: the figures.
-    /// - `wall_s`: seconds since the command began.
+    /// Summarises a suite's results; `wall_s` counts seconds since the command began.
     pub fn new(
         name: &'a str,
         bench: &'a Bench<'a>,

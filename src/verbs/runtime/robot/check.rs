@@ -182,8 +182,7 @@ fn places(settings: &Settings) -> Vec<NamedPose> {
     checked.into()
 }
 
-/// Reads the calibration that the settings name, and compares it with them; else returns why it cannot be used, and what to
-/// do.
+/// Reads the calibration of the settings, and compares it with them; else returns why it is useless, and what to do.
 fn calibration(robot: &Path, settings: &Settings) -> Result<MadeCalibration, [String; 2]> {
     let beside = robot.parent().unwrap_or(Path::new(""));
     let path = beside.join(&settings.calibration);

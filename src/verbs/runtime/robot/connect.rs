@@ -12,10 +12,7 @@ use fab_arm::rgbd::RgbdSource;
 use fab_arm::settings::{CameraSource, DriverKind, Settings};
 use std::path::Path;
 
-/// Loads the settings of a real arm; fails for one that this program simulates, and where this build has no connection
-/// to it.
-///
-/// - `why_real`: what cannot be done with a simulated arm, for the message.
+/// Loads the settings of an arm to which this build can connect; `why_real` says what a simulated one cannot do.
 pub fn settings_of_real(robot: &Path, why_real: &str) -> Result<Settings, Failure> {
     let settings = Settings::load(robot)?;
     if settings.driver == DriverKind::Simulated {
@@ -49,10 +46,7 @@ fn lacks(driver: DriverKind) -> Option<[&'static str; 2]> {
     (!is_built).then_some(names)
 }
 
-/// Opens the camera over a real table.
-///
-/// - `robot`: the settings' file, beside which a folder of pictures lies.
-/// - `selection`: which picture of that folder to take.
+/// Opens the camera over a real table; `robot` is the settings' file, beside which a folder of pictures lies.
 pub fn camera(
     settings: &Settings,
     robot: &Path,
@@ -98,9 +92,7 @@ const NO_ROS: &str = "the settings have no `[ros]`";
 #[cfg(feature = "ros2")]
 const NO_ROS2: &str = "the settings have no `[ros2]`";
 
-/// Connects to the node of an arm.
-///
-/// - `timeout_s`: the longest to wait for it, seconds.
+/// Connects to the node of an arm within `timeout_s` seconds.
 #[cfg_attr(
     not(any(feature = "ros", feature = "ros2")),
     expect(unused_variables, reason = "without ROS there is nothing to wait for")

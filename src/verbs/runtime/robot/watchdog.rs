@@ -102,9 +102,9 @@ fn lines_of(source: impl Read + Send + 'static) -> Receiver<String> {
     lines
 }
 
-/// Watches: stops the arm on `stop`, if no heartbeat comes for `timeout` after `watch`, or the lines end before `rest`.
+/// Stops the arm on `stop`, if no heartbeat comes for `timeout` after `watch`, or the lines end before `rest`.
 ///
-/// Returns whether the arm could be stopped; `None` if there was no need.
+/// Returns whether it could be stopped; `None` if there was no need.
 fn keep_watch(
     lines: &Receiver<String>,
     timeout: Duration,

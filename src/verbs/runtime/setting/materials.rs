@@ -35,11 +35,7 @@ impl MaterialArguments {
 /// The shipped materials, relative to the tasks folder.
 const SHIPPED: &str = "lib/materials.fab";
 
-/// Returns the material that a word names.
-///
-/// - `word`: `NAME` for a shipped one, or `FILE.fab:NAME` for one that a file declares or uses.
-///
-/// Fails if the file cannot be read or has an error in a material, or if nothing has that name.
+/// Returns the material that a word names: a shipped one, or as `FILE.fab:NAME` one that a file declares or uses.
 pub fn find(word: &str, io: &Io) -> Result<Material, Failure> {
     let (file, name) = match word.rsplit_once(':') {
         Some((file, name)) => (Some(shipped::find(file, io)?), name),

@@ -58,9 +58,7 @@ impl fmt::Display for WorldChoice {
     }
 }
 
-/// Starts a program as the world of a task.
-///
-/// - `run`: the run folder, which gets the program's stderr.
+/// Starts a program as the world of a task; `run` is the run folder, which gets its stderr.
 pub fn external(
     command: &CommandLine,
     program: &Program,

@@ -106,8 +106,7 @@ impl Demonstration {
         }
     }
 
-    /// Lays the cloth as it lay before the first pick; returns it, and its `[particles]` positions after the last place,
-    /// world frame, metres.
+    /// Lays the cloth as it lay before the first pick; returns it, and its positions after the last place, world frame, metres.
     pub fn laid(&self, params: &Params) -> Result<(Simulator, Vec<[f32; 3]>), Failure> {
         let (dimx, dimy) = (self.grid.dimx as usize, self.grid.dimy as usize);
         let grid = Grid::new(dimx, dimy, self.grid.spacing_m as f32);

@@ -23,8 +23,7 @@ pub struct StateArguments {
     pub frame: FrameArguments,
 }
 
-/// Reads a state like `fabc run --start`, and which of its particles exist; frame and grid must be stated and are never
-/// guessed.
+/// Reads a state like `fabc run --start`, and which of its particles exist.
 pub fn read_state(path: &Path, frame: &FrameArguments) -> Result<(Start, Mask), Failure> {
     let start = Start::load(path, setting::stated_frame(frame, SPACING_M)?)?;
     let mask = simulated::mask(&start)

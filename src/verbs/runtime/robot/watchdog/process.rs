@@ -15,8 +15,8 @@ use std::time::{Duration, Instant};
 
 /// Time limit until the watchdog is ready: it connects to the arm's node.
 const READY: Duration = Duration::from_secs(30);
-/// How long to wait for its end, or for its stop of the arm. It takes longer only if the arm's node does not answer; then
-/// it continues alone, so that this program can report at once that the arm may move.
+/// How long to wait for its end, or for its stop of the arm. If the arm's node does not answer, it continues alone, so that
+/// this program can report at once that the arm may move.
 const ENDED: Duration = Duration::from_secs(5);
 const LOOK: Duration = Duration::from_millis(20);
 /// The most lines that wait for a pipe that is full.
@@ -34,9 +34,7 @@ pub struct Process {
 }
 
 impl Process {
-    /// Starts it, and waits until it can stop the arm; the error says why it cannot.
-    ///
-    /// - `timeout_s`: the longest time without a heartbeat, and without its acknowledgement, seconds.
+    /// Starts it, and waits until it can stop the arm; `timeout_s` limits both a heartbeat and its acknowledgement.
     pub fn start(robot: &Path, timeout_s: f64) -> Result<Process, String> {
         let program = std::env::current_exe().map_err(|error| error.to_string())?;
         let mut command = Command::new(program);
