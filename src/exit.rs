@@ -31,7 +31,7 @@ impl Exit {
 /// An error that ends a verb: one message and the code it exits with.
 #[derive(Debug)]
 pub struct Failure {
-    exit: Exit,
+    pub exit: Exit,
     message: String,
     diagnostics: Option<Value>,
 }
@@ -83,10 +83,6 @@ impl Failure {
     /// The user stopped the verb before there was a result to report.
     pub fn interrupted() -> Failure {
         Failure::new(Exit::Interrupted, "interrupted".to_owned())
-    }
-
-    pub fn exit(&self) -> Exit {
-        self.exit
     }
 
     /// Returns the document that `--json` prints instead of a result.

@@ -69,6 +69,6 @@ fn act(cli: &mut Cli, matches: &ArgMatches, io: &Io) -> Exit {
         if verbs::wants_json(matches) {
             io.json(&failure.to_json());
         }
-        failure.exit()
+        failure.exit
     })
 }

@@ -63,10 +63,9 @@ pub struct Metadata {
     /// Details written by `fabc`; absent in snapshots that other tools wrote.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "ours")]
     pub info: Option<Info>,
-    /// Set in files of pictures alone.
+    // Both are set in files of pictures alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     extension: Option<String>,
-    /// Set in files of pictures alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     snapshot_kind: Option<String>,
 }
@@ -169,13 +168,14 @@ pub fn parse(text: &str) -> Result<(Metadata, Option<String>), String> {
     }
     let rest = text.strip_prefix(FENCE);
     let rest = rest.ok_or("it does not begin with a line `---`")?;
-    let (yaml, text) = rest
-        .split_once("\n---\n")
-        .ok_or("the line `---` after the metadata is missing")?;
-    let mut metadata = match yaml {
-        "" => Metadata::default(),
-        yaml => read_yaml(yaml)?,
-    };
+    let parts = rest.split_once("\n---\n");
+    let (yaml, text) = parts.ok_or("the line `---` after the metadata is missing")?;
+    let mut metadata = Metadata::default();
+    if !yaml.is_empty() {
+        let options = serde_saphyr::options! { with_snippet: false };
+        metadata = serde_saphyr::from_str_with_options(yaml, options)
+            .map_err(|error| format!("its metadata cannot be read: {error}"))?;
+    }
     let extension = metadata.extension.take();
     if metadata.snapshot_kind.take().as_deref() != Some("binary") {
         return Ok((metadata, Some(normal(text))));
@@ -208,10 +208,4 @@ pub fn write(snapshot: &Snapshot) -> Result<String, String> {
 /// Normalizes text for comparing and writing: line feeds only, no trailing whitespace.
 fn normal(text: &str) -> String {
     text.trim_end().replace("\r\n", "\n")
-}
-
-fn read_yaml(text: &str) -> Result<Metadata, String> {
-    let options = serde_saphyr::options! { with_snippet: false };
-    serde_saphyr::from_str_with_options(text, options)
-        .map_err(|error| format!("its metadata cannot be read: {error}"))
 }

@@ -146,7 +146,7 @@ impl<'r> Decisions<'r> {
         let path = id.trim_end_matches(".png").trim_end_matches(".new");
         let path = PathBuf::from(format!("{path}.new"));
         let pending = self.pending.iter().enumerate();
-        let found = pending.filter(|(_, one)| one.name.0 == id || one.path == path);
+        let found = pending.filter(|(_, one)| one.name == id || one.path == path);
         match found.collect::<Vec<_>>().as_slice() {
             [] => Err(Failure::usage(format!(
                 "nothing that is pending has the id `{id}`; `fabc review --json` lists them; nothing was done"

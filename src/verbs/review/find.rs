@@ -6,7 +6,7 @@
 
 use crate::exit::Failure;
 use crate::io::Io;
-use crate::snapshots::{Contents, FOLDER, Folder, Info, Name, Side, Snapshot, picture_of};
+use crate::snapshots::{self, Contents, FOLDER, Folder, Info, Name, Side, Snapshot, picture_of};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -93,9 +93,9 @@ fn pending_in(
 ) -> Result<Vec<Pending>, Failure> {
     let folder = Rc::new(Folder::open(path)?);
     let mut found = Vec::new();
-    for name in folder.pending.iter().filter(|name| name.0.contains(only)) {
+    for name in folder.pending.iter().filter(|name| name.contains(only)) {
         let proposed = match folder.read(name, Side::Pending) {
-            Err(_) if !name.is_ours() => None,
+            Err(_) if !snapshots::is_ours(name) => None,
             read => read.map_err(|failure| {
                 failure.saying("run `fabc snap` again, which proposes anew what cannot be read")
             })?,

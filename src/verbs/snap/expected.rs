@@ -89,7 +89,7 @@ fn moments(
     let mut moments: BTreeSet<Moment> = programs.iter().flat_map(Moment::of).collect();
     let (start, end) = (format!("{}@", task.task), format!(".{POINTS}"));
     for name in plan.folder.accepted.union(&plan.folder.pending) {
-        let scene = name.0.strip_prefix(&start);
+        let scene = name.strip_prefix(&start);
         let scene = scene.and_then(|scene| scene.strip_suffix(&end));
         if let Some(scene) = scene.filter(|scene| !USUAL.contains(scene))
             && let Some(known) = known_scenes(name, plan)?.first()
@@ -114,7 +114,7 @@ fn moments(
 }
 
 /// Reads the scenes pinned under a name: the pending one, which is newer, then the accepted one; both must be valid.
-fn known_scenes(name: &Name, plan: &Plan) -> Result<Vec<PinnedScene>, Failure> {
+fn known_scenes(name: &str, plan: &Plan) -> Result<Vec<PinnedScene>, Failure> {
     let pending = plan.pending(name).map(|it| (it, Side::Pending));
     let accepted = plan.accepted(name).map(|it| (it, Side::Accepted));
     let known = pending.into_iter().chain(accepted);
@@ -243,7 +243,7 @@ impl Page<'_> {
     fn name(&self, stage: Option<&str>, part: Option<&str>) -> Name {
         let [stage, part] = [stage, part].map(|it| it.map_or(String::new(), |it| format!(".{it}")));
         let title = self.program.title().replace('/', ".");
-        Name(format!("{title}{stage}@{}{part}", self.moment.name))
+        format!("{title}{stage}@{}{part}", self.moment.name)
     }
 
     fn info(&self) -> Info {

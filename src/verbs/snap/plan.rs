@@ -2,7 +2,7 @@
 
 use crate::exit::Failure;
 use crate::io::Io;
-use crate::snapshots::{FOLDER, Folder, Name, Side, Snapshot};
+use crate::snapshots::{self, FOLDER, Folder, Name, Side, Snapshot};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -58,7 +58,7 @@ impl Plan {
         let accepted = folder.accepted.iter().map(|name| {
             let accepted = folder.read(name, Side::Accepted);
             let accepted = accepted.unwrap_or_else(|why| {
-                if name.is_ours() {
+                if snapshots::is_ours(name) {
                     io.talk(&format!("note: {why}; it counts as changed"));
                 }
                 None
@@ -93,11 +93,11 @@ impl Plan {
         Ok(())
     }
 
-    pub fn accepted(&self, name: &Name) -> Option<&Snapshot> {
+    pub fn accepted(&self, name: &str) -> Option<&Snapshot> {
         self.accepted.get(name)?.as_ref()
     }
 
-    pub fn pending(&self, name: &Name) -> Option<&Snapshot> {
+    pub fn pending(&self, name: &str) -> Option<&Snapshot> {
         self.pending.get(name)
     }
 
@@ -121,7 +121,7 @@ impl Plan {
     }
 
     /// Compares the accepted snapshot with what it should hold.
-    fn compared(&self, name: &Name, taken: Option<&Snapshot>) -> State {
+    fn compared(&self, name: &str, taken: Option<&Snapshot>) -> State {
         match (self.accepted.get(name), taken) {
             (_, None) => State::Unseen,
             (None, _) => State::New,
