@@ -55,7 +55,9 @@ pub fn find(word: &str, io: &Io) -> Result<String, Failure> {
 /// Returns the file that a word in a file of `folder` names; that folder is searched instead of the working folder.
 pub fn find_beside(folder: &Path, word: &str, io: &Io) -> Result<String, Failure> {
     let own = folder.join(word);
-    if !is_name(word) || (own.exists() && !own.is_dir()) {
+    let is_plain = |letter: char| letter.is_alphanumeric() || letter == '_';
+    let is_name = !word.is_empty() && word.chars().all(is_plain);
+    if !is_name || (own.exists() && !own.is_dir()) {
         return Ok(own.display().to_string());
     }
     let name = format!("{word}.fab");
@@ -166,11 +168,6 @@ fn not_shipped(word: &str) -> String {
     };
     let all = quoted(names());
     format!("fabc ships no task `{word}`; {meant} {all}")
-}
-
-fn is_name(word: &str) -> bool {
-    let is_plain = |letter: char| letter.is_alphanumeric() || letter == '_';
-    !word.is_empty() && word.chars().all(is_plain)
 }
 
 fn names() -> impl Iterator<Item = &'static str> {

@@ -168,11 +168,16 @@ pub fn pinned_trial(folder: &Path, title: &str) -> Option<Trial> {
 /// Reads the file at a path in a folder as the kind of file that is wanted; says what it found, and what is done to show it.
 fn listed(folder: &Path, path: &Path, wanted: Wanted) -> Result<(Listed, Option<String>), String> {
     let bytes = files::read(&inside(folder, path)?, MAX_LOOKED_AT)?;
-    let other = |()| (Listed::Other, None);
     match wanted {
         Wanted::CameraPicture | Wanted::Picture => picture(path, &bytes),
-        Wanted::Positions => are_positions(&bytes).map(other),
-        Wanted::Demonstrations => are_json_lines(&bytes).map(other),
+        Wanted::Positions => {
+            let positions = npy::decode_positions(&bytes)?;
+            if !positions.iter().flatten().all(|number| number.is_finite()) {
+                return Err("a coordinate in it is not a number".to_owned());
+            }
+            Ok((Listed::Other, None))
+        }
+        Wanted::Demonstrations => are_json_lines(&bytes).map(|()| (Listed::Other, None)),
     }
 }
 
@@ -190,13 +195,6 @@ fn picture(path: &Path, bytes: &[u8]) -> Result<(Listed, Option<String>), String
 #[cfg(not(feature = "runtime"))]
 fn picture(_: &Path, _: &[u8]) -> Result<(Listed, Option<String>), String> {
     Ok((Listed::Unknown, None))
-}
-
-fn are_positions(bytes: &[u8]) -> Result<(), String> {
-    let positions = npy::decode_positions(bytes)?;
-    let are_finite = positions.iter().flatten().all(|number| number.is_finite());
-    let fault = (!are_finite).then(|| "a coordinate in it is not a number".to_owned());
-    fault.map_or(Ok(()), Err)
 }
 
 /// Checks that bytes are lines with a JSON object each, the first of which states the format.
@@ -321,16 +319,6 @@ pub fn compile_task(wanted: &TaskArguments, io: &Io) -> Result<Program, Failure>
     chosen(programs, wanted)
 }
 
-/// Compiles the task again for a cloth of another grid; shows only errors, since other diagnostics were shown before.
-pub fn compile_task_for(
-    wanted: &TaskArguments,
-    grid: [u32; 2],
-    io: &Io,
-) -> Result<Program, Failure> {
-    let programs = compile_tasks_for(&wanted.file, wanted.task.as_deref(), grid, io)?;
-    chosen(programs, wanted)
-}
-
 /// Compiles a file again for a cloth of another grid, and returns its tasks with their variants, or only the `wanted` task.
 pub fn compile_tasks_for(
     file: &str,
@@ -345,7 +333,8 @@ pub fn compile_tasks_for(
     runnable(compiled, file, wanted)
 }
 
-fn chosen(programs: Vec<Program>, wanted: &TaskArguments) -> Result<Program, Failure> {
+/// Returns the task that is meant.
+pub fn chosen(programs: Vec<Program>, wanted: &TaskArguments) -> Result<Program, Failure> {
     if tasks(&programs).count() > 1 {
         return Err(Failure::usage(format!(
             "`{}` declares several tasks; choose one with `--task`: {}",

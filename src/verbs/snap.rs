@@ -88,8 +88,14 @@ pub fn run(arguments: &SnapArguments, io: &Io) -> Result<Exit, Failure> {
             shipped::check_own(file, io)?;
         }
     }
+    // A file that is named twice counts once.
+    let mut folders: BTreeMap<PathBuf, BTreeSet<&String>> = BTreeMap::new();
+    for file in &arguments.files {
+        let files = folders.entry(sources::folder_of(file)).or_default();
+        files.insert(file);
+    }
     let mut plans = Vec::new();
-    for (folder, files) in by_folder(&arguments.files) {
+    for (folder, files) in folders {
         let plan = planned(&folder, &files, arguments, io);
         plans.push(plan.map_err(|failure| failure.saying("no snapshot was taken"))?);
     }
@@ -123,16 +129,6 @@ pub fn run(arguments: &SnapArguments, io: &Io) -> Result<Exit, Failure> {
     } else {
         Ok(Exit::Done)
     }
-}
-
-/// Groups files by the folder that holds their snapshots; a file that is named twice counts once.
-fn by_folder(files: &[String]) -> BTreeMap<PathBuf, BTreeSet<&String>> {
-    let mut folders: BTreeMap<PathBuf, BTreeSet<&String>> = BTreeMap::new();
-    for file in files {
-        let files = folders.entry(sources::folder_of(file)).or_default();
-        files.insert(file);
-    }
-    folders
 }
 
 /// Compiles the files of a folder, and finds what snapshots they should have, one file per core at a time.

@@ -33,7 +33,7 @@ use fab_program::Program;
 use fab_providers::catalogue::Profile;
 use fab_providers::estimate::Estimate;
 use fab_providers::remote::settings::Parameter;
-use fab_world::{About, ExternalWorld, World};
+use fab_world::{About, ExternalWorld, SimulatedWorld, World};
 use prepare::{DecidingBy, named_by};
 use report::BenchReport;
 use std::collections::BTreeMap;
@@ -44,6 +44,9 @@ use std::time::Instant;
 
 /// The most rollouts in parallel.
 const MAX_JOBS: i64 = 256;
+
+/// The least rollouts in parallel if providers are asked.
+const JOBS_WITH_PROVIDERS: usize = 8;
 
 #[derive(Args)]
 pub struct BenchArguments {
@@ -143,10 +146,13 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         ));
     }
     let budget = models::budget(&arguments.spend, &interrupt);
+    let cores = thread::available_parallelism().map_or(1, NonZero::get);
     let threads = match arguments.jobs {
         _ if arguments.operator => 1,
         Some(jobs) => usize::from(jobs),
-        None => usual_jobs(&deciding),
+        // Most of the time is spent waiting for a provider.
+        None if asks_a_provider(&deciding) => cores.max(JOBS_WITH_PROVIDERS),
+        None => cores,
     };
     let prepared = prepare::prepare(&suite, &found.folder, arguments, io)?;
     let out = if arguments.spend.estimate {
@@ -207,7 +213,10 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         suite: &suite,
         tasks: prepared.into_iter().map(|it| it.task).collect(),
         entries,
-        make_world: &setting::varied_world,
+        make_world: &|program, values| {
+            let world = SimulatedWorld::of(program)?;
+            Ok(Box::new(world.varied(values, &program.camera)))
+        },
         arm: arm.map(|(cloths, about, _)| OnArm {
             about,
             cloths,
@@ -275,14 +284,6 @@ fn check_arm(
     let settings = setting::arm::check(&arguments.arm, ArmMode::Execute, io)?;
     let about = fab_arm::world::about(robot).map_err(Failure::environment)?;
     Ok((cloths, about, settings))
-}
-
-/// Returns the default number of parallel rollouts: one per core, or more if most of the time a provider is waited for.
-fn usual_jobs(deciding: &DecidingBy) -> usize {
-    const WITH_PROVIDERS: usize = 8;
-    let cores = thread::available_parallelism().map_or(1, NonZero::get);
-    let least = asks_a_provider(deciding).then_some(WITH_PROVIDERS);
-    cores.max(least.unwrap_or(1))
 }
 
 fn asks_a_provider(deciding: &DecidingBy) -> bool {

@@ -27,7 +27,8 @@ use fab_agent::rollout::{self, Job, RunError};
 use fab_agent::subgoals::{Origin, SubgoalSet};
 use fab_arm::settings::{DriverKind, Settings};
 use fab_model::calls::ledger;
-use fab_world::WorldError;
+use fab_world::film::Recorder;
+use fab_world::{SimulatedWorld, World, WorldError};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -131,8 +132,11 @@ pub fn play(
         WorldChoice::Program(command) => worlds::external(command, &program, None, &interrupt),
         _ => setting::world(&program),
     }?;
-    if let Destination::Existing(_) = destination {
-        worlds::check_repeats(first.as_ref())?;
+    if matches!(destination, Destination::Existing(_)) && !first.repeats() {
+        return Err(Failure::environment(format!(
+            "the world `{}` says that it cannot lay a start again exactly, so no rollout in it can be resumed: begin a new run",
+            first.name()
+        )));
     }
     let start = match &arm {
         Some(settings) if settings.driver != DriverKind::Simulated => {
@@ -163,7 +167,13 @@ pub fn play(
     // The film; the run folder, where it is written, is made later.
     let film = OnceLock::new();
     let make_world = || match &arguments.world {
-        WorldChoice::Sim => setting::filmed_world(&program, film.get()),
+        WorldChoice::Sim => {
+            let world = SimulatedWorld::of(&program)?;
+            Ok(Box::new(match film.get() {
+                Some(recorder) => world.with_recorder(Recorder::clone(recorder)),
+                None => world,
+            }) as Box<dyn World>)
+        }
         WorldChoice::Arm => {
             setting::arm::world(&program, &arguments.arm, moving, journal.get(), io)
         }

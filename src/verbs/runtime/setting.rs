@@ -20,9 +20,7 @@ use fab_base::files;
 use fab_base::interrupt::Interrupt;
 use fab_program::exact::written;
 use fab_program::{ClothStart, Program, STATED_SPACING_MM};
-use fab_world::film::Recorder;
 use fab_world::start::{Grid, Start, StartFrame, Up};
-use fab_world::vary::AxisValues;
 use fab_world::{SimulatedWorld, World, WorldError, crumple};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -54,18 +52,6 @@ const DEFAULT_SEED: u64 = 0;
 
 pub fn world(program: &Program) -> Result<Box<dyn World>, WorldError> {
     Ok(Box::new(SimulatedWorld::of(program)?))
-}
-
-/// Makes a simulated world for a program, filmed if there is a recorder.
-pub fn filmed_world(
-    program: &Program,
-    recorder: Option<&Recorder>,
-) -> Result<Box<dyn World>, WorldError> {
-    let world = SimulatedWorld::of(program)?;
-    Ok(Box::new(match recorder {
-        Some(recorder) => world.with_recorder(recorder.clone()),
-        None => world,
-    }))
 }
 
 /// Finds or draws the pictures of a task's subgoals; `folder` holds the task's file.
@@ -140,12 +126,6 @@ pub fn check_spacing(start: &str, spacing_m: f64, program: &Program) -> Result<(
     )))
 }
 
-/// Makes a simulated world that differs from a program's own in some values.
-pub fn varied_world(program: &Program, values: &AxisValues) -> Result<Box<dyn World>, WorldError> {
-    let world = SimulatedWorld::of(program)?;
-    Ok(Box::new(world.varied(values, &program.camera)))
-}
-
 /// Returns the task for the cloth of a start; compiles it again if that cloth has another grid.
 pub fn fitted(
     task: &TaskArguments,
@@ -157,7 +137,8 @@ pub fn fitted(
     if grid == [declared.cloth.dimx, declared.cloth.dimy] {
         return Ok(declared.clone());
     }
-    sources::compile_task_for(task, grid, io)
+    let programs = sources::compile_tasks_for(&task.file, task.task.as_deref(), grid, io)?;
+    sources::chosen(programs, task)
 }
 
 fn crumpled(

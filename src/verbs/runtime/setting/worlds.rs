@@ -1,6 +1,5 @@
 //! Finds worlds, in which actions are executed, by their names on the command line.
 
-use crate::exit::Failure;
 use fab_base::child::CommandLine;
 use fab_base::interrupt::Interrupt;
 use fab_program::Program;
@@ -69,15 +68,4 @@ pub fn external(
     Ok(Box::new(
         world.with_material(program.cloth.material.as_ref())?,
     ))
-}
-
-/// Fails if a rollout cannot be resumed in a world, because the world cannot reproduce its start.
-pub fn check_repeats(world: &dyn World) -> Result<(), Failure> {
-    if world.repeats() {
-        return Ok(());
-    }
-    Err(Failure::environment(format!(
-        "the world `{}` says that it cannot lay a start again exactly, so no rollout in it can be resumed: begin a new run",
-        world.name()
-    )))
 }
