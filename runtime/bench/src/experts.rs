@@ -106,9 +106,6 @@ pub(super) fn simulate(
     Ok(done.iter().all(Option::is_some))
 }
 
-/// A distance between two states, metres.
-type Measure = fn(&[[f32; 3]], &[[f32; 3]]) -> Option<f64>;
-
 /// Scores the last state of a rollout, however it ended; the start itself if nothing was executed.
 pub(super) fn distances(
     bench: &Bench<'_>,
@@ -130,9 +127,8 @@ pub(super) fn distances(
             job.interrupt,
             &mut |_| {},
         )?;
-        let nearest = |measure: Measure| {
-            let ends = ends.ends.iter();
-            let all = ends.filter_map(|end| measure(last, &end.positions));
+        let nearest = |measure: fn(&[[f32; 3]], &[[f32; 3]]) -> Option<f64>| {
+            let all = { ends.ends.iter() }.filter_map(|end| measure(last, &end.positions));
             all.min_by(f64::total_cmp)
         };
         let mean_m = nearest(metrics::mean_particle_distance_m);

@@ -73,8 +73,7 @@ impl Cloths {
             // Without a distance, its column would show the start's, as if nothing had been done.
             Cloths::ByHand => metrics.find(|row| row.fold_fraction.is_some()),
         };
-        let fault = |row: &Row| BenchError::NoParticles { metric: row.name };
-        unknown.map_or(Ok(()), |row| Err(fault(row)))
+        unknown.map_or(Ok(()), |row| Err(BenchError::NoParticles(row.name)))
     }
 }
 
@@ -96,7 +95,7 @@ pub(super) fn play(
     for which in jobs {
         let folder = play::folder_of(bench, *which);
         if is_unclear(&folder)? {
-            return Err(BenchError::LeftUnclear { folder });
+            return Err(BenchError::LeftUnclear(folder));
         }
     }
     let mut done = Done::default();

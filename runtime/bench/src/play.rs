@@ -186,19 +186,15 @@ fn about(bench: &Bench<'_>, program: &Program, values: &AxisValues) -> Result<Ab
 }
 
 pub(super) fn at(place: &str, error: WorldError) -> BenchError {
-    BenchError::World {
-        place: place.to_owned(),
-        error,
-    }
+    let place = place.to_owned();
+    BenchError::World { place, error }
 }
 
 pub(super) fn place(bench: &Bench<'_>, entry: &Entry<'_>, start: usize) -> String {
     let task = &bench.tasks[entry.task];
-    let number = task.starts[start].number;
-    match entry.variation.name() {
-        None => format!("{}, start {number}", task.name),
-        Some(varied) => format!("{}, start {number}, varied: {varied}", task.name),
-    }
+    let varied = entry.variation.name().map(|it| format!(", varied: {it}"));
+    let (name, number) = (&task.name, task.starts[start].number);
+    format!("{name}, start {number}{}", varied.unwrap_or_default())
 }
 
 /// Entry, start and repetition of a rollout.
@@ -206,12 +202,13 @@ pub(super) type Which = (usize, usize, u32);
 
 /// Lists the rollouts in the order of tables.
 fn rollouts(bench: &Bench<'_>) -> Vec<Which> {
-    let entries = bench.entries.iter().enumerate();
-    let all = entries.flat_map(|(number, entry)| {
-        let starts = 0..bench.tasks[entry.task].starts.len();
-        starts.flat_map(move |start| (0..entry.repeats).map(move |repeat| (number, start, repeat)))
-    });
-    all.collect()
+    let mut all = Vec::new();
+    for (number, entry) in bench.entries.iter().enumerate() {
+        for start in 0..bench.tasks[entry.task].starts.len() {
+            all.extend((0..entry.repeats).map(|repeat| (number, start, repeat)));
+        }
+    }
+    all
 }
 
 /// Returns the folder of a rollout, below the suite's folder.
@@ -387,6 +384,6 @@ fn run(
         (Outcome::ModelFailed, Some(fault), _) => Err(BenchError::Refused { folder, fault }),
         (_, _, FolderContents::Finished(rollout)) => Ok(Ok(*rollout)),
         (_, _, FolderContents::Other(why)) => Err(BenchError::Other { folder, why }),
-        (_, _, FolderContents::Unfinished) => Err(BenchError::Lost { folder }),
+        (_, _, FolderContents::Unfinished) => Err(BenchError::Lost(folder)),
     }
 }

@@ -48,13 +48,6 @@ pub struct Clusters {
 }
 
 impl Clusters {
-    /// Makes every start a cluster of its own.
-    pub fn single(n_starts: usize) -> Clusters {
-        Clusters {
-            of: (0..n_starts).collect(),
-        }
-    }
-
     /// Joins the starts that have something in common, directly or through others; one set for each start.
     pub fn joined<T: Ord>(by_start: &[BTreeSet<T>]) -> Clusters {
         let mut of: Vec<usize> = (0..by_start.len()).collect();

@@ -89,19 +89,17 @@ type Lines = Vec<Vec<String>>;
 
 /// Returns two tables for each task: the figures, and the effort.
 fn tables(suite: &Suite, rows: &[Row]) -> Vec<(String, Lines)> {
-    let mut tasks: Vec<&str> = rows.iter().map(|row| row.task.as_str()).collect();
-    tasks.dedup();
     let mut tables = Vec::new();
-    for task in tasks {
-        let lines = lines(rows.iter().filter(|row| row.task == task));
-        tables.push((task.to_owned(), figures(suite, &lines)));
+    for rows in rows.chunk_by(|row, next| row.task == next.task) {
+        let (task, lines) = (&rows[0].task, lines(rows));
+        tables.push((task.clone(), figures(suite, &lines)));
         tables.push((format!("{task}: what it took"), effort(&lines)));
     }
     tables
 }
 
 /// Groups rows by table line: a method, its worlds and a number of actions.
-fn lines<'r>(rows: impl Iterator<Item = &'r Row>) -> Vec<Vec<&'r Row>> {
+fn lines(rows: &[Row]) -> Vec<Vec<&Row>> {
     let mut lines: Vec<Vec<&Row>> = Vec::new();
     for row in rows {
         let key = |row: &Row| (row.method.clone(), row.vary, row.horizon, row.quoted);

@@ -231,8 +231,8 @@ pub fn laid(start: &Start, parameters: &Params) -> Result<Simulator, WorldError>
     if [dimx, dimy] != [start.grid.dimx, start.grid.dimy].map(|side| side as usize) {
         return Err(wrong("its outline is of another grid".to_owned()));
     }
-    Simulator::from_positions(mask, &start.positions, parameters)
-        .map_err(|error| wrong(error.to_string()))
+    let cloth = Simulator::from_positions(mask, &start.positions, parameters);
+    cloth.map_err(|error| wrong(error.to_string()))
 }
 
 /// Returns which particles of a start's grid there are.
@@ -247,13 +247,11 @@ pub fn mask(start: &Start) -> Result<Mask, MaskError> {
 
 /// Refuses a cloth with missing particles: its corners, which tasks name, may not exist.
 pub fn check_whole(start: &Start) -> Result<(), WorldError> {
-    match start.outline {
-        None => Ok(()),
-        Some(_) => Err(WorldError::Start {
-            start: start.name.clone(),
-            why: OUTLINED.to_owned(),
-        }),
-    }
+    let refused = start.outline.as_ref().map(|_| WorldError::Start {
+        start: start.name.clone(),
+        why: OUTLINED.to_owned(),
+    });
+    refused.map_or(Ok(()), Err)
 }
 
 /// Returns the pictures of a frame: its colours, and its depths in metres.

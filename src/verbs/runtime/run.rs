@@ -114,20 +114,17 @@ pub fn play(
     let interrupt = io.interrupt()?;
     let purpose = arguments.spend.purpose();
     let deciding = Deciding::of(&arguments.policy, &arguments.model, purpose, &interrupt, io)?;
-    let moving = if arguments.plan_only {
-        ArmMode::PlanOnly
-    } else {
-        ArmMode::Execute
+    let (moving, mut arm) = match arguments.plan_only {
+        true => (ArmMode::PlanOnly, None),
+        false => (ArmMode::Execute, None),
     };
-    let arm = match &arguments.world {
-        WorldChoice::Arm => Some(setting::arm::check(&arguments.arm, moving, io)?),
-        _ if arguments.plan_only => {
-            return Err(Failure::usage(
-                "`--plan-only` plans for an arm: give `--world arm` and its settings, `--robot FILE`",
-            ));
-        }
-        _ => None,
-    };
+    if arguments.world == WorldChoice::Arm {
+        arm = Some(setting::arm::check(&arguments.arm, moving, io)?);
+    } else if arguments.plan_only {
+        return Err(Failure::usage(
+            "`--plan-only` plans for an arm: give `--world arm` and its settings, `--robot FILE`",
+        ));
+    }
     let first = match &arguments.world {
         WorldChoice::Program(command) => worlds::external(command, &program, None, &interrupt),
         _ => setting::world(&program),
@@ -214,16 +211,15 @@ pub fn play(
     };
     if let Some(answering) = deciding.answering() {
         let asks = answering.asks_a_provider() || arguments.spend.estimate;
-        let questions = if asks {
+        let mut questions = Vec::new();
+        if asks {
             // An estimate neither lays a cloth nor connects to anything.
             let look = Job {
                 make_world: &make_look,
                 ..job
             };
-            rollout::first_questions(&look, answering.models())?
-        } else {
-            Vec::new()
-        };
+            questions = rollout::first_questions(&look, answering.models())?;
+        }
         answering.check(&questions)?;
         if arguments.spend.estimate {
             let asking = Asking {

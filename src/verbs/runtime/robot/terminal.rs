@@ -67,9 +67,7 @@ impl TerminalSupervisor {
             (Confirm::None, HoldToRun::Space) => Some("`--hold-to-run` waits for a key"),
             _ => Some("`--confirm` asks before the arm moves"),
         };
-        if let Some(needs) = needs
-            && !io.has_terminal_input()
-        {
+        if let Some(needs) = needs.filter(|_| !io.has_terminal_input()) {
             return Err(Failure::usage(format!(
                 "{needs}, but stdin is not a terminal; use `--confirm none` without `--hold-to-run`"
             )));

@@ -33,12 +33,12 @@ pub enum Deciding {
 /// Says who decides, and whether a stand-in answers in place of a vision-language model.
 pub fn in_words(policy: &Description) -> String {
     let name = &policy.name;
-    if policy.is_stand_in() {
-        format!("model {name} (a stand-in, no vision-language model)")
-    } else if policy.models.is_some() {
-        format!("model {name}")
-    } else {
-        policy.title()
+    match &policy.models {
+        Some(_) if policy.is_stand_in() => {
+            format!("model {name} (a stand-in, no vision-language model)")
+        }
+        Some(_) => format!("model {name}"),
+        None => policy.title(),
     }
 }
 
