@@ -5,7 +5,6 @@
 //! resumed, because the table has changed. Nothing here moves the arm; each rollout's world does that.
 
 use super::lay_starts::LaidStarts;
-use super::metric::Row;
 use super::play::{self, JobEnd, Played, Progress, StopReason, Which};
 use super::starts::StartPoint;
 use super::suite::Suite;

@@ -81,34 +81,23 @@ fn columns_and_rows(text: &str) -> Result<[u32; 2], String> {
 
 /// Calibrates from points of a file, typed ones, or ones to which a person guides the arm; fabc never moves it.
 pub fn run(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
-    if !arguments.jog {
-        return run_with(arguments, None, io);
+    let mut tool: Option<Box<ToolReader<'_>>> = None;
+    if arguments.jog {
+        if arguments.pairs.is_some() && !arguments.more {
+            return Err(Failure::usage(
+                "`--pairs` alone takes its points from the file, and `--jog` from the arm; with `--more` those of the arm follow",
+            ));
+        }
+        let nobody = "nobody can guide it to a point; type points, or give them with `--pairs`";
+        let settings = connect::settings_of_real(&arguments.robot, nobody)?;
+        let port = connect::port(&settings, settings.camera.timeout_s);
+        let mut port = port.map_err(Failure::environment)?;
+        let stale_s = settings.tolerance.stale_s;
+        // Then only pixels are typed.
+        tool = Some(Box::new(move || place_at_rest(port.as_mut(), stale_s)));
     }
-    if arguments.pairs.is_some() && !arguments.more {
-        return Err(Failure::usage(
-            "`--pairs` alone takes its points from the file, and `--jog` from the arm; with `--more` those of the arm follow",
-        ));
-    }
-    let nobody = "nobody can guide it to a point; type points, or give them with `--pairs`";
-    let settings = connect::settings_of_real(&arguments.robot, nobody)?;
-    let port = connect::port(&settings, settings.camera.timeout_s);
-    let mut port = port.map_err(Failure::environment)?;
-    let stale_s = settings.tolerance.stale_s;
-    let tool = move || place_at_rest(port.as_mut(), stale_s);
-    run_with(arguments, Some(Box::new(tool)), io)
-}
-
-/// Calibrates; with `tool`, only pixels are typed, and the tool's position is read from the arm at each.
-fn run_with(
-    arguments: &CalibrateArguments,
-    tool: Option<Box<ToolReader<'_>>>,
-    io: &Io,
-) -> Result<Exit, Failure> {
     let settings = Settings::load(&arguments.robot)?;
-    let (seen, told) = match seen(arguments, &settings)? {
-        Some(seen) => (Some(seen.rgb), seen.intrinsics),
-        None => (None, None),
-    };
+    let (seen, told) = seen(arguments, &settings)?.unzip();
     let stated_px = settings.camera.intrinsics.as_ref().map(|it| it.size_px);
     let shown_px = seen.as_ref().map(|seen| [seen.width(), seen.height()]);
     let size_px = shown_px.or(stated_px).ok_or_else(|| {
@@ -120,7 +109,7 @@ fn run_with(
     let limit_mm = arguments.limit.unwrap_or(LIMIT_MM);
     let mut terms = Terms::of(&settings, size_px, limit_mm);
     // Intrinsics in the settings were chosen by the user, so they override the camera's own.
-    terms.intrinsics = terms.intrinsics.or(told);
+    terms.intrinsics = terms.intrinsics.or(told.flatten());
     // Before anybody touches points in vain.
     terms.check()?;
     let named = || beside(&arguments.robot, &settings.calibration);
@@ -196,34 +185,21 @@ fn pairs(
     io.read(|stdin| typing::type_points(terms, given, tool, &asked, stdin, io))
 }
 
-/// A picture of the table, and the camera's intrinsics if it reports them.
-struct TablePicture {
-    rgb: RgbImage,
-    intrinsics: Option<Intrinsics>,
-}
-
-/// Returns the camera's picture: one given or taken now, the newest of its folder, or that of a simulated table.
+/// Returns the camera's picture: one given or taken now, the newest of its folder, or that of a simulated table. With
+/// it come the camera's intrinsics, if it reports them.
 fn seen(
     arguments: &CalibrateArguments,
     settings: &Settings,
-) -> Result<Option<TablePicture>, Failure> {
-    let plain = |rgb| TablePicture {
-        rgb,
-        intrinsics: None,
-    };
+) -> Result<Option<(RgbImage, Option<Intrinsics>)>, Failure> {
     if arguments.image.is_none() && settings.camera.source == CameraSource::Simulated {
-        let table = world::simulated_table(settings)?;
-        return Ok(Some(plain(table)));
+        return Ok(Some((world::simulated_table(settings)?, None)));
     }
     if arguments.shoot {
         let timeout_s = settings.camera.timeout_s;
         let fresh = PictureSelection::Fresh { timeout_s };
         let camera = connect::camera(settings, &arguments.robot, fresh);
         let shot = camera.map_err(Failure::environment)?.shoot()?;
-        return Ok(Some(TablePicture {
-            rgb: shot.rgb,
-            intrinsics: shot.intrinsics,
-        }));
+        return Ok(Some((shot.rgb, shot.intrinsics)));
     }
     let camera = &settings.camera;
     let path = match (&arguments.image, camera.source, &camera.folder) {
@@ -237,8 +213,9 @@ fn seen(
         }
         _ => None,
     };
-    let seen = path.map(|path| png::load(&path).map(plain)).transpose();
-    seen.map_err(Failure::environment)
+    let seen = path.map(|path| png::load(&path)).transpose();
+    let seen = seen.map_err(Failure::environment)?;
+    Ok(seen.map(|rgb| (rgb, None)))
 }
 
 /// Resolves a path that a settings file names, relative to it.

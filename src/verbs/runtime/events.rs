@@ -47,12 +47,14 @@ impl EventArguments {
     pub fn open<'io>(&self, json: bool, io: &'io Io) -> Result<EventLog<'io>, Failure> {
         let to = match &self.events {
             None => Destination::Nowhere,
-            Some(path) if path == Path::new("-") && json => {
-                return Err(Failure::usage(
-                    "`--events -` and `--json` both write to stdout: give `--events FILE`",
-                ));
+            Some(path) if path == Path::new("-") => {
+                if json {
+                    let why =
+                        "`--events -` and `--json` both write to stdout: give `--events FILE`";
+                    return Err(Failure::usage(why));
+                }
+                Destination::Stdout
             }
-            Some(path) if path == Path::new("-") => Destination::Stdout,
             Some(path) => Destination::File {
                 file: File::create(path).map_err(|error| Failure::unwritable(path, error))?,
                 path: path.clone(),

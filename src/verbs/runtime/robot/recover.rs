@@ -44,17 +44,15 @@ pub fn run(arguments: &RecoverArguments, io: &Io) -> Result<Exit, Failure> {
 }
 
 fn of_run(folder: &Path, arguments: &RecoverArguments, io: &Io) -> Result<Exit, Failure> {
+    let shown = folder.display();
     if !folder.is_dir() {
-        return Err(Failure::environment(format!(
-            "there is no run folder `{}`",
-            folder.display()
-        )));
+        let why = format!("there is no run folder `{shown}`");
+        return Err(Failure::environment(why));
     }
     if !folder.join(ARM_FILE).is_file() {
         return Err(Failure::environment(format!(
-            "`{}` has no arm journal (`{ARM_FILE}`), so the state of the arm after it is unknown: name the folder of \
-             a run with `--world arm`, or the arm's settings with `--robot FILE`",
-            folder.display()
+            "`{shown}` has no arm journal (`{ARM_FILE}`), so the state of the arm after it is unknown: name the folder of \
+             a run with `--world arm`, or the arm's settings with `--robot FILE`"
         )));
     }
     let state = run_state(folder)?;
@@ -62,19 +60,15 @@ fn of_run(folder: &Path, arguments: &RecoverArguments, io: &Io) -> Result<Exit, 
         return Ok(say(json!(state), None, arguments, io));
     }
     let how = ask_what_was_done(&describe(&state), arguments, io)?;
-    let mut log = ArmLog::open(folder)?;
-    let entry = Entry::Recovered { how: how.clone() };
-    log.write(&entry)?;
+    ArmLog::open(folder)?.write(&Entry::Recovered { how: how.clone() })?;
     Ok(say(json!(state), Some(how), arguments, io))
 }
 
 /// Recovers an arm after its last run; if that run's journal is gone, the recovery is recorded beside the settings.
 fn of_arm(robot: &Path, arguments: &RecoverArguments, io: &Io) -> Result<Exit, Failure> {
     if !robot.is_file() {
-        return Err(Failure::environment(format!(
-            "there are no settings `{}`",
-            robot.display()
-        )));
+        let why = format!("there are no settings `{}`", robot.display());
+        return Err(Failure::environment(why));
     }
     let why = match last_run::recovery(robot)? {
         Recovery::NotNeeded => {

@@ -42,12 +42,12 @@ impl ArmArguments {
     /// Fails if an option is for an arm and another world was chosen: whoever gave it believes that it applies.
     pub fn check_world(&self, world: &WorldChoice) -> Result<(), Failure> {
         let given = [
-            (self.robot.is_some(), "--robot"),
-            (self.confirm.is_some(), "--confirm"),
-            (self.hold_to_run, "--hold-to-run"),
+            self.robot.as_ref().map(|_| "--robot"),
+            self.confirm.map(|_| "--confirm"),
+            self.hold_to_run.then_some("--hold-to-run"),
         ];
-        match given.iter().find(|(is_given, _)| *is_given) {
-            Some((_, option)) if *world != WorldChoice::Arm => Err(Failure::usage(format!(
+        match given.into_iter().flatten().next() {
+            Some(option) if *world != WorldChoice::Arm => Err(Failure::usage(format!(
                 "`{option}` is for an arm, and nothing is moved by one with `--world {world}`: add `--world arm`, or leave \
                  `{option}` out"
             ))),

@@ -145,7 +145,6 @@ fn text(rows: &[Row], params: &str) -> String {
         vec![task, row.n.to_string(), mean, sd, max, grasps]
     }));
     use Align::{Left, Right};
-    let mut lines = aligned(&[Left, Right, Right, Right, Right], &table);
-    lines.push(format!("simulator parameters {params}"));
-    lines.join("\n")
+    let lines = aligned(&[Left, Right, Right, Right, Right], &table).join("\n");
+    format!("{lines}\nsimulator parameters {params}")
 }

@@ -38,10 +38,8 @@ impl Process {
     pub fn start(robot: &Path, timeout_s: f64) -> Result<Process, String> {
         let program = std::env::current_exe().map_err(|error| error.to_string())?;
         let mut command = Command::new(program);
-        command
-            .args(["robot", "watchdog", "--robot"])
-            .arg(robot)
-            .args(["--timeout", &timeout_s.to_string()]);
+        command.args(["robot", "watchdog", "--robot"]).arg(robot);
+        command.args(["--timeout", &timeout_s.to_string()]);
         let timeout = Duration::try_from_secs_f64(timeout_s).map_err(|error| error.to_string())?;
         Process::spawn(command, READY, timeout)
     }
@@ -56,9 +54,9 @@ impl Process {
         // Ctrl-C goes to all of a group; the watchdog outlives it.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
-        let mut child = command
-            .spawn()
-            .map_err(|error| format!("the watchdog cannot be started: {error}"))?;
+        let child = command.spawn();
+        let mut child =
+            child.map_err(|error| format!("the watchdog cannot be started: {error}"))?;
         let mut stdin = child.stdin.take().expect("stdin is a pipe");
         let stdout = child.stdout.take().expect("stdout is a pipe");
         let messages = lines_of(stdout);
@@ -96,18 +94,15 @@ impl Process {
                 Err(TryRecvError::Disconnected) => return Err(GONE.to_owned()),
             }
         }
-        if let Some((line, at)) = self.sent.front()
-            && at.elapsed() > self.timeout
-        {
+        let timeout = self.timeout;
+        let late = self.sent.front().filter(|(_, at)| at.elapsed() > timeout);
+        if let Some((line, _)) = late {
             return Err(format!(
-                "the watchdog has not acknowledged `{line}` within {:?}",
-                self.timeout
+                "the watchdog has not acknowledged `{line}` within {timeout:?}"
             ));
         }
-        let lines = self.lines.as_mut().ok_or(GONE)?;
-        lines
-            .send(line)
-            .map_err(|why| format!("the watchdog is gone: {why}"))?;
+        let sent = self.lines.as_mut().ok_or(GONE)?.send(line);
+        sent.map_err(|why| format!("the watchdog is gone: {why}"))?;
         self.sent.push_back((line, Instant::now()));
         Ok(())
     }
@@ -133,9 +128,9 @@ impl Watchdog for Process {
             match self.messages.recv_timeout(left) {
                 Ok(message) => self.acknowledged(&message)?,
                 Err(RecvTimeoutError::Timeout) => {
+                    let timeout = self.timeout;
                     return Err(format!(
-                        "the watchdog does not acknowledge within {:?} that it watches",
-                        self.timeout
+                        "the watchdog does not acknowledge within {timeout:?} that it watches"
                     ));
                 }
                 Err(RecvTimeoutError::Disconnected) => return Err(GONE.to_owned()),
