@@ -17,13 +17,18 @@ use std::{fs, thread};
 /// Interval between two looks at the files. A change counts once two looks see the same: editors write in steps.
 const INTERVAL: Duration = Duration::from_millis(120);
 
-/// Runs a verb, then again after each change of `entries`, of the files that they use, or of `others`, until Ctrl-C.
+/// Runs a verb; if it `watches`, again after each change of `entries`, of the files that they use, or of `others`, until
+/// Ctrl-C.
 pub fn run(
+    watches: bool,
     entries: &[String],
     others: &[PathBuf],
     verb: impl Fn() -> Result<Exit, Failure>,
     io: &Io,
 ) -> Result<Exit, Failure> {
+    if !watches {
+        return verb();
+    }
     let interrupt = io.interrupt()?;
     while !interrupt.is_raised() {
         let mut files: BTreeSet<PathBuf> = others.iter().cloned().collect();

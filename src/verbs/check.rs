@@ -39,11 +39,8 @@ pub struct CheckArguments {
 }
 
 pub fn run(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
-    if arguments.watch {
-        watch::run(&arguments.files, &[], || check(arguments, io), io)
-    } else {
-        check(arguments, io)
-    }
+    let check = || check(arguments, io);
+    watch::run(arguments.watch, &arguments.files, &[], check, io)
 }
 
 #[derive(Default, Serialize)]

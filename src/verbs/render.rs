@@ -62,11 +62,8 @@ pub fn run(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
     let mut others = Vec::from_iter(arguments.scene.clone());
     #[cfg(feature = "runtime")]
     others.extend(arguments.camera.files());
-    if arguments.watch {
-        watch::run(entry, &others, || render(arguments, io), io)
-    } else {
-        render(arguments, io)
-    }
+    let render = || render(arguments, io);
+    watch::run(arguments.watch, entry, &others, render, io)
 }
 
 pub struct Rendered {
@@ -104,7 +101,7 @@ fn render(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
     let document = stages.iter().map(|stage| {
         let mut document = json!(stage);
         if arguments.why {
-            document["why"] = json!(why(stage));
+            document["why"] = why(stage);
         }
         document
     });
@@ -158,14 +155,9 @@ fn chosen_stages<'p>(
     let mut stages = program.stages.iter();
     let stage = stages.find(|stage| stage.name == wanted);
     stage.map(|stage| vec![stage]).ok_or_else(|| {
-        let (task, names) = (
-            &program.task,
-            program.stages.iter().map(|stage| &stage.name),
-        );
-        Failure::usage(format!(
-            "`{task}` has no stage `{wanted}`; it has {}",
-            quoted(names)
-        ))
+        let (task, names) = (&program.task, program.stages.iter());
+        let names = quoted(names.map(|stage| &stage.name));
+        Failure::usage(format!("`{task}` has no stage `{wanted}`; it has {names}"))
     })
 }
 
@@ -179,12 +171,10 @@ pub fn title(picture: &PromptPicture, step: u32) -> String {
         },
         PromptPicture::Drawn(Picture::Subgoal { which, arrow }) => {
             let number = step - u32::from(*which == SubgoalStep::Now);
-            let arrow = if *arrow == Arrow::Drawn {
-                " with arrow"
-            } else {
-                ""
-            };
-            format!("subgoal {number}{arrow}")
+            match arrow {
+                Arrow::Drawn => format!("subgoal {number} with arrow"),
+                Arrow::Absent => format!("subgoal {number}"),
+            }
         }
     }
 }

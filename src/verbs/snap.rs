@@ -15,9 +15,9 @@ use clap::Args;
 use expected::Source;
 use fab_base::parallel::in_parallel;
 use fab_program::Program;
-use plan::{Plan, SnapshotState, State};
+use plan::{Plan, State};
 use scene::{Moment, USUAL};
-use serde::Serialize;
+use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -71,17 +71,6 @@ impl SnapArguments {
     }
 }
 
-#[derive(Default, Serialize)]
-struct Taken {
-    snapshots: Vec<SnapshotState>,
-    same: usize,
-    unseen: usize,
-    changed: usize,
-    new: usize,
-    orphaned: usize,
-    pending: usize,
-}
-
 pub fn run(arguments: &SnapArguments, io: &Io) -> Result<Exit, Failure> {
     if !arguments.check {
         for file in &arguments.files {
@@ -100,35 +89,65 @@ pub fn run(arguments: &SnapArguments, io: &Io) -> Result<Exit, Failure> {
         plans.push(plan.map_err(|failure| failure.saying("no snapshot was taken"))?);
     }
     // Everything is computed before anything is written, so that a mistake in one file leaves every folder unchanged.
-    let mut taken = Taken::default();
+    let mut states = Vec::new();
     for plan in &plans {
-        let mut states = plan.states();
+        let mut found = plan.states();
         if !arguments.check {
-            plan.write(&mut states, arguments.prune)?;
+            plan.write(&mut found, arguments.prune)?;
         }
-        taken.add(states);
+        states.extend(found);
     }
-    io.either(arguments.json, &taken, || {
-        let differing = taken.snapshots.iter().filter_map(|found| {
-            let state = match found.state {
-                State::Same | State::Unseen => return None,
-                State::Changed => "changed",
-                State::New => "new",
-                State::Orphaned => "orphaned",
-            };
-            Some(format!("{state:8} {}", found.path.display()))
+    let count = |state: State| states.iter().filter(|it| it.state == state).count();
+    let [same, unseen] = [State::Same, State::Unseen].map(count);
+    let [changed, new, orphaned] = [State::Changed, State::New, State::Orphaned].map(count);
+    let pending = states.iter().filter(|it| it.is_pending).count();
+    let document = json!({
+        "snapshots": states,
+        "same": same,
+        "unseen": unseen,
+        "changed": changed,
+        "new": new,
+        "orphaned": orphaned,
+        "pending": pending,
+    });
+    io.either(arguments.json, &document, || {
+        let alike = [State::Same, State::Unseen];
+        let differing = states.iter().filter(|it| !alike.contains(&it.state));
+        let lines = differing.map(|found| {
+            let state = format!("{:?}", found.state).to_lowercase();
+            format!("{state:8} {}", found.path.display())
         });
-        differing.collect::<Vec<String>>().join("\n")
+        lines.collect::<Vec<String>>().join("\n")
     });
     if !arguments.json {
-        taken.advise(arguments, io);
+        let seen = format!("{same} unchanged, {changed} changed, {new} new, {orphaned} orphaned");
+        let unseen = match unseen {
+            0 => String::new(),
+            count => format!(", {count} that this build of fabc cannot check"),
+        };
+        io.talk(&format!("{seen}{unseen}"));
+        let files = arguments.files.join(" ");
+        if arguments.check && changed + new + pending > 0 {
+            io.talk(&format!(
+                "run `fabc snap {files}` to write the new snapshots, then `fabc review {files}` to accept or reject them"
+            ));
+        } else if pending > 0 {
+            io.talk(&format!(
+                "`fabc review {files}` shows what waits, and accepts or rejects it"
+            ));
+        }
+        if orphaned > 0 && !arguments.prune {
+            io.talk(
+                "an orphaned snapshot is of something that its file no longer declares; `fabc snap --prune` removes it",
+            );
+        }
     }
-    let n_differing = taken.changed + taken.new + taken.orphaned + taken.pending;
-    if arguments.check && n_differing > 0 {
-        Ok(Exit::Author)
-    } else {
-        Ok(Exit::Done)
-    }
+    Ok(
+        match arguments.check && changed + new + orphaned + pending > 0 {
+            true => Exit::Author,
+            false => Exit::Done,
+        },
+    )
 }
 
 /// Compiles the files of a folder, and finds what snapshots they should have, one file per core at a time.
@@ -157,47 +176,4 @@ fn planned(
         plan.expect(name, found)?;
     }
     Ok(plan)
-}
-
-impl Taken {
-    fn add(&mut self, states: Vec<SnapshotState>) {
-        for found in &states {
-            let count = match found.state {
-                State::Same => &mut self.same,
-                State::Unseen => &mut self.unseen,
-                State::Changed => &mut self.changed,
-                State::New => &mut self.new,
-                State::Orphaned => &mut self.orphaned,
-            };
-            *count += 1;
-            self.pending += usize::from(found.is_pending);
-        }
-        self.snapshots.extend(states);
-    }
-
-    fn advise(&self, arguments: &SnapArguments, io: &Io) {
-        let unseen = match self.unseen {
-            0 => String::new(),
-            count => format!(", {count} that this build of fabc cannot check"),
-        };
-        io.talk(&format!(
-            "{} unchanged, {} changed, {} new, {} orphaned{unseen}",
-            self.same, self.changed, self.new, self.orphaned
-        ));
-        let files = arguments.files.join(" ");
-        if arguments.check && self.changed + self.new + self.pending > 0 {
-            io.talk(&format!(
-                "run `fabc snap {files}` to write the new snapshots, then `fabc review {files}` to accept or reject them"
-            ));
-        } else if self.pending > 0 {
-            io.talk(&format!(
-                "`fabc review {files}` shows what waits, and accepts or rejects it"
-            ));
-        }
-        if self.orphaned > 0 && !arguments.prune {
-            io.talk(
-                "an orphaned snapshot is of something that its file no longer declares; `fabc snap --prune` removes it",
-            );
-        }
-    }
 }

@@ -29,11 +29,8 @@ pub struct TestArguments {
 
 /// Runs every test of every file, once or after every change; exits with 1 if one fails.
 pub fn run(arguments: &TestArguments, io: &Io) -> Result<Exit, Failure> {
-    if arguments.watch {
-        watch::run(&arguments.files, &[], || test(arguments, io), io)
-    } else {
-        test(arguments, io)
-    }
+    let test = || test(arguments, io);
+    watch::run(arguments.watch, &arguments.files, &[], test, io)
 }
 
 #[derive(Default, Serialize)]

@@ -9,6 +9,7 @@ use fab_base::table::{Align, aligned};
 use fab_program::render::Origin;
 use fab_program::tokens;
 use serde::Serialize;
+use serde_json::{Value, json};
 use std::path::Path;
 
 #[derive(Serialize)]
@@ -25,25 +26,6 @@ struct Weights {
     all: Weight,
     /// How many pictures have an unknown token count.
     pictures_not_counted: usize,
-}
-
-/// Where the texts of a stage come from, and what they weigh.
-#[derive(Serialize)]
-pub struct Why<'s> {
-    stretches: Vec<Stretch<'s>>,
-    estimated_tokens: Weights,
-}
-
-#[derive(Serialize)]
-struct Stretch<'s> {
-    message: usize,
-    part: usize,
-    start: usize,
-    end: usize,
-    said_by: &'s str,
-    value: Option<&'s str>,
-    file: Option<String>,
-    line: Option<u32>,
 }
 
 /// Returns the page with line numbers, and a table of the tokens of each component; `folder` goes before file names.
@@ -172,7 +154,8 @@ fn dollars(nano: u64) -> String {
     format!("${}.{:06}", micro / 1_000_000, micro % 1_000_000)
 }
 
-pub fn of<'s>(stage: &'s ShownStage, folder: &Path, price: Option<&Price>) -> Why<'s> {
+/// Tells where the texts of a stage come from, and what they weigh.
+pub fn of(stage: &ShownStage, folder: &Path, price: Option<&Price>) -> Value {
     let mut stretches = Vec::new();
     for (message, shown) in stage.messages.iter().enumerate() {
         for (part, shown) in shown.parts.iter().enumerate() {
@@ -181,21 +164,18 @@ pub fn of<'s>(stage: &'s ShownStage, folder: &Path, price: Option<&Price>) -> Wh
             };
             stretches.extend(said.stretches.iter().map(|stretch| {
                 let place = stretch.origin.place.as_ref();
-                Stretch {
-                    message,
-                    part,
-                    start: stretch.bytes.start,
-                    end: stretch.bytes.end,
-                    said_by: &stretch.origin.source,
-                    value: stretch.origin.value.as_deref(),
-                    file: place.map(|place| named(folder, &place.file)),
-                    line: place.map(|place| place.line),
-                }
+                json!({
+                    "message": message,
+                    "part": part,
+                    "start": stretch.bytes.start,
+                    "end": stretch.bytes.end,
+                    "said_by": stretch.origin.source,
+                    "value": stretch.origin.value,
+                    "file": place.map(|place| named(folder, &place.file)),
+                    "line": place.map(|place| place.line),
+                })
             }));
         }
     }
-    Why {
-        stretches,
-        estimated_tokens: weighed(stage, price),
-    }
+    json!({ "stretches": stretches, "estimated_tokens": weighed(stage, price) })
 }

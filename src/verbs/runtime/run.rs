@@ -114,10 +114,8 @@ pub fn play(
     let interrupt = io.interrupt()?;
     let purpose = arguments.spend.purpose();
     let deciding = Deciding::of(&arguments.policy, &arguments.model, purpose, &interrupt, io)?;
-    let (moving, mut arm) = match arguments.plan_only {
-        true => (ArmMode::PlanOnly, None),
-        false => (ArmMode::Execute, None),
-    };
+    let mut arm = None;
+    let moving = [ArmMode::Execute, ArmMode::PlanOnly][usize::from(arguments.plan_only)];
     if arguments.world == WorldChoice::Arm {
         arm = Some(setting::arm::check(&arguments.arm, moving, io)?);
     } else if arguments.plan_only {
@@ -210,9 +208,8 @@ pub fn play(
         start_number: None,
     };
     if let Some(answering) = deciding.answering() {
-        let asks = answering.asks_a_provider() || arguments.spend.estimate;
         let mut questions = Vec::new();
-        if asks {
+        if answering.asks_a_provider() || arguments.spend.estimate {
             // An estimate neither lays a cloth nor connects to anything.
             let look = Job {
                 make_world: &make_look,

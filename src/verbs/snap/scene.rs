@@ -161,22 +161,17 @@ impl SceneView for PinnedScene {
 pub fn hashes_of_pictures(program: &Program, folder: &Path) -> Vec<String> {
     let files: Vec<PathBuf> = match &program.subgoals {
         None => Vec::new(),
-        Some(Subgoals::Images { images }) => {
-            let paths = images.iter().map(|image| &image.file.path);
-            paths.map(PathBuf::from).collect()
-        }
+        Some(Subgoals::Images { images }) => images
+            .iter()
+            .map(|image| PathBuf::from(&image.file.path))
+            .collect(),
         Some(Subgoals::Demonstrate { folds }) => {
-            let titles = [program.title(), program.task.clone()];
-            let [own, of_task] = titles.map(|title| PathBuf::from(pins_folder(&title)));
-            let pins = if folder.join(&own).exists() {
-                own
-            } else {
-                of_task
-            };
-            let numbers = 0..=folds.len();
-            numbers
-                .map(|number| pins.join(format!("{number}.png")))
-                .collect()
+            let mut pins = PathBuf::from(pins_folder(&program.title()));
+            if !folder.join(&pins).exists() {
+                pins = PathBuf::from(pins_folder(&program.task));
+            }
+            let names = (0..=folds.len()).map(|number| format!("{number}.png"));
+            names.map(|name| pins.join(name)).collect()
         }
     };
     let hash = |path: &PathBuf| {

@@ -96,20 +96,17 @@ pub fn prepare(
             )));
         };
         let program = program.clone();
-        let points = match &arguments.starts {
-            None => starts::generated(suite.starts_of(&program.task), &program.cloth),
-            Some(recorded) => {
-                let points = starts::recorded(recorded, &program.task)?;
-                for point in &points {
-                    let start = format!("{} of `{}`", point.number, recorded.display());
-                    setting::check_spacing(&start, point.cloth.spacing_m, &program)?;
-                }
-                points
+        let mut points = starts::generated(suite.starts_of(&program.task), &program.cloth);
+        if let Some(recorded) = &arguments.starts {
+            points = starts::recorded(recorded, &program.task)?;
+            for point in &points {
+                let start = format!("{} of `{}`", point.number, recorded.display());
+                setting::check_spacing(&start, point.cloth.spacing_m, &program)?;
             }
-        };
+        }
         let points = chosen(points, arguments.limit, arguments.shard);
+        let name = program.task.clone();
         if points.is_empty() {
-            let name = &program.task;
             io.talk(&format!(
                 "`{name}` is left out: there is no start for it here"
             ));
@@ -127,7 +124,7 @@ pub fn prepare(
         }
         tasks.push(Prepared {
             task: Task {
-                name: program.task.clone(),
+                name,
                 program,
                 starts: points,
             },
@@ -234,9 +231,8 @@ pub fn entries<'a>(
 }
 
 fn variant_of<'p>(programs: &'p [Program], method: &Method) -> Option<&'p Program> {
-    programs
-        .iter()
-        .find(|program| program.variant == method.variant)
+    let mut programs = programs.iter();
+    programs.find(|program| program.variant == method.variant)
 }
 
 fn no_variant(prepared: &Prepared, method: &Method, arguments: &BenchArguments) -> Failure {
@@ -246,9 +242,8 @@ fn no_variant(prepared: &Prepared, method: &Method, arguments: &BenchArguments) 
     let names = if names.is_empty() { "none" } else { &names };
     let file = &prepared.file;
     let why = format!("`{file}` has no variant `{variant}`; there is {names}");
-    if arguments.variant.is_some() {
-        Failure::usage(why)
-    } else {
-        Failure::environment(why)
+    match arguments.variant {
+        Some(_) => Failure::usage(why),
+        None => Failure::environment(why),
     }
 }

@@ -82,22 +82,13 @@ impl Report for Calibrated<'_> {
     fn text(&self) -> String {
         let accuracy = self.accuracy;
         let errors = accuracy.residual_mm.iter().zip(&accuracy.left_out_mm);
-        let titles = [
-            "point",
-            "column",
-            "row",
-            "x",
-            "y",
-            "z",
-            "error, mm",
-            "by the others, mm",
-        ];
-        let mut table = vec![titles.map(str::to_owned)];
+        let titles = "point|column|row|x|y|z|error, mm|by the others, mm";
+        let mut table = vec![titles.split('|').map(str::to_owned).collect()];
         for ((point, (error, left_out)), number) in self.points.iter().zip(errors).zip(1..) {
             let [u, v] = point.pixel.map(|at| format!("{at:.1}"));
             let [x, y, z] = point.base_m.map(|at| format!("{at:.4}"));
             let [error, left_out] = [error, left_out].map(|mm| format!("{mm:.1}"));
-            table.push([number.to_string(), u, v, x, y, z, error, left_out]);
+            table.push(vec![number.to_string(), u, v, x, y, z, error, left_out]);
         }
         let mut lines = aligned(&[Align::Right; 8], &table);
         lines.push(format!(

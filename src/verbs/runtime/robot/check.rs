@@ -12,6 +12,7 @@ use fab_arm::kinematics::reach::{Reach, Turn};
 use fab_arm::settings::{CameraSource, Settings};
 use nalgebra::Point3;
 use serde::Serialize;
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
 #[derive(Args)]
@@ -36,32 +37,18 @@ struct NamedPose {
     why_not: Option<String>,
 }
 
-#[derive(Serialize)]
 struct Inspection {
-    #[serde(skip)]
     settings: Settings,
-    name: String,
-    model: String,
-    calibration: CheckedCalibration,
+    calibration: Result<MadeCalibration, String>,
     reach: Vec<NamedPose>,
-    #[serde(skip)]
     faults: Vec<String>,
     /// What to do: about each fault, else to plan.
     next: Vec<String>,
-    exit: u8,
-}
-
-#[derive(Serialize)]
-struct CheckedCalibration {
-    usable: bool,
-    #[serde(flatten)]
-    made: Option<MadeCalibration>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    why: Option<String>,
 }
 
 #[derive(Serialize)]
 struct MadeCalibration {
+    usable: bool,
     made_on: String,
     method: &'static str,
     camera: String,
@@ -71,12 +58,27 @@ struct MadeCalibration {
 
 pub fn run(arguments: &RobotCheckArguments, io: &Io) -> Result<Exit, Failure> {
     let inspection = inspect(&arguments.robot)?;
-    io.either(arguments.json, &inspection, || inspection.text());
-    if inspection.faults.is_empty() {
-        return Ok(Exit::Done);
+    let exit = match inspection.faults.as_slice() {
+        [] => Exit::Done,
+        _ => Exit::Environment,
+    };
+    let settings = &inspection.settings;
+    let document = json!({
+        "name": settings.name,
+        "model": settings.model,
+        "calibration": match &inspection.calibration {
+            Ok(made) => json!(made),
+            Err(why) => json!({"usable": false, "why": why}),
+        },
+        "reach": inspection.reach,
+        "next": inspection.next,
+        "exit": exit.code(),
+    });
+    io.either(arguments.json, &document, || inspection.text());
+    if exit != Exit::Done {
+        io.talk("error: this arm cannot be used as it is set up");
     }
-    io.talk("error: this arm cannot be used as it is set up");
-    Ok(Exit::Environment)
+    Ok(exit)
 }
 
 /// Returns the settings of an arm with which a plan or a run may begin; fails as `robot check` does, with what to do next.
@@ -97,14 +99,11 @@ fn inspect(robot: &Path) -> Result<Inspection, Failure> {
     let settings = Settings::load(robot)?;
     let (reach, file) = (places(&settings), robot.display());
     let (mut faults, mut next) = (Vec::new(), Vec::new());
-    let (made, why) = match calibration(robot, &settings) {
-        Ok(made) => (Some(made), None),
-        Err([why, cure]) => {
-            faults.push(format!("the calibration cannot be used: {why}"));
-            next.push(cure);
-            (None, Some(why))
-        }
-    };
+    let calibration = calibration(robot, &settings).map_err(|[why, cure]| {
+        faults.push(format!("the calibration cannot be used: {why}"));
+        next.push(cure);
+        why
+    });
     for place in &reach {
         let ([x, y, z], name) = (place.at_m, place.name);
         if let (Some(key), Some(why)) = (place.needed, &place.why_not) {
@@ -116,25 +115,16 @@ fn inspect(robot: &Path) -> Result<Inspection, Failure> {
             ));
         }
     }
-    let mut exit = Exit::Environment;
     if faults.is_empty() {
-        exit = Exit::Done;
         let plan = format!("`fabc run TASK --world arm --robot {file} --plan-only`");
         next.push(plan);
     }
     Ok(Inspection {
-        name: settings.name.clone(),
-        model: settings.model.clone(),
         settings,
-        calibration: CheckedCalibration {
-            usable: made.is_some(),
-            made,
-            why,
-        },
+        calibration,
         reach,
         faults,
         next,
-        exit: exit.code(),
     })
 }
 
@@ -211,6 +201,7 @@ fn calibration(robot: &Path, settings: &Settings) -> Result<MadeCalibration, [St
         return Err([why.to_owned(), calibrate]);
     }
     Ok(MadeCalibration {
+        usable: true,
         made_on: made.made_on,
         method: METHOD,
         camera: made.terms.camera,
@@ -220,28 +211,26 @@ fn calibration(robot: &Path, settings: &Settings) -> Result<MadeCalibration, [St
 
 impl Inspection {
     fn text(&self) -> String {
-        let mut lines = vec![format!(
-            "settings     {}, {}: can be used",
-            self.name, self.model
-        )];
-        if let Some(made) = &self.calibration.made {
-            let (made_on, method, camera) = (&made.made_on, made.method, &made.camera);
-            let accuracy = &made.accuracy;
-            let left_out_mm = accuracy.left_out_rms_mm;
-            lines.push(format!(
-                "calibration  of {made_on}, {method}, camera {camera}: can be used; a point left out is {left_out_mm:.1} mm off"
-            ));
-            lines.extend(accuracy.corners.iter().map(|corner| {
-                let ([x, y, _], above_mm) = (corner.at_m, corner.above_mm.abs());
-                let side = if corner.above_mm < 0.0 { "below" } else { "above" };
-                format!(
-                    "corner       ({x:.3}, {y:.3}): {above_mm:.1} mm {side} the table's middle, known to {:.1} mm",
-                    corner.error_mm
-                )
-            }));
+        let (name, model) = (&self.settings.name, &self.settings.model);
+        let mut lines = vec![format!("settings     {name}, {model}: can be used")];
+        match &self.calibration {
+            Ok(made) => {
+                let (made_on, method, camera) = (&made.made_on, made.method, &made.camera);
+                let left_out_mm = made.accuracy.left_out_rms_mm;
+                lines.push(format!(
+                    "calibration  of {made_on}, {method}, camera {camera}: can be used; a point left out is {left_out_mm:.1} mm off"
+                ));
+                lines.extend(made.accuracy.corners.iter().map(|corner| {
+                    let ([x, y, _], above_mm) = (corner.at_m, corner.above_mm.abs());
+                    let side = if corner.above_mm < 0.0 { "below" } else { "above" };
+                    format!(
+                        "corner       ({x:.3}, {y:.3}): {above_mm:.1} mm {side} the table's middle, known to {:.1} mm",
+                        corner.error_mm
+                    )
+                }));
+            }
+            Err(why) => lines.push(format!("calibration  cannot be used: {why}")),
         }
-        let why = self.calibration.why.iter();
-        lines.extend(why.map(|why| format!("calibration  cannot be used: {why}")));
         lines.extend(self.reach.iter().map(|place| {
             let [x, y, z] = place.at_m;
             let why = place.why_not.as_ref();

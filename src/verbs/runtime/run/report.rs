@@ -5,7 +5,7 @@ use fab_agent::action::Action;
 use fab_agent::judgement::Judgement;
 use fab_agent::outcome::Outcome;
 use fab_agent::policy::Finding;
-use fab_agent::record::{CoverageSource, JudgedBy, RehearsedAnswer, RehearsedStep};
+use fab_agent::record::{CoverageSource, RehearsedAnswer, RehearsedStep};
 use fab_agent::rollout::{Ended, Event};
 use fab_agent::sheet::SHEET_FILE;
 use fab_base::wording::{counted, shown};
@@ -89,18 +89,14 @@ impl Progress<'_> {
                 let done = executed.grips.iter().map(|done| done.grasp);
                 let grips = grips.iter().zip(done);
                 let grips: Vec<String> = grips.map(|(action, grasp)| grip(action, grasp)).collect();
-                let values: String = other_values.iter().map(|it| format!(", {it}")).collect();
-                let without = match without.as_slice() {
-                    [] => String::new(),
-                    names => format!(", accepted without `{}`", names.join("`, `")),
-                };
-                io.talk(&format!(
-                    "step {}/{horizon}: {}{values}{}{without}   {took_s:.1} s{}",
-                    at.step,
-                    grips.join("; "),
-                    moved.as_ref().map(cloth).unwrap_or_default(),
-                    so_far(spent)
-                ));
+                let mut said = grips.join("; ");
+                said.extend(other_values.iter().map(|it| format!(", {it}")));
+                said.extend(moved.as_ref().map(cloth));
+                if !without.is_empty() {
+                    said += &format!(", accepted without `{}`", without.join("`, `"));
+                }
+                let (step, spent) = (at.step, so_far(spent));
+                io.talk(&format!("step {step}/{horizon}: {said}   {took_s:.1} s{spent}"));
             }
             Event::Skipped { at, why } => {
                 let (step, why) = (at.step, why.name());
@@ -116,15 +112,11 @@ impl Progress<'_> {
 }
 
 fn grip(action: &Action, grasp: Grasp) -> String {
-    let Action {
-        pick_px,
-        place_px,
-        pick_on_cloth_px: taken_px,
-        ..
-    } = action;
-    let is_beside = taken_px != pick_px;
-    let beside = is_beside.then(|| format!(", taken at {taken_px} on the cloth"));
-    let beside = beside.unwrap_or_default();
+    let (pick_px, place_px, taken_px) = (action.pick_px, action.place_px, action.pick_on_cloth_px);
+    let beside = match taken_px == pick_px {
+        true => String::new(),
+        false => format!(", taken at {taken_px} on the cloth"),
+    };
     let missed = match grasp {
         Grasp::Missed => ", nothing grasped",
         Grasp::Unverified => ", grasp not verified",
@@ -144,12 +136,10 @@ fn rehearsed(line: &RehearsedStep, seconds: f64) -> String {
     let choice = match tried.iter().position(is_taken) {
         None => "none taken".to_owned(),
         Some(0) => format!("the first taken ({})", measure(0)),
-        Some(taken) => format!(
-            "answer {} taken ({}) in place of the first ({})",
-            taken + 1,
-            measure(taken),
-            measure(0)
-        ),
+        Some(taken) => {
+            let (number, own, first) = (taken + 1, measure(taken), measure(0));
+            format!("answer {number} taken ({own}) in place of the first ({first})")
+        }
     };
     format!(
         "rehearsed: {}, {choice}, {}, {seconds:.1} s",
@@ -205,17 +195,12 @@ fn refusal(result: &Finding, answer: &str) -> Option<String> {
             "not readable: {message}\nthe answer: {}",
             shown(answer, MAX_SHOWN)
         )),
-        // The end of the step reports it.
-        Finding::Failed {
-            outcome: Outcome::PolicyFailed | Outcome::PolicyStopped,
-            ..
-        } => None,
-        Finding::Failed { why, .. } => Some(why.clone()),
-        Finding::Text { .. }
-        | Finding::Action {
-            verdict: Verdict::Accept,
-            ..
-        } => None,
+        // Of the others, the end of the step tells.
+        Finding::Failed { outcome, why, .. } => {
+            let is_told_later = [Outcome::PolicyFailed, Outcome::PolicyStopped].contains(outcome);
+            (!is_told_later).then(|| why.clone())
+        }
+        _ => None,
     }
 }
 
@@ -231,9 +216,10 @@ pub struct RunReport {
 impl RunReport {
     pub fn text(&self, goal: Option<&Goal>) -> String {
         let mut lines = summary(&self.report, goal);
-        lines.extend(self.video.as_ref().map(|film| match film {
-            None => "video: none".to_owned(),
-            Some(film) => film.to_string(),
+        let film = self.video.as_ref();
+        lines.extend(film.map(|it| {
+            it.as_ref()
+                .map_or("video: none".to_owned(), Film::to_string)
         }));
         lines.join("\n")
     }
@@ -253,14 +239,10 @@ fn summary(report: &Ended, goal: Option<&Goal>) -> Vec<String> {
         ));
         let judged_by = report.judged_by.iter();
         let elsewhere = judged_by.filter(|judged_by| judged_by.world != report.world);
-        lines.extend(elsewhere.map(
-            |JudgedBy {
-                 world,
-                 grid: [x, y],
-             }| {
-                format!("judged by expert results of `{world}`, on a grid of {x} x {y} particles")
-            },
-        ));
+        lines.extend(elsewhere.map(|judged_by| {
+            let (world, [x, y]) = (&judged_by.world, judged_by.grid);
+            format!("judged by expert results of `{world}`, on a grid of {x} x {y} particles")
+        }));
     }
     if goal.is_some_and(|goal| goal.metric.is_judged_each_step()) {
         lines.extend(coverage(report));
@@ -281,12 +263,12 @@ fn summary(report: &Ended, goal: Option<&Goal>) -> Vec<String> {
         seconds.filter_map(|(what, spent)| Some(format!("{what} {:.2}", spent.as_f64()?)));
     let seconds = seconds.collect::<Vec<_>>().join(", ");
     lines.push(format!("seconds: {seconds}, in all {:.1}", took.wall_s));
-    if took.experts_simulated > 0 {
-        lines.push(format!(
-            "of that, {} expert results were simulated for the first time",
-            took.experts_simulated
-        ));
-    }
+    let n_new = Some(took.experts_simulated).filter(|count| *count > 0);
+    lines.extend(
+        n_new.map(|count| {
+            format!("of that, {count} expert results were simulated for the first time")
+        }),
+    );
     let has_sheet = Path::new(&took.run_dir).join(SHEET_FILE).exists();
     let sheet = has_sheet.then(|| format!(" (contact sheet: {SHEET_FILE})"));
     let sheet = sheet.unwrap_or_default();
@@ -331,10 +313,9 @@ fn spent(report: &Ended) -> Option<String> {
     let faults = faults.map(|(fault, count)| format!("{fault} {count}"));
     let faults = faults.collect::<Vec<_>>().join(", ");
     let calls = calls(&report.took.spent);
-    Some(if faults.is_empty() {
-        calls
-    } else {
-        format!("{calls} ({faults})")
+    Some(match faults.as_str() {
+        "" => calls,
+        faults => format!("{calls} ({faults})"),
     })
 }
 

@@ -195,14 +195,9 @@ fn supervisor(
     if is_simulated && arguments.confirm.is_none() && !arguments.hold_to_run {
         return Ok(Box::new(Unattended));
     }
-    let usual = if is_simulated {
-        Confirm::None
-    } else {
-        Confirm::Each
-    };
+    let usual = [Confirm::Each, Confirm::None][usize::from(is_simulated)];
     let confirm = arguments.confirm.unwrap_or(usual);
-    let hold = arguments.hold_to_run.then_some(HoldToRun::Space);
-    let hold = hold.unwrap_or(HoldToRun::Off);
+    let hold = [HoldToRun::Off, HoldToRun::Space][usize::from(arguments.hold_to_run)];
     Ok(Box::new(TerminalSupervisor::new(confirm, hold, io)?))
 }
 
