@@ -241,10 +241,8 @@ impl Io {
 
     /// Returns the user's cache folder; `FABC_CACHE_DIR` overrides it.
     pub(crate) fn cache_folder(&self) -> Option<PathBuf> {
-        let named = self
-            .variable("FABC_CACHE_DIR")
-            .filter(|value| !value.is_empty());
-        let named = named.map(PathBuf::from);
+        let named = self.variable("FABC_CACHE_DIR");
+        let named = named.filter(|value| !value.is_empty()).map(PathBuf::from);
         named.or_else(|| Some(dirs::cache_dir()?.join("fabc")))
     }
 

@@ -102,10 +102,8 @@ pub fn is_shipped(file: &str, io: &Io) -> bool {
     let Some(file) = real(Path::new(file)) else {
         return false;
     };
-    let folders = [embedded_folder(io), installed()].into_iter().flatten();
-    folders
-        .filter_map(|folder| real(&folder))
-        .any(|folder| file.starts_with(folder))
+    let mut folders = [embedded_folder(io), installed()].into_iter().flatten();
+    folders.any(|folder| real(&folder).is_some_and(|folder| file.starts_with(folder)))
 }
 
 /// Fails if a file is a shipped one: files written beside it would be lost.

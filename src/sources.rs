@@ -89,10 +89,8 @@ fn similar_file(path: &Path) -> Option<String> {
     }
     let here = Path::new(".").join(path.parent()?);
     let files = std::fs::read_dir(here).into_iter().flatten().flatten();
-    let files: BTreeSet<String> = { files }
-        .filter_map(|file| file.file_name().into_string().ok())
-        .filter(|file| file.ends_with(".fab"))
-        .collect();
+    let files = files.filter_map(|file| file.file_name().into_string().ok());
+    let files: BTreeSet<String> = files.filter(|file| file.ends_with(".fab")).collect();
     diag::nearest(name, files.iter().map(String::as_str)).map(str::to_owned)
 }
 
@@ -346,15 +344,11 @@ pub fn chosen(programs: Vec<Program>, wanted: &TaskArguments) -> Result<Program,
     let mut programs = programs.into_iter();
     let found = programs.find(|program| program.variant == wanted.variant);
     found.ok_or_else(|| {
-        let there = if variants.is_empty() {
-            "none"
-        } else {
-            &variants
-        };
+        let there = Some(variants.as_str()).filter(|it| !it.is_empty());
+        let there = there.unwrap_or("none");
         let (file, variant) = (&wanted.file, wanted.variant.as_deref().unwrap_or_default());
-        Failure::usage(format!(
-            "`{file}` has no variant `{variant}`; there is {there}"
-        ))
+        let why = format!("`{file}` has no variant `{variant}`; there is {there}");
+        Failure::usage(why)
     })
 }
 

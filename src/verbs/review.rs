@@ -51,11 +51,11 @@ pub struct ReviewArguments {
 
 pub fn run(arguments: &ReviewArguments, io: &Io) -> Result<Exit, Failure> {
     let mut pending = find::find(&arguments.places, arguments.only.as_deref(), io)?;
-    let decides =
-        arguments.accept_all || !arguments.accept.is_empty() || !arguments.reject.is_empty();
-    let outcome = decides
-        .then(|| decide(arguments, &mut pending))
-        .transpose()?;
+    let is_named = !arguments.accept.is_empty() || !arguments.reject.is_empty();
+    let mut outcome = None;
+    if arguments.accept_all || is_named {
+        outcome = Some(decide(arguments, &mut pending)?);
+    }
     let groups = groups::group(&pending);
     if arguments.json {
         let shown = groups.iter().map(|group| {

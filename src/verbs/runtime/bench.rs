@@ -163,14 +163,8 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
     let cache = setting::cache_or_beside(&out, io);
     let entries = prepare::entries(&suite, &prepared, &deciding, arguments, &interrupt, io)?;
     let make_arm_world = |program: &Program, folder: &Path| {
-        let folder = Some(folder.to_owned());
-        setting::arm::world(
-            program,
-            &arguments.arm,
-            ArmMode::Execute,
-            folder.as_ref(),
-            io,
-        )
+        let (arm, folder) = (&arguments.arm, folder.to_owned());
+        setting::arm::world(program, arm, ArmMode::Execute, Some(&folder), io)
     };
     let make_look = |program: &Program| setting::arm::look(program, &arguments.arm);
     let world_command = match &arguments.world {
@@ -184,9 +178,8 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
     let make_elsewhere;
     let elsewhere = match world_command.zip(prepared.first()) {
         Some((command, first)) => {
-            let camera = &first.task.program.camera;
-            let picker = first.task.program.picker;
-            let world = ExternalWorld::start(command, camera, picker, None, &interrupt)?;
+            let Program { camera, picker, .. } = &first.task.program;
+            let world = ExternalWorld::start(command, camera, *picker, None, &interrupt)?;
             if !world.hello().particles {
                 Cloths::ByHand.check(&suite)?;
             }

@@ -52,16 +52,12 @@ pub fn run(arguments: &WorldArguments, io: &Io) -> Result<Exit, Failure> {
 fn check(arguments: &WorldCheckArguments, io: &Io) -> Result<Exit, Failure> {
     let interrupt = io.interrupt()?;
     let make = || -> Result<Box<dyn World>, WorldError> {
-        Ok(match &arguments.world {
-            WorldChoice::Program(command) => Box::new(ExternalWorld::start(
-                command,
-                &camera(),
-                Picker::default(),
-                None,
-                &interrupt,
-            )?),
-            _ => Box::new(SimulatedWorld::new(&camera(), Picker::default())?),
-        })
+        let (camera, picker) = (camera(), Picker::default());
+        if let WorldChoice::Program(command) = &arguments.world {
+            let world = ExternalWorld::start(command, &camera, picker, None, &interrupt);
+            return Ok(Box::new(world?));
+        }
+        Ok(Box::new(SimulatedWorld::new(&camera, picker)?))
     };
     if arguments.world == WorldChoice::Arm {
         return Err(Failure::usage(

@@ -51,9 +51,8 @@ pub fn type_points(
         let n = session.pairs().len();
         if let Some([u, v]) = targets.get(n) {
             let (next, n_all) = (n + 1, targets.len());
-            io.talk(&format!(
-                "point {next} of {n_all}, best near the pixel {u}, {v}:"
-            ));
+            let place = format!("best near the pixel {u}, {v}:");
+            io.talk(&format!("point {next} of {n_all}, {place}"));
         }
         let mut line = String::new();
         if Read::take(&mut *lines, MAX_LINE).read_line(&mut line)? == 0 {
@@ -87,10 +86,8 @@ fn show(targets: &[[f64; 2]], setup: &TypingSetup<'_>, io: &Io) -> Result<(), Fa
     let (Some(seen), false) = (setup.seen, targets.is_empty()) else {
         return Ok(());
     };
-    let at = targets.iter();
-    let at: Vec<_> = at
-        .map(|[u, v]| PixelPoint::new(*u as i32, *v as i32))
-        .collect();
+    let pixel = |[u, v]: &[f64; 2]| PixelPoint::new(*u as i32, *v as i32);
+    let at: Vec<_> = targets.iter().map(pixel).collect();
     let dots = DrawnShape::Dots {
         at: at.clone(),
         radius_px: 3,

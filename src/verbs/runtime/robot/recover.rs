@@ -71,9 +71,7 @@ fn of_arm(robot: &Path, arguments: &RecoverArguments, io: &Io) -> Result<Exit, F
         return Err(Failure::environment(why));
     }
     let why = match last_run::recovery(robot)? {
-        Recovery::NotNeeded => {
-            return Ok(say(json!(RunState::Clear), None, arguments, io));
-        }
+        Recovery::NotNeeded => return Ok(say(json!(RunState::Clear), None, arguments, io)),
         Recovery::Needed { run, .. } => {
             io.talk(&format!("the last run is `{}`", run.display()));
             return of_run(&run, arguments, io);
@@ -138,21 +136,17 @@ pub(super) fn describe(state: &RunState) -> String {
         return "clear".to_owned();
     };
     let segment = segment.text();
-    let progress = if *is_verified {
-        "was verified and is the last there is"
-    } else {
-        "was begun and not verified"
+    let progress = match is_verified {
+        true => "was verified and is the last there is",
+        false => "was begun and not verified",
     };
     let to = to_m.map_or(String::new(), |[x, y, z]| {
         format!("; the tool was to go to {x:.3}, {y:.3}, {z:.3} m")
     });
-    let holds = if *may_hold {
-        "may hold cloth"
-    } else {
-        "holds nothing"
+    let holds = match may_hold {
+        true => "may hold cloth",
+        false => "holds nothing",
     };
-    let halted = why
-        .as_ref()
-        .map_or(String::new(), |why| format!("; halted: {why}"));
+    let halted: String = why.iter().map(|why| format!("; halted: {why}")).collect();
     format!("`{segment}` of action {action} {progress}{to}; the hand {holds}{halted}")
 }

@@ -6,7 +6,7 @@ use crate::verbs::runtime::setting::materials::MaterialArguments;
 use clap::Args;
 use fab_base::parallel::in_parallel;
 use fab_sim::{SimError, diagonal_fold};
-use serde::Serialize;
+use serde_json::json;
 use std::time::Instant;
 
 #[derive(Args)]
@@ -26,24 +26,6 @@ pub struct TimeArguments {
 
 /// How often the fold is timed; the median is reported.
 const REPEATS: usize = 3;
-
-#[derive(Serialize)]
-struct Timing {
-    params: String,
-    material: Option<String>,
-    size: u32,
-    threads: usize,
-    repeats: usize,
-    particles: usize,
-    steps: u64,
-    substeps: u64,
-    constraints: usize,
-    self_contact: bool,
-    cpu_ms_per_step: Option<f64>,
-    wall_ms_per_step: Option<f64>,
-    peak_mb: Option<f64>,
-    digest: String,
-}
 
 pub fn run(arguments: &TimeArguments, io: &Io) -> Result<Exit, Failure> {
     let grid = super::square(arguments.size)?;
@@ -79,23 +61,41 @@ pub fn run(arguments: &TimeArguments, io: &Io) -> Result<Exit, Failure> {
             "two equal folds ended with different bits; this machine cannot be trusted",
         ));
     }
-    let timing = Timing {
-        params: params.hash(),
-        material: arguments.cloth.material.clone(),
-        size: arguments.size,
-        threads,
-        repeats: REPEATS,
-        particles: grid.particle_count(),
-        steps,
-        substeps: substeps.into(),
-        constraints,
-        self_contact: params.self_contact_m > 0.0,
-        cpu_ms_per_step: median(cpu_ms),
-        wall_ms_per_step: median(wall_ms),
-        peak_mb: peak_mb(),
-        digest,
-    };
-    io.either(arguments.json, &timing, || text(&timing));
+    let hash = params.hash();
+    let [cpu, wall, peak] = [median(cpu_ms), median(wall_ms), peak_mb()];
+    let self_contact = params.self_contact_m > 0.0;
+    let document = json!({
+        "params": hash,
+        "material": arguments.cloth.material,
+        "size": arguments.size,
+        "threads": threads,
+        "repeats": REPEATS,
+        "particles": grid.particle_count(),
+        "steps": steps,
+        "substeps": substeps,
+        "constraints": constraints,
+        "self_contact": self_contact,
+        "cpu_ms_per_step": cpu,
+        "wall_ms_per_step": wall,
+        "peak_mb": peak,
+        "digest": digest,
+    });
+    io.either(arguments.json, &document, || {
+        let number = |value: Option<f64>| match value {
+            Some(value) => format!("{value:.3}"),
+            None => "unknown here".to_owned(),
+        };
+        let [cpu, wall, peak] = [cpu, wall, peak].map(number);
+        let (size, contact) = (arguments.size, if self_contact { "on" } else { "off" });
+        format!(
+            "{size} x {size} particles, {steps} steps of {substeps} substeps, {constraints} springs, self-contact {contact}\n\
+             CPU ms per step   {cpu}   (median of {REPEATS})\n\
+             wall ms per step  {wall}   ({threads} side by side)\n\
+             peak memory MB    {peak}\n\
+             digest {digest}\n\
+             simulator parameters {hash}"
+        )
+    });
     Ok(Exit::Done)
 }
 
@@ -103,31 +103,6 @@ pub fn run(arguments: &TimeArguments, io: &Io) -> Result<Exit, Failure> {
 fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied()
-}
-
-fn text(timing: &Timing) -> String {
-    let number = |value: Option<f64>| match value {
-        Some(value) => format!("{value:.3}"),
-        None => "unknown here".to_owned(),
-    };
-    let Timing { size, threads, .. } = timing;
-    let (steps, substeps, springs) = (timing.steps, timing.substeps, timing.constraints);
-    let contact = if timing.self_contact { "on" } else { "off" };
-    let [cpu, wall, peak] = [
-        timing.cpu_ms_per_step,
-        timing.wall_ms_per_step,
-        timing.peak_mb,
-    ]
-    .map(number);
-    format!(
-        "{size} x {size} particles, {steps} steps of {substeps} substeps, {springs} springs, self-contact {contact}\n\
-         CPU ms per step   {cpu}   (median of {REPEATS})\n\
-         wall ms per step  {wall}   ({threads} side by side)\n\
-         peak memory MB    {peak}\n\
-         digest {}\n\
-         simulator parameters {}",
-        timing.digest, timing.params
-    )
 }
 
 /// Returns the CPU time of all threads, user and system, seconds.
@@ -151,9 +126,8 @@ fn cpu_s() -> Option<f64> {
 fn peak_mb() -> Option<f64> {
     // `getrusage` would start from the memory of the parent program.
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status
-        .lines()
-        .find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let mut lines = status.lines();
+    let line = lines.find_map(|line| line.strip_prefix("VmHWM:"))?;
     let kib: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(kib * 1024.0 * 1e-6)
 }
