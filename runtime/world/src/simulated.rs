@@ -333,5 +333,4 @@ pub fn stopped(error: SimError) -> WorldError {
 }
 
 #[cfg(test)]
-#[path = "tests/simulated.rs"]
 pub(crate) mod tests;

@@ -6,7 +6,7 @@ use crate::io::{Io, write_file};
 use clap::{Args, ValueHint};
 use fab_base::files::ends_in;
 use fab_sim::{Params, mesh};
-use serde::Serialize;
+use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Args)]
@@ -19,13 +19,6 @@ pub struct ExportArguments {
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,
-}
-
-#[derive(Serialize)]
-struct Exported {
-    params: String,
-    files: Vec<PathBuf>,
-    particles: usize,
 }
 
 pub fn run(arguments: &ExportArguments, io: &Io) -> Result<Exit, Failure> {
@@ -51,13 +44,10 @@ pub fn run(arguments: &ExportArguments, io: &Io) -> Result<Exit, Failure> {
         }
         written.push(files::write_state(path, &state)?);
     }
-    let exported = Exported {
-        params: Params::default().hash(),
-        files: written,
-        particles: mask.count(),
-    };
-    io.either(arguments.json, &exported, || {
-        let files = exported.files.iter().map(|file| file.display().to_string());
+    let (params, particles) = (Params::default().hash(), mask.count());
+    let document = json!({ "params": params, "files": written, "particles": particles });
+    io.either(arguments.json, &document, || {
+        let files = written.iter().map(|file| file.display().to_string());
         files.collect::<Vec<_>>().join("\n")
     });
     Ok(Exit::Done)

@@ -10,6 +10,7 @@ use fab_sim::{ImageUp, Params, TopDownCamera};
 use fab_world::simulated;
 use image::GrayImage;
 use serde::Serialize;
+use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Args)]
@@ -48,15 +49,6 @@ pub enum CameraArgument {
 /// Grey levels per metre in a depth picture, as in the recorded data.
 const GREY_PER_M: f32 = 255.0;
 
-#[derive(Serialize)]
-struct Drawn {
-    params: String,
-    file: String,
-    size_px: u32,
-    camera: CameraArgument,
-    cloth_px: usize,
-}
-
 pub fn run(arguments: &DrawArguments, io: &Io) -> Result<Exit, Failure> {
     let camera = camera(arguments.camera, arguments.size)?;
     setting::check_ending("-o", &arguments.out, "png")?;
@@ -81,14 +73,15 @@ pub fn run(arguments: &DrawArguments, io: &Io) -> Result<Exit, Failure> {
         png::encode(&colours)
     };
     write_file(&arguments.out, &picture)?;
-    let drawn = Drawn {
-        params: Params::default().hash(),
-        file: arguments.out.display().to_string(),
-        size_px: camera.size_px,
-        camera: arguments.camera,
-        cloth_px,
-    };
-    io.either(arguments.json, &drawn, || drawn.file.clone());
+    let file = arguments.out.display().to_string();
+    let document = json!({
+        "params": Params::default().hash(),
+        "file": file,
+        "size_px": camera.size_px,
+        "camera": arguments.camera,
+        "cloth_px": cloth_px,
+    });
+    io.either(arguments.json, &document, || file);
     Ok(Exit::Done)
 }
 
