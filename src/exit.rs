@@ -6,39 +6,32 @@ use std::path::Path;
 
 /// How the command ends; scripts rely on the exit codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
 pub enum Exit {
     /// Success; the goal, if the task declares one, was reached.
-    Done,
+    Done = 0,
     /// The `.fab` file is wrong.
-    Author,
+    Author = 1,
     /// A file, the network, a model or the robot failed.
-    Environment,
+    Environment = 2,
     /// The job ended without reaching its goal.
-    Unreached,
+    Unreached = 3,
     /// The command line is wrong.
-    Usage,
+    Usage = 64,
     /// The user stopped it.
-    Interrupted,
+    Interrupted = 130,
 }
 
 impl Exit {
-    /// Returns the process exit code.
     pub fn code(self) -> u8 {
-        match self {
-            Exit::Done => 0,
-            Exit::Author => 1,
-            Exit::Environment => 2,
-            Exit::Unreached => 3,
-            Exit::Usage => 64,
-            Exit::Interrupted => 130,
-        }
+        self as u8
     }
 }
 
 /// An error that ends a verb: one message and the code it exits with.
 #[derive(Debug)]
 pub struct Failure {
-    exit: Exit,
+    pub exit: Exit,
     message: String,
     diagnostics: Option<Value>,
 }
@@ -75,7 +68,6 @@ impl Failure {
         }
     }
 
-    /// Adds an explanation to the message.
     pub fn saying(self, more: &str) -> Failure {
         Failure {
             message: format!("{}; {more}", self.message),
@@ -91,11 +83,6 @@ impl Failure {
     /// The user stopped the verb before there was a result to report.
     pub fn interrupted() -> Failure {
         Failure::new(Exit::Interrupted, "interrupted".to_owned())
-    }
-
-    /// Returns the exit status for this failure.
-    pub fn exit(&self) -> Exit {
-        self.exit
     }
 
     /// Returns the document that `--json` prints instead of a result.

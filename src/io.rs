@@ -10,7 +10,7 @@ use fab_base::interrupt::Interrupt;
 use fab_compiler::diag::{Color, visible};
 use serde::Serialize;
 use std::ffi::{OsStr, OsString};
-use std::io::{BufRead, BufReader, Cursor, ErrorKind, IsTerminal, Read, Write};
+use std::io::{BufRead, BufReader, ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::SystemTime;
@@ -40,16 +40,14 @@ enum Sink {
 
 impl Sink {
     fn write(&mut self, text: &str) -> std::io::Result<()> {
-        let writer = self.writer();
-        writer.write_all(text.as_bytes())?;
-        writer.flush()
-    }
-
-    fn writer(&mut self) -> &mut dyn Write {
         match self {
-            Sink::Kept(bytes) => bytes,
-            Sink::To(writer) => writer,
+            Sink::Kept(bytes) => bytes.extend(text.as_bytes()),
+            Sink::To(writer) => {
+                writer.write_all(text.as_bytes())?;
+                writer.flush()?;
+            }
         }
+        Ok(())
     }
 
     fn kept(&self) -> String {
@@ -76,34 +74,39 @@ fn lock<T: ?Sized>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 impl Io {
     /// Returns the process's own streams and signals.
     pub fn process() -> Io {
-        Io {
-            streams: Arc::new(Streams {
-                stdin: Mutex::new(Box::new(BufReader::new(std::io::stdin()))),
-                stdout: Mutex::new(Sink::To(Box::new(std::io::stdout()))),
-                stderr: Mutex::new(Sink::To(Box::new(std::io::stderr()))),
-                terminals: [
-                    std::io::stdin().is_terminal(),
-                    std::io::stdout().is_terminal(),
-                    std::io::stderr().is_terminal(),
-                ],
-                lost: OnceLock::new(),
-            }),
-            interrupt: None,
-        }
+        let terminals = [
+            std::io::stdin().is_terminal(),
+            std::io::stdout().is_terminal(),
+            std::io::stderr().is_terminal(),
+        ];
+        let stdin = BufReader::new(std::io::stdin());
+        let stdout = Sink::To(Box::new(std::io::stdout()));
+        let stderr = Sink::To(Box::new(std::io::stderr()));
+        Io::of(stdin, stdout, stderr, terminals, None)
     }
 
     /// Makes surroundings with empty stdin, captured output and no interrupts.
     pub fn in_memory() -> Io {
-        Io {
-            streams: Arc::new(Streams {
-                stdin: Mutex::new(Box::new(Cursor::new(Vec::new()))),
-                stdout: Mutex::new(Sink::Kept(Vec::new())),
-                stderr: Mutex::new(Sink::Kept(Vec::new())),
-                terminals: [false; 3],
-                lost: OnceLock::new(),
-            }),
-            interrupt: Some(Interrupt::default()),
-        }
+        let kept = || Sink::Kept(Vec::new());
+        let interrupt = Some(Interrupt::default());
+        Io::of(std::io::empty(), kept(), kept(), [false; 3], interrupt)
+    }
+
+    fn of(
+        stdin: impl BufRead + Send + 'static,
+        stdout: Sink,
+        stderr: Sink,
+        terminals: [bool; 3],
+        interrupt: Option<Interrupt>,
+    ) -> Io {
+        let streams = Arc::new(Streams {
+            stdin: Mutex::new(Box::new(stdin)),
+            stdout: Mutex::new(stdout),
+            stderr: Mutex::new(stderr),
+            terminals,
+            lost: OnceLock::new(),
+        });
+        Io { streams, interrupt }
     }
 
     /// Returns what the command wrote, if output was captured.
@@ -119,10 +122,9 @@ impl Io {
     /// Writes data and a line end to stdout. On a terminal, hidden characters of foreign text are made visible;
     /// programs get the bytes as they are.
     pub(crate) fn data(&self, text: &str) {
-        if self.streams.terminals[1] {
-            self.painted_data(&visible(text));
-        } else {
-            self.painted_data(text);
+        match self.streams.terminals[1] {
+            true => self.painted_data(&visible(text)),
+            false => self.painted_data(text),
         }
     }
 
@@ -140,7 +142,6 @@ impl Io {
         }
     }
 
-    /// Writes one JSON document to stdout.
     pub(crate) fn json(&self, value: &impl Serialize) {
         let text = serde_json::to_string_pretty(value);
         let text = text.expect("a result has string keys and finite numbers");
@@ -157,10 +158,7 @@ impl Io {
         let _ = lock(&self.streams.stderr).write(&format!("{text}\n"));
     }
 
-    /// Shows the progress of a long job in one terminal line, which the next call replaces; does nothing without a
-    /// terminal.
-    ///
-    /// An empty text clears the line.
+    /// Shows the progress of a long job in one terminal line, which the next call replaces; an empty text clears it.
     pub(crate) fn progress(&self, text: &str) {
         if self.streams.terminals[2] {
             // Carriage return, text, and "erase to the end of the line".
@@ -192,10 +190,8 @@ impl Io {
     }
 
     fn color(&self, is_terminal: bool) -> Color {
-        let refused = self
-            .variable("NO_COLOR")
-            .is_some_and(|value| !value.is_empty());
-        if is_terminal && !refused {
+        let refused = self.variable("NO_COLOR").unwrap_or_default();
+        if is_terminal && refused.is_empty() {
             Color::Ansi
         } else {
             Color::Plain
@@ -218,19 +214,8 @@ impl Io {
 
     // --- Input -------------------------------------------------------------------------
 
-    /// Reads from stdin.
     pub(crate) fn read<T>(&self, read: impl FnOnce(&mut dyn BufRead) -> T) -> T {
         read(&mut **lock(&self.streams.stdin))
-    }
-
-    /// Returns stdin as a stream that can be moved to another thread.
-    pub(crate) fn input(&self) -> Input {
-        Input(self.clone())
-    }
-
-    /// Returns stdout as a stream.
-    pub(crate) fn output(&self) -> Output<'_> {
-        Output(self)
     }
 
     /// Returns whether the streams are the process's own.
@@ -250,7 +235,6 @@ impl Io {
 
     // --- Surroundings ------------------------------------------------------------------
 
-    /// Returns a variable of the environment.
     pub(crate) fn variable(&self, name: impl AsRef<OsStr>) -> Option<OsString> {
         std::env::var_os(name)
     }
@@ -262,19 +246,11 @@ impl Io {
         named.or_else(|| Some(dirs::cache_dir()?.join("fabc")))
     }
 
-    /// Returns the current time.
     pub(crate) fn now(&self) -> SystemTime {
         SystemTime::now()
     }
 
-    /// Returns the program to start as a helper process.
-    pub(crate) fn program(&self) -> std::io::Result<PathBuf> {
-        std::env::current_exe()
-    }
-
-    /// Starts to record interrupts, so that work can stop between two of its steps.
-    ///
-    /// A second SIGINT ends the process at once.
+    /// Starts to record interrupts, so that work can stop between two of its steps. A second SIGINT ends the process at once.
     pub(crate) fn interrupt(&self) -> Result<Interrupt, Failure> {
         match &self.interrupt {
             Some(interrupt) => Ok(interrupt.clone()),
@@ -294,28 +270,6 @@ impl Io {
 /// Writes a file so that a crash leaves either the old content or the new.
 pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     files::write_whole(path, bytes).map_err(|error| Failure::unwritable(path, error))
-}
-
-/// Stdin as a stream.
-pub(crate) struct Input(Io);
-
-impl Read for Input {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        self.0.read(|stdin| stdin.read(buffer))
-    }
-}
-
-/// Stdout as a stream.
-pub(crate) struct Output<'io>(&'io Io);
-
-impl Write for Output<'_> {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        lock(&self.0.streams.stdout).writer().write(bytes)
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        lock(&self.0.streams.stdout).writer().flush()
-    }
 }
 
 /// The interrupt that SIGINT and SIGTERM raise: a process has only one handler.
@@ -345,12 +299,9 @@ fn signals() -> Result<Interrupt, Failure> {
         });
         set.map_err(|error| error.to_string())
     });
-    match listening {
-        Ok(()) => Ok(interrupt),
-        Err(why) => Err(Failure::environment(format!(
-            "cannot listen for interrupts: {why}"
-        ))),
-    }
+    let failed = |why| Failure::environment(format!("cannot listen for interrupts: {why}"));
+    listening.as_ref().map_err(failed)?;
+    Ok(interrupt)
 }
 
 #[cfg(test)]

@@ -1,8 +1,9 @@
 //! The `fabc` command: parse, run one verb, report.
 //!
 //! [`run`] does inside this process what the program does in a process of its own. Everything a command reads and writes
-//! passes its [`Io`]: only this package knows the command line, prints, reads the environment (but for the
-//! variables of proxies and of ROS, which the network code reads), and chooses exit codes. Data goes to stdout, talk to stderr.
+//! passes its [`Io`], but for keys and for lines between programs. Only this package knows the command line, prints, reads
+//! the environment (but for the variables of proxies and of ROS, which the network code reads), and chooses exit codes.
+//! Data goes to stdout, talk to stderr.
 //!
 //! ```
 //! let io = fabc::Io::in_memory();
@@ -48,15 +49,13 @@ pub fn run<A: Into<OsString> + Clone>(args: impl IntoIterator<Item = A>, io: &Io
             }
         }
     };
-    match io.lost() {
-        Some(why) if exit == Exit::Done => {
-            io.talk(&format!(
-                "error: the result could not be written to stdout: {why}"
-            ));
-            Exit::Environment.code()
-        }
-        _ => exit.code(),
+    if let Some(why) = io.lost().filter(|_| exit == Exit::Done) {
+        io.talk(&format!(
+            "error: the result could not be written to stdout: {why}"
+        ));
+        return Exit::Environment.code();
     }
+    exit.code()
 }
 
 /// Returns the declaration of the command line.
@@ -70,6 +69,6 @@ fn act(cli: &mut Cli, matches: &ArgMatches, io: &Io) -> Exit {
         if verbs::wants_json(matches) {
             io.json(&failure.to_json());
         }
-        failure.exit()
+        failure.exit
     })
 }

@@ -5,7 +5,6 @@
 use crate::io::Io;
 use serde::Serialize;
 
-/// A verb's result.
 pub trait Report: Serialize {
     /// Returns the result as text; nothing is printed if it is empty.
     fn text(&self) -> String;
@@ -14,11 +13,21 @@ pub trait Report: Serialize {
 impl Io {
     /// Writes a verb's result to stdout: as one JSON document if `--json` was given, else as text.
     pub(crate) fn result(&self, json: bool, result: &impl Report) {
+        self.either(json, result, || result.text());
+    }
+
+    /// Writes a document to stdout as JSON if `--json` was given, else the text that says the same.
+    pub(crate) fn either(
+        &self,
+        json: bool,
+        document: &impl Serialize,
+        text: impl FnOnce() -> String,
+    ) {
         if json {
-            self.json(result);
+            self.json(document);
             return;
         }
-        let text = result.text();
+        let text = text();
         if !text.is_empty() {
             self.data(&text);
         }

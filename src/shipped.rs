@@ -39,10 +39,12 @@ static FILES: LazyLock<BTreeMap<Cow<'static, str>, Cow<'static, [u8]>>> = LazyLo
         .collect()
 });
 
+/// A path relative to `tasks/`, and the bytes there.
+type File = (&'static str, &'static [u8]);
+
 /// Where an installation keeps the shipped tasks, relative to the parent of the program's folder.
 const INSTALLED: &str = "share/fabc/tasks";
 
-/// Names a user's folder of tasks.
 const VARIABLE: &str = "FABC_TASKS";
 
 /// Returns the file that a word names; a word that cannot be a task name is returned unchanged.
@@ -53,7 +55,9 @@ pub fn find(word: &str, io: &Io) -> Result<String, Failure> {
 /// Returns the file that a word in a file of `folder` names; that folder is searched instead of the working folder.
 pub fn find_beside(folder: &Path, word: &str, io: &Io) -> Result<String, Failure> {
     let own = folder.join(word);
-    if !is_name(word) || (own.exists() && !own.is_dir()) {
+    let is_plain = |letter: char| letter.is_alphanumeric() || letter == '_';
+    let is_name = !word.is_empty() && word.chars().all(is_plain);
+    if !is_name || (own.exists() && !own.is_dir()) {
         return Ok(own.display().to_string());
     }
     let name = format!("{word}.fab");
@@ -67,21 +71,21 @@ pub fn find_beside(folder: &Path, word: &str, io: &Io) -> Result<String, Failure
         return Ok(found(&beside, "a file of this folder"));
     }
     let named = io.variable(VARIABLE).filter(|value| !value.is_empty());
-    let named = named.map(|folder| Path::new(&folder).join(&name));
-    if let Some(path) = named.filter(|path| path.is_file()) {
-        return Ok(found(&path, &format!("of {VARIABLE}")));
-    }
-    let installed = installed(io).map(|folder| folder.join(&name));
-    if let Some(path) = installed.filter(|path| path.is_file()) {
-        return Ok(found(&path, "shipped with fabc"));
+    let places = [
+        (named.map(PathBuf::from), "of FABC_TASKS"),
+        (installed(), "shipped with fabc"),
+    ];
+    for (folder, whose) in places {
+        let path = folder.map(|folder| folder.join(&name));
+        if let Some(path) = path.filter(|path| path.is_file()) {
+            return Ok(found(&path, whose));
+        }
     }
     if FILES.contains_key(name.as_str()) {
         return Ok(found(&unpacked(io)?.join(&name), "shipped with fabc"));
     }
-    Err(Failure::environment(format!(
-        "there is no file `{name}`, and {}",
-        not_shipped(word)
-    )))
+    let why = format!("there is no file `{name}`, and {}", not_shipped(word));
+    Err(Failure::environment(why))
 }
 
 /// Writes the embedded tasks again if a path is among them and the cache was emptied.
@@ -98,10 +102,8 @@ pub fn is_shipped(file: &str, io: &Io) -> bool {
     let Some(file) = real(Path::new(file)) else {
         return false;
     };
-    let folders = [embedded_folder(io), installed(io)].into_iter().flatten();
-    folders
-        .filter_map(|folder| real(&folder))
-        .any(|folder| file.starts_with(folder))
+    let mut folders = [embedded_folder(io), installed()].into_iter().flatten();
+    folders.any(|folder| real(&folder).is_some_and(|folder| file.starts_with(folder)))
 }
 
 /// Fails if a file is a shipped one: files written beside it would be lost.
@@ -111,16 +113,13 @@ pub fn check_own(file: &str, io: &Io) -> Result<(), Failure> {
     }
     let folder = Path::new(file).parent();
     let folder = folder.filter(|folder| !folder.as_os_str().is_empty());
-    let folder = folder.unwrap_or(Path::new("."));
+    let folder = folder.unwrap_or(Path::new(".")).display();
     Err(Failure::environment(format!(
-        "`{file}` is shipped with fabc, and fabc writes nothing into its folder; work on a copy: `cp -r {} my_tasks`",
-        folder.display()
+        "`{file}` is shipped with fabc, and fabc writes nothing into its folder; work on a copy: `cp -r {folder} my_tasks`"
     )))
 }
 
-/// Returns the text of an embedded file.
-///
-/// - `path`: relative to the tasks folder.
+/// Returns the text of an embedded file, by its path relative to the tasks folder.
 pub fn text(path: &str) -> &'static str {
     let bytes = FILES.get(path);
     let bytes = bytes.expect("every file that the program itself uses is embedded");
@@ -128,13 +127,11 @@ pub fn text(path: &str) -> &'static str {
 }
 
 /// Returns the embedded libraries, with their paths relative to the tasks.
-pub fn libraries() -> impl Iterator<Item = (&'static str, &'static [u8])> {
+pub fn libraries() -> impl Iterator<Item = File> {
     of_shipped(|path| path.starts_with("lib/"))
 }
 
-fn of_shipped(
-    is_meant: impl Fn(&str) -> bool,
-) -> impl Iterator<Item = (&'static str, &'static [u8])> {
+fn of_shipped(is_meant: impl Fn(&str) -> bool) -> impl Iterator<Item = File> {
     let files = FILES.iter().map(|(path, bytes)| (&**path, &**bytes));
     files.filter(move |(path, _)| is_meant(path))
 }
@@ -151,9 +148,7 @@ pub fn library_hint(missing: &Path) -> Option<String> {
 }
 
 /// Returns the files of an embedded task: its source, its pictures, and its demonstrations.
-pub fn task_files(
-    word: &str,
-) -> Result<impl Iterator<Item = (&'static str, &'static [u8])>, Failure> {
+pub fn task_files(word: &str) -> Result<impl Iterator<Item = File>, Failure> {
     if !names().any(|name| name == word) {
         return Err(Failure::environment(not_shipped(word)));
     }
@@ -164,7 +159,6 @@ pub fn task_files(
     }))
 }
 
-/// Says that no shipped task has this name.
 fn not_shipped(word: &str) -> String {
     let meant = match nearest(word, names()) {
         Some(meant) => format!("did you mean `{meant}`? It ships"),
@@ -174,39 +168,30 @@ fn not_shipped(word: &str) -> String {
     format!("fabc ships no task `{word}`; {meant} {all}")
 }
 
-fn is_name(word: &str) -> bool {
-    let is_plain = |letter: char| letter.is_alphanumeric() || letter == '_';
-    !word.is_empty() && word.chars().all(is_plain)
-}
-
-/// Returns the names of the embedded tasks.
 fn names() -> impl Iterator<Item = &'static str> {
     of_shipped(|path| !path.contains('/')).filter_map(|(path, _)| path.strip_suffix(".fab"))
 }
 
 /// Returns where an installation would keep the tasks, whether or not the folder exists.
-fn installed(io: &Io) -> Option<PathBuf> {
+fn installed() -> Option<PathBuf> {
     // The PATH may hold a link to the program, so resolve it to find the installation.
-    let program = io.program().ok()?.canonicalize().ok()?;
+    let program = std::env::current_exe().ok()?.canonicalize().ok()?;
     Some(program.parent()?.parent()?.join(INSTALLED))
 }
 
 /// Returns the folder to which the embedded tasks are written.
 fn embedded_folder(io: &Io) -> Option<PathBuf> {
-    let parts = FILES
-        .iter()
-        .flat_map(|(path, bytes)| [path.as_bytes(), &**bytes]);
+    let files = FILES.iter();
+    let parts = files.flat_map(|(path, bytes)| [path.as_bytes(), &**bytes]);
     let hash = &Cache::key(parts)[..16];
     Some(io.cache_folder()?.join("tasks").join(hash))
 }
 
 /// Writes the embedded files that are missing or were changed; returns their folder.
 fn unpacked(io: &Io) -> Result<PathBuf, Failure> {
-    let folder = embedded_folder(io).ok_or_else(|| {
-        Failure::environment(
-            "the shipped tasks need a folder, and there is no cache folder; name one in FABC_CACHE_DIR",
-        )
-    })?;
+    let absent =
+        "the shipped tasks need a folder, and there is no cache folder; name one in FABC_CACHE_DIR";
+    let folder = embedded_folder(io).ok_or_else(|| Failure::environment(absent))?;
     for (path, bytes) in FILES.iter() {
         let path = folder.join(&**path);
         if fs::read(&path).is_ok_and(|present| present == **bytes) {

@@ -15,26 +15,13 @@ mod tests;
 pub use folder::{Folder, Side, picture_of};
 pub use format::{Contents, Info, Origin, Snapshot};
 
-use serde::Serialize;
-use std::fmt;
-
 /// Name of the folder that holds snapshots, beside their source files.
 pub const FOLDER: &str = "snapshots";
 
 /// The name of a snapshot, such as `double_straight.describe@start`; also its file's name without the extension.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(transparent)]
-pub struct Name(pub String);
+pub type Name = String;
 
-impl Name {
-    /// Returns whether `fabc` gives such names: they contain the scene after an `@`.
-    pub fn is_ours(&self) -> bool {
-        self.0.contains('@')
-    }
-}
-
-impl fmt::Display for Name {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
+/// Returns whether `fabc` gives such names: they contain the scene after an `@`.
+pub fn is_ours(name: &str) -> bool {
+    name.contains('@')
 }

@@ -3,8 +3,7 @@
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::shipped;
-use clap::Args;
-use clap::ValueHint;
+use clap::{Args, ValueHint};
 use fab_base::kinds::without_mark;
 use fab_base::wording::quoted;
 use fab_base::{files, npy};
@@ -12,14 +11,12 @@ use fab_compiler::{Compiled, Listed, LoadError, Loader, Wanted, diag};
 #[cfg(feature = "runtime")]
 use fab_program::Material;
 use fab_program::{PINS_FILE, Program, Trial, pins_folder};
-use serde::Deserialize;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// Which task of a file is meant.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
 pub struct TaskArguments {
     /// The file that declares the task, or the name of a shipped task.
@@ -36,9 +33,7 @@ pub struct TaskArguments {
 /// The largest source file that is read, bytes.
 const MAX_BYTES: u64 = 1 << 22;
 
-/// Loads one file from disk, the files of its folder, and those of the neighbouring folder `lib`.
-///
-/// The entry itself may be a link to elsewhere; the files that it uses may not.
+/// Loads one file from disk, which may be a link to elsewhere, and files that are really in its folder or in `lib` beside it.
 pub struct Disk {
     entry: String,
     folder: PathBuf,
@@ -54,27 +49,39 @@ impl Disk {
     }
 }
 
+/// A loader of texts that are in no file, by name.
+pub struct Texts<'t>(pub BTreeMap<&'t str, &'t str>);
+
+impl Loader for Texts<'_> {
+    fn load(&self, name: &str) -> Result<String, LoadError> {
+        let text = self.0.get(name).ok_or_else(|| LoadError {
+            message: format!("cannot read `{name}`: it is not part of the new task"),
+        })?;
+        Ok((*text).to_owned())
+    }
+}
+
 impl Loader for Disk {
     fn load(&self, name: &str) -> Result<String, LoadError> {
-        let wrong = |message: String| LoadError { message };
         let path = Path::new(name);
-        let bytes = if name == self.entry {
-            read_bounded(path)
+        let found = if name == self.entry {
+            Ok(path.to_owned())
         } else {
-            inside_or_library(&self.folder, path).and_then(|path| read_bounded(&path))
+            inside_or_library(&self.folder, path)
         };
-        let bytes = bytes.map_err(|why| {
+        let bytes = found.and_then(|path| read_bounded(&path)).map_err(|why| {
             let nearby = match similar_file(path) {
                 Some(meant) => format!("; did you mean `{meant}`?"),
                 None => shipped::library_hint(path).unwrap_or_default(),
             };
-            wrong(format!("cannot read `{name}`: {why}{nearby}"))
-        })?;
-        files::text(bytes).map_err(|why| wrong(format!("cannot read `{name}`: {why}")))
+            format!("{why}{nearby}")
+        });
+        bytes.and_then(files::text).map_err(|why| LoadError {
+            message: format!("cannot read `{name}`: {why}"),
+        })
     }
 }
 
-/// Returns the name of a similar file beside one that does not exist.
 fn similar_file(path: &Path) -> Option<String> {
     let name = path.file_name()?.to_str()?;
     if path.exists() {
@@ -82,25 +89,19 @@ fn similar_file(path: &Path) -> Option<String> {
     }
     let here = Path::new(".").join(path.parent()?);
     let files = std::fs::read_dir(here).into_iter().flatten().flatten();
-    let files: BTreeSet<String> = { files }
-        .filter_map(|file| file.file_name().into_string().ok())
-        .filter(|file| file.ends_with(".fab"))
-        .collect();
+    let files = files.filter_map(|file| file.file_name().into_string().ok());
+    let files: BTreeSet<String> = files.filter(|file| file.ends_with(".fab")).collect();
     diag::nearest(name, files.iter().map(String::as_str)).map(str::to_owned)
 }
 
 /// The largest file that a check looks into, bytes; as much as a start may have.
 const MAX_LOOKED_AT: u64 = 64 << 20;
 
-/// A loader that also looks into the files that tasks name, and remembers every file that was asked for.
-///
-/// Only `fabc check` reports what it sees: other verbs read what they need, and say themselves what is missing.
+/// A loader that also looks into the files that tasks name, for `fabc check` alone, and remembers what was asked for.
 struct Looking {
     disk: Disk,
-    /// What was found, because each task that inherits a file asks again.
-    found: RefCell<BTreeMap<(String, Wanted), Listed>>,
-    /// What is done to the pictures to show them as a viewer does.
-    notes: RefCell<Vec<String>>,
+    /// What was found, because each task that inherits a file asks again, and what is done to a picture to show it.
+    found: RefCell<BTreeMap<(String, Wanted), (Listed, Option<String>)>>,
     /// The files that were asked for, including missing ones.
     asked: RefCell<BTreeSet<PathBuf>>,
 }
@@ -110,37 +111,36 @@ impl Looking {
         Looking {
             disk: Disk::beside(file),
             found: RefCell::default(),
-            notes: RefCell::default(),
             asked: RefCell::default(),
         }
     }
 
-    fn ask(&self, path: impl Into<PathBuf>) {
-        self.asked.borrow_mut().insert(path.into());
+    /// Returns a path as seen from the working folder.
+    fn ask(&self, path: impl AsRef<Path>) -> PathBuf {
+        let path = self.disk.folder.join(path);
+        self.asked.borrow_mut().insert(path.clone());
+        path
     }
 }
 
 impl Loader for Looking {
     fn load(&self, name: &str) -> Result<String, LoadError> {
-        self.ask(name);
+        self.asked.borrow_mut().insert(name.into());
         self.disk.load(name)
     }
 
     fn look(&self, path: &str, wanted: Wanted) -> Listed {
-        self.ask(self.disk.folder.join(path));
+        let file = self.ask(path);
         let mut found = self.found.borrow_mut();
-        let look = || {
-            let seen = listed(&self.disk.folder, &self.disk.folder.join(path), wanted);
-            let (listed, note) = seen.unwrap_or_else(|why| (Listed::Nothing(why), None));
-            self.notes.borrow_mut().extend(note);
-            listed
-        };
-        let found = found.entry((path.to_owned(), wanted));
-        found.or_insert_with(look).clone()
+        let found = found.entry((path.to_owned(), wanted)).or_insert_with(|| {
+            let seen = listed(&self.disk.folder, &file, wanted);
+            seen.unwrap_or_else(|why| (Listed::Nothing(why), None))
+        });
+        found.0.clone()
     }
 
     fn trial(&self, title: &str) -> Option<Trial> {
-        self.ask(self.disk.folder.join(pins_folder(title)).join(PINS_FILE));
+        self.ask(Path::new(&pins_folder(title)).join(PINS_FILE));
         pinned_trial(&self.disk.folder, title)
     }
 
@@ -151,14 +151,12 @@ impl Loader for Looking {
     }
 }
 
-/// The part of a file of pins that a check reads.
 #[derive(Deserialize)]
 struct Tried {
     tried: Option<Trial>,
 }
 
-/// Returns what `fabc subgoals` found of a task's demonstration. A file that cannot be read counts as none: a rollout
-/// draws such pictures anew.
+/// Returns what `fabc subgoals` found of a task's demonstration, if there is a file that can be read.
 pub fn pinned_trial(folder: &Path, title: &str) -> Option<Trial> {
     let path = folder.join(pins_folder(title)).join(PINS_FILE);
     let path = inside(folder, &path).ok()?;
@@ -168,11 +166,16 @@ pub fn pinned_trial(folder: &Path, title: &str) -> Option<Trial> {
 /// Reads the file at a path in a folder as the kind of file that is wanted; says what it found, and what is done to show it.
 fn listed(folder: &Path, path: &Path, wanted: Wanted) -> Result<(Listed, Option<String>), String> {
     let bytes = files::read(&inside(folder, path)?, MAX_LOOKED_AT)?;
-    let other = |()| (Listed::Other, None);
     match wanted {
         Wanted::CameraPicture | Wanted::Picture => picture(path, &bytes),
-        Wanted::Positions => are_positions(&bytes).map(other),
-        Wanted::Demonstrations => are_json_lines(&bytes).map(other),
+        Wanted::Positions => {
+            let positions = npy::decode_positions(&bytes)?;
+            if !positions.iter().flatten().all(|number| number.is_finite()) {
+                return Err("a coordinate in it is not a number".to_owned());
+            }
+            Ok((Listed::Other, None))
+        }
+        Wanted::Demonstrations => are_json_lines(&bytes).map(|()| (Listed::Other, None)),
     }
 }
 
@@ -192,40 +195,26 @@ fn picture(_: &Path, _: &[u8]) -> Result<(Listed, Option<String>), String> {
     Ok((Listed::Unknown, None))
 }
 
-/// Checks that bytes are finite particle positions.
-fn are_positions(bytes: &[u8]) -> Result<(), String> {
-    let positions = npy::decode_positions(bytes)?;
-    if positions.iter().flatten().all(|number| number.is_finite()) {
-        Ok(())
-    } else {
-        Err("a coordinate in it is not a number".to_owned())
-    }
-}
-
 /// Checks that bytes are lines with a JSON object each, the first of which states the format.
 fn are_json_lines(bytes: &[u8]) -> Result<(), String> {
     let text = files::text(without_mark(bytes).to_vec())?;
     let mut states_format = false;
-    for (number, line) in (1..).zip(text.lines()) {
-        if line.trim().is_empty() {
-            continue;
-        }
+    let lines = (1..).zip(text.lines());
+    for (number, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
         let object: serde_json::Map<String, serde_json::Value> = serde_json::from_str(line)
             .map_err(|error| format!("line {number} is no JSON object: {error}"))?;
         states_format |= number == 1 && object.contains_key("format");
     }
-    if states_format {
-        Ok(())
-    } else {
-        Err("its first line does not state a `format`".to_owned())
-    }
+    let fault = (!states_format).then(|| "its first line does not state a `format`".to_owned());
+    fault.map_or(Ok(()), Err)
 }
 
 /// Compiles a file, and looks for the files that its tasks name; returns what is done to pictures to show them, too.
 pub fn compile_looking(file: &str) -> Result<(Compiled, Vec<String>), Failure> {
     let loader = Looking::beside(file);
     let compiled = fab_compiler::compile(file, &loader)?;
-    Ok((compiled, loader.notes.into_inner()))
+    let found = loader.found.into_inner().into_values();
+    Ok((compiled, found.filter_map(|(_, note)| note).collect()))
 }
 
 /// Returns a file of tasks and all files that it uses, including missing ones.
@@ -236,26 +225,15 @@ pub fn used_files(file: &str) -> BTreeSet<PathBuf> {
     loader.asked.into_inner()
 }
 
-/// Returns the folder that holds a file.
 pub fn folder_of(file: &str) -> PathBuf {
-    Path::new(file)
-        .parent()
-        .map(Path::to_owned)
-        .unwrap_or_default()
+    let folder = Path::new(file).parent();
+    folder.map(Path::to_owned).unwrap_or_default()
 }
 
-/// Returns the real path of a file; the error says why it is not inside `folder` (an empty path means the current
-/// folder).
-///
-/// Links are resolved in both paths, so a link may point to a neighbour but not out of the folder.
+/// Returns the real path of a file, links resolved; the error says why it is not inside `folder` (empty: the current one).
 pub fn inside(folder: &Path, path: &Path) -> Result<PathBuf, String> {
-    let folder = if folder.as_os_str().is_empty() {
-        Path::new(".")
-    } else {
-        folder
-    };
-    let folder = folder.canonicalize().map_err(|error| error.to_string())?;
-    let real = path.canonicalize().map_err(|error| error.to_string())?;
+    let real = |path: &Path| path.canonicalize().map_err(|error| error.to_string());
+    let (folder, real) = (real(&Path::new(".").join(folder))?, real(path)?);
     if real.starts_with(&folder) {
         return Ok(real);
     }
@@ -286,7 +264,6 @@ pub fn read_bounded(path: &Path) -> Result<Vec<u8>, String> {
     files::read(path, MAX_BYTES)
 }
 
-/// Compiles a file.
 pub fn compile(file: &str) -> Result<Compiled, Failure> {
     Ok(fab_compiler::compile(file, &Disk::beside(file))?)
 }
@@ -309,23 +286,18 @@ pub fn compile_tasks(file: &str, wanted: Option<&str>, io: &Io) -> Result<Vec<Pr
     runnable(compiled, file, wanted)
 }
 
-/// Returns the runnable tasks of a compilation; at least one.
 fn runnable(compiled: Compiled, file: &str, wanted: Option<&str>) -> Result<Vec<Program>, Failure> {
     if compiled.has_errors() {
         let diagnostics = diag::to_json(&compiled.diagnostics, &compiled.sources);
-        return Err(Failure::author(
-            format!("`{file}` cannot be compiled"),
-            diagnostics,
-        ));
+        let why = format!("`{file}` cannot be compiled");
+        return Err(Failure::author(why, diagnostics));
     }
     let mut programs = compiled.programs;
     if programs.is_empty() {
-        return Err(Failure::author(
-            format!(
-                "`{file}` declares no task that can run: one needs at least a cloth, a camera, actions, stages, and subgoals or a horizon, its own or from the task it extends"
-            ),
-            json!([]),
-        ));
+        let why = format!(
+            "`{file}` declares no task that can run: one needs at least a cloth, a camera, actions, stages, and subgoals or a horizon, its own or from the task it extends"
+        );
+        return Err(Failure::author(why, json!([])));
     }
     if let Some(wanted) = wanted {
         let names = quoted(tasks(&programs).map(|program| program.task.as_str()));
@@ -339,28 +311,10 @@ fn runnable(compiled: Compiled, file: &str, wanted: Option<&str>) -> Result<Vec<
     Ok(programs)
 }
 
-/// Compiles a file, shows its diagnostics, and returns the task to work on.
-///
-/// The task must be named if the file declares several; without a variant it is the task itself.
+/// Compiles a file, shows its diagnostics, and returns the task to work on; it must be named if the file declares several.
 pub fn compile_task(wanted: &TaskArguments, io: &Io) -> Result<Program, Failure> {
-    chosen(
-        compile_tasks(&wanted.file, wanted.task.as_deref(), io)?,
-        wanted,
-    )
-}
-
-/// Compiles the task again for a cloth of another grid; shows only errors, since other diagnostics were shown before.
-///
-/// - `grid`: particles along X and along Y.
-pub fn compile_task_for(
-    wanted: &TaskArguments,
-    grid: [u32; 2],
-    io: &Io,
-) -> Result<Program, Failure> {
-    chosen(
-        compile_tasks_for(&wanted.file, wanted.task.as_deref(), grid, io)?,
-        wanted,
-    )
+    let programs = compile_tasks(&wanted.file, wanted.task.as_deref(), io)?;
+    chosen(programs, wanted)
 }
 
 /// Compiles a file again for a cloth of another grid, and returns its tasks with their variants, or only the `wanted` task.
@@ -377,7 +331,8 @@ pub fn compile_tasks_for(
     runnable(compiled, file, wanted)
 }
 
-fn chosen(programs: Vec<Program>, wanted: &TaskArguments) -> Result<Program, Failure> {
+/// Returns the task that is meant.
+pub fn chosen(programs: Vec<Program>, wanted: &TaskArguments) -> Result<Program, Failure> {
     if tasks(&programs).count() > 1 {
         return Err(Failure::usage(format!(
             "`{}` declares several tasks; choose one with `--task`: {}",
@@ -387,20 +342,14 @@ fn chosen(programs: Vec<Program>, wanted: &TaskArguments) -> Result<Program, Fai
     }
     let variants = quoted(programs.iter().filter_map(|it| it.variant.as_deref()));
     let mut programs = programs.into_iter();
-    programs
-        .find(|program| program.variant == wanted.variant)
-        .ok_or_else(|| {
-            let there = if variants.is_empty() {
-                "there is none".to_owned()
-            } else {
-                format!("there is {variants}")
-            };
-            Failure::usage(format!(
-                "`{}` has no variant `{}`; {there}",
-                wanted.file,
-                wanted.variant.as_deref().unwrap_or_default()
-            ))
-        })
+    let found = programs.find(|program| program.variant == wanted.variant);
+    found.ok_or_else(|| {
+        let there = Some(variants.as_str()).filter(|it| !it.is_empty());
+        let there = there.unwrap_or("none");
+        let (file, variant) = (&wanted.file, wanted.variant.as_deref().unwrap_or_default());
+        let why = format!("`{file}` has no variant `{variant}`; there is {there}");
+        Failure::usage(why)
+    })
 }
 
 fn tasks(programs: &[Program]) -> impl Iterator<Item = &Program> {

@@ -67,7 +67,6 @@ impl Verb {
         }
     }
 
-    /// Returns the arguments that name a task's file.
     fn files(&mut self) -> Vec<&mut String> {
         match self {
             Verb::Author(Author::Check(check)) => check.files.iter_mut().collect(),

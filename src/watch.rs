@@ -10,25 +10,25 @@ use crate::sources;
 use fab_base::interrupt::Interrupt;
 use fab_base::wording::counted;
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 use std::path::PathBuf;
-use std::thread;
 use std::time::{Duration, SystemTime};
+use std::{fs, thread};
 
-/// Interval between two looks at the files. A change counts once two looks see the same: an editor writes, renames and
-/// deletes within this time.
+/// Interval between two looks at the files. A change counts once two looks see the same: editors write in steps.
 const INTERVAL: Duration = Duration::from_millis(120);
 
-/// Runs a verb, then again after each change, until Ctrl-C.
-///
-/// - `entries`: the `.fab` files; the files that they use are watched too.
-/// - `others`: further files named on the command line.
+/// Runs a verb; if it `watches`, again after each change of `entries`, of the files that they use, or of `others`, until
+/// Ctrl-C.
 pub fn run(
+    watches: bool,
     entries: &[String],
     others: &[PathBuf],
     verb: impl Fn() -> Result<Exit, Failure>,
     io: &Io,
 ) -> Result<Exit, Failure> {
+    if !watches {
+        return verb();
+    }
     let interrupt = io.interrupt()?;
     while !interrupt.is_raised() {
         let mut files: BTreeSet<PathBuf> = others.iter().cloned().collect();

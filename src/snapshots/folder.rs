@@ -35,7 +35,6 @@ impl Side {
     }
 }
 
-/// A folder of snapshots.
 #[derive(Debug)]
 pub struct Folder {
     path: PathBuf,
@@ -60,11 +59,8 @@ impl Folder {
         };
         let on = |side: Side| {
             let files = files.iter().map(|file| file.to_string_lossy());
-            let names = files.filter_map(|file| {
-                let name = file.strip_suffix(side.extension())?;
-                Some(Name(name.to_owned()))
-            });
-            names.collect()
+            let names = files.map(|file| file.strip_suffix(side.extension()).map(Name::from));
+            names.flatten().collect()
         };
         Ok(Folder {
             accepted: on(Side::Accepted),
@@ -74,12 +70,12 @@ impl Folder {
     }
 
     /// Returns the path of a snapshot, whether or not it exists.
-    pub fn file(&self, name: &Name, side: Side) -> PathBuf {
+    pub fn file(&self, name: &str, side: Side) -> PathBuf {
         self.path.join(format!("{name}{}", side.extension()))
     }
 
     /// Reads a snapshot; `None` if there is none.
-    pub fn read(&self, name: &Name, side: Side) -> Result<Option<Snapshot>, Failure> {
+    pub fn read(&self, name: &str, side: Side) -> Result<Option<Snapshot>, Failure> {
         let path = self.file(name, side);
         if !path.exists() {
             return Ok(None);
@@ -103,7 +99,7 @@ impl Folder {
     }
 
     /// Makes a snapshot pending, in place of one that is pending under its name.
-    pub fn propose(&self, name: &Name, snapshot: &Snapshot) -> Result<(), Failure> {
+    pub fn propose(&self, name: &str, snapshot: &Snapshot) -> Result<(), Failure> {
         let path = self.file(name, Side::Pending);
         let file = format::write(snapshot).map_err(Failure::environment)?;
         let write = || {
@@ -125,7 +121,7 @@ impl Folder {
     }
 
     /// Accepts a pending snapshot; fails if it is no longer the one that the user looked at.
-    pub fn accept(&self, name: &Name, seen: &Snapshot) -> Result<(), Failure> {
+    pub fn accept(&self, name: &str, seen: &Snapshot) -> Result<(), Failure> {
         let [from, to] = [Side::Pending, Side::Accepted].map(|side| self.file(name, side));
         if self.read(name, Side::Pending)?.as_ref() != Some(seen) {
             return Err(Failure::environment(format!(
@@ -144,8 +140,7 @@ impl Folder {
         moved.map_err(|error| Failure::unwritable(&to, error))
     }
 
-    /// Removes a snapshot, if there is one.
-    pub fn remove(&self, name: &Name, side: Side) -> Result<(), Failure> {
+    pub fn remove(&self, name: &str, side: Side) -> Result<(), Failure> {
         let path = self.file(name, side);
         let removed = remove_file(&path).and_then(|()| remove_file(&picture_of(&path)));
         removed.map_err(|error| Failure::unwritable(&path, error))

@@ -13,12 +13,10 @@ const FENCE: &str = "---";
 /// How a line begins with which git marks a merge conflict.
 const CONFLICT: &str = "<<<<<<< ";
 
-/// A snapshot: metadata and contents.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
     /// Describes what the snapshot is of.
     pub metadata: Metadata,
-    /// The text or picture.
     pub contents: Contents,
 }
 
@@ -27,7 +25,6 @@ pub struct Snapshot {
 pub enum Contents {
     /// Lines of text. Line-end style and trailing whitespace are ignored.
     Text(String),
-    /// A PNG file.
     Picture(Vec<u8>),
 }
 
@@ -42,7 +39,6 @@ impl Contents {
 }
 
 impl Snapshot {
-    /// Makes a snapshot of these details.
     pub fn of(source: &str, description: String, info: Info, contents: Contents) -> Snapshot {
         let metadata = Metadata {
             source: Some(source.to_owned()),
@@ -67,10 +63,9 @@ pub struct Metadata {
     /// Details written by `fabc`; absent in snapshots that other tools wrote.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "ours")]
     pub info: Option<Info>,
-    /// Set in files of pictures alone.
+    // Both are set in files of pictures alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     extension: Option<String>,
-    /// Set in files of pictures alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     snapshot_kind: Option<String>,
 }
@@ -79,15 +74,11 @@ pub struct Metadata {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Info {
-    /// The task.
     pub task: String,
-    /// The variant; absent for the task itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub variant: Option<String>,
-    /// The stage; absent for scenes and pictures.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stage: Option<String>,
-    /// The pinned scene.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scene: Option<String>,
     /// What the picture shows; only for pictures.
@@ -123,7 +114,6 @@ fn ours<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Info>, D::Error> {
 pub struct Origin {
     /// The first of these lines, from 1.
     pub from: u32,
-    /// The last of these lines.
     pub to: u32,
     /// The component, `STAGE.say`, `check.NAME`, or a word such as `frame`; contains no blanks.
     pub component: String,
@@ -178,13 +168,14 @@ pub fn parse(text: &str) -> Result<(Metadata, Option<String>), String> {
     }
     let rest = text.strip_prefix(FENCE);
     let rest = rest.ok_or("it does not begin with a line `---`")?;
-    let (yaml, text) = rest
-        .split_once("\n---\n")
-        .ok_or("the line `---` after the metadata is missing")?;
-    let mut metadata = match yaml {
-        "" => Metadata::default(),
-        yaml => read_yaml(yaml)?,
-    };
+    let parts = rest.split_once("\n---\n");
+    let (yaml, text) = parts.ok_or("the line `---` after the metadata is missing")?;
+    let mut metadata = Metadata::default();
+    if !yaml.is_empty() {
+        let options = serde_saphyr::options! { with_snippet: false };
+        metadata = serde_saphyr::from_str_with_options(yaml, options)
+            .map_err(|error| format!("its metadata cannot be read: {error}"))?;
+    }
     let extension = metadata.extension.take();
     if metadata.snapshot_kind.take().as_deref() != Some("binary") {
         return Ok((metadata, Some(normal(text))));
@@ -217,10 +208,4 @@ pub fn write(snapshot: &Snapshot) -> Result<String, String> {
 /// Normalizes text for comparing and writing: line feeds only, no trailing whitespace.
 fn normal(text: &str) -> String {
     text.trim_end().replace("\r\n", "\n")
-}
-
-fn read_yaml(text: &str) -> Result<Metadata, String> {
-    let options = serde_saphyr::options! { with_snippet: false };
-    serde_saphyr::from_str_with_options(text, options)
-        .map_err(|error| format!("its metadata cannot be read: {error}"))
 }

@@ -15,7 +15,7 @@ const TEXTS: [&str; 6] = [
 ];
 
 fn name(name: &str) -> Name {
-    Name(name.to_owned())
+    name.to_owned()
 }
 
 fn info() -> Info {

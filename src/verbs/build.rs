@@ -2,18 +2,13 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::{Io, write_file};
-use crate::report::Report;
 use crate::sources;
-use clap::Args;
-use clap::ValueEnum;
-use clap::ValueHint;
-use fab_emit::{self, Artifact, Target};
-use serde::Serialize;
+use clap::{Args, ValueEnum, ValueHint};
+use fab_emit::Target;
 use serde_json::json;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-/// Arguments of `build`.
 #[derive(Args)]
 pub struct BuildArguments {
     /// The file that declares the tasks, or the name of a shipped task.
@@ -44,47 +39,25 @@ pub enum EmitArgument {
     Python,
 }
 
-/// Writes every artefact completely, and lists the files.
 pub fn run(arguments: &BuildArguments, io: &Io) -> Result<Exit, Failure> {
     let programs = sources::compile_tasks(&arguments.file, arguments.task.as_deref(), io)?;
-    let targets: Vec<Target> = arguments.emit.iter().map(|it| target(*it)).collect();
-    let artifacts = fab_emit::emit(&programs, &targets)
-        .map_err(|error| Failure::author(error.to_string(), json!([])))?;
-    let files = artifacts.iter();
-    let files = files.map(|artifact| write(&arguments.out, artifact));
-    let built = Built {
-        files: files.collect::<Result<_, Failure>>()?,
-    };
-    io.result(arguments.json, &built);
-    Ok(Exit::Done)
-}
-
-/// The files that were written.
-#[derive(Serialize)]
-struct Built {
-    files: Vec<String>,
-}
-
-impl Report for Built {
-    fn text(&self) -> String {
-        self.files.join("\n")
-    }
-}
-
-fn target(argument: EmitArgument) -> Target {
-    match argument {
+    let targets = arguments.emit.iter().map(|it| match it {
         EmitArgument::Program => Target::Program,
         EmitArgument::Rust => Target::Rust,
         EmitArgument::Python => Target::Python,
+    });
+    let artifacts = fab_emit::emit(&programs, &targets.collect::<Vec<_>>())
+        .map_err(|error| Failure::author(error.to_string(), json!([])))?;
+    let mut files = Vec::new();
+    for artifact in artifacts {
+        let path = arguments.out.join(&artifact.path);
+        let above = path.parent().unwrap_or(&arguments.out);
+        // The message names the file, not its folder.
+        fs::create_dir_all(above).map_err(|error| Failure::unwritable(&path, error))?;
+        write_file(&path, artifact.text.as_bytes())?;
+        files.push(path.display().to_string());
     }
-}
-
-/// Writes one file, and creates the folders above it; returns its path.
-fn write(folder: &Path, artifact: &Artifact) -> Result<String, Failure> {
-    let path = folder.join(&artifact.path);
-    let above = path.parent().unwrap_or(folder);
-    // The message names the file, not its folder.
-    fs::create_dir_all(above).map_err(|error| Failure::unwritable(&path, error))?;
-    write_file(&path, artifact.text.as_bytes())?;
-    Ok(path.display().to_string())
+    let document = json!({ "files": files });
+    io.either(arguments.json, &document, || files.join("\n"));
+    Ok(Exit::Done)
 }

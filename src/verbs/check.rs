@@ -5,8 +5,7 @@ mod fix;
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::{shipped, sources, watch};
-use clap::Args;
-use clap::ValueHint;
+use clap::{Args, ValueHint};
 use fab_base::wording::counted;
 use fab_compiler::Compiled;
 use fab_compiler::diag::{self, Severity};
@@ -17,7 +16,6 @@ use serde::Serialize;
 use serde_json::Value;
 use std::path::Path;
 
-/// Arguments of `check`.
 #[derive(Args)]
 pub struct CheckArguments {
     /// The files to check, or names of shipped tasks.
@@ -40,23 +38,17 @@ pub struct CheckArguments {
     pub json: bool,
 }
 
-/// Checks every file, once or after every change.
 pub fn run(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
-    if arguments.watch {
-        watch::run(&arguments.files, &[], || check(arguments, io), io)
-    } else {
-        check(arguments, io)
-    }
+    let check = || check(arguments, io);
+    watch::run(arguments.watch, &arguments.files, &[], check, io)
 }
 
-/// What a check found in all files.
 #[derive(Default, Serialize)]
 struct Checked {
     diagnostics: Vec<Value>,
     diagnostics_left_out: usize,
     tasks: Vec<CheckedTask>,
     errors: Vec<String>,
-    /// The changes that `--fix --diff` shows.
     #[serde(skip_serializing_if = "Option::is_none")]
     diff: Option<String>,
     #[serde(skip)]
@@ -65,18 +57,15 @@ struct Checked {
     has_errors: bool,
 }
 
-/// A task without errors.
 #[derive(Serialize)]
 struct CheckedTask {
     task: String,
     variant: Option<String>,
     file: String,
-    /// The hash of its program.
     program: String,
     horizon: u32,
     max_calls_per_step: u32,
     max_calls: u64,
-    /// What a policy may answer, and what it sees.
     spaces: Spaces,
     #[serde(skip_serializing_if = "Option::is_none")]
     about: Option<String>,
@@ -96,11 +85,10 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
     let mut found: Vec<Result<String, Failure>> = found.collect();
     // A file may use one that is named after it, so all are fixed before any is reported.
     if arguments.diff {
-        let diff = fix::run(&mut found, Effect::Show, io);
+        let diff = checked.diff.insert(fix::run(&mut found, Effect::Show, io));
         if !arguments.json && !diff.is_empty() {
             io.data(diff.trim_end_matches('\n'));
         }
-        checked.diff = Some(diff);
     } else if arguments.fix {
         fix::run(&mut found, Effect::Write, io);
     }
@@ -125,24 +113,23 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
             }
         }
     }
-    let is_denied = arguments.deny_warnings && checked.n_warnings > 0;
-    let exit = if !checked.errors.is_empty() {
-        Exit::Environment
-    } else if checked.has_errors || is_denied {
-        Exit::Author
-    } else {
-        Exit::Done
-    };
-    if exit == Exit::Author && !checked.has_errors {
+    if arguments.json {
+        io.json(&checked);
+    }
+    if !checked.errors.is_empty() {
+        return Ok(Exit::Environment);
+    }
+    if checked.has_errors {
+        return Ok(Exit::Author);
+    }
+    if arguments.deny_warnings && checked.n_warnings > 0 {
         let count = counted(checked.n_warnings, "warning");
         io.talk(&format!(
             "error: {count}, and `--deny-warnings` allows none"
         ));
+        return Ok(Exit::Author);
     }
-    if arguments.json {
-        io.json(&checked);
-    }
-    Ok(exit)
+    Ok(Exit::Done)
 }
 
 impl Checked {
@@ -163,7 +150,6 @@ impl Checked {
     }
 }
 
-/// Prints what was found in a file.
 fn report(file: &str, compiled: &Compiled, tasks: &[CheckedTask], io: &Io) {
     if !compiled.diagnostics.is_empty() {
         io.painted_data(&sources::findings(compiled, io.data_color()));
@@ -177,15 +163,10 @@ fn report(file: &str, compiled: &Compiled, tasks: &[CheckedTask], io: &Io) {
         let variants = variants.iter().filter_map(|it| it.variant.as_deref());
         let broken = compiled.broken_variants.iter();
         let broken = broken.filter(|(of, _)| *of == task.task);
-        io.data(&format!(
-            "{file}: {}{}{}",
-            task.in_words(),
-            listed("likewise its variants", variants),
-            listed(
-                "its variants with errors",
-                broken.map(|(_, it)| it.as_str())
-            )
-        ));
+        let variants = listed("likewise its variants", variants);
+        let broken = broken.map(|(_, variant)| variant.as_str());
+        let broken = listed("its variants with errors", broken);
+        io.data(&format!("{file}: {}{variants}{broken}", task.in_words()));
     }
     if tasks.is_empty() && !compiled.has_errors() {
         io.data(&format!(
@@ -225,44 +206,35 @@ impl CheckedTask {
     }
 
     fn in_words(&self) -> String {
-        let mut words = format!(
+        let mut lines = vec![format!(
             "task `{}` has no errors; at most {} model calls per step, {} in {}",
             self.task,
             self.max_calls_per_step,
             self.max_calls,
             counted(self.horizon as usize, "step")
-        );
-        if let Some(about) = &self.about {
-            words.push_str(&format!("\n  about: {about}"));
-        }
-        if let Some(unjudged) = self.demonstration {
-            words.push_str(&format!("\n  {unjudged}"));
-        }
-        if let Some(material) = &self.material {
-            words.push_str(&format!("\n  made of {material}"));
-        }
-        for difference in self.simulated.iter().flatten() {
-            words.push_str(&format!("\n    in the simulator, {difference}"));
-        }
-        words
+        )];
+        lines.extend(self.about.iter().map(|it| format!("  about: {it}")));
+        lines.extend(self.demonstration.map(|it| format!("  {it}")));
+        lines.extend(self.material.iter().map(|it| format!("  made of {it}")));
+        let differences = self.simulated.iter().flatten();
+        lines.extend(differences.map(|it| format!("    in the simulator, {it}")));
+        lines.join("\n")
     }
 }
 
-/// Returns a note if the steps of the demonstration have not been judged.
 fn unjudged(program: &Program, beside: &Path) -> Option<&'static str> {
     let wanted = program.demonstration_hash()?;
     let titles = [program.title(), program.task.clone()];
     let tried = titles.map(|title| sources::pinned_trial(beside, &title));
-    let mut tried = tried.iter().flatten().peekable();
-    if tried.peek().is_none() {
-        return Some(
-            "its demonstration was never tried: `fabc subgoals` draws its pictures, and tells whether each step changes the cloth",
-        );
+    let tried: Vec<_> = tried.iter().flatten().collect();
+    if tried.iter().any(|it| it.of == wanted) {
+        return None;
     }
-    let is_another = tried.all(|it| it.of != wanted);
-    is_another.then_some(
-        "its pictures are of another cloth, picker or demonstration: `fabc subgoals` draws them anew, and tells whether each step changes the cloth",
-    )
+    Some(if tried.is_empty() {
+        "its demonstration was never tried: `fabc subgoals` draws its pictures, and tells whether each step changes the cloth"
+    } else {
+        "its pictures are of another cloth, picker or demonstration: `fabc subgoals` draws them anew, and tells whether each step changes the cloth"
+    })
 }
 
 /// Returns in what the simulated cloth of a material differs from it; `None` if it cannot be laid, which F0512 reports.
@@ -272,7 +244,6 @@ fn differs(material: &Material, spacing_m: f64) -> Option<Vec<String>> {
     Some(warnings.iter().map(ToString::to_string).collect())
 }
 
-/// Returns nothing: without a simulator no cloth is simulated.
 #[cfg(not(feature = "runtime"))]
 fn differs(_: &Material, _: f64) -> Option<Vec<String>> {
     None

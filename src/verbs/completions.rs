@@ -3,11 +3,9 @@
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::verbs::Cli;
-use clap::Args;
-use clap::CommandFactory;
+use clap::{Args, CommandFactory};
 use clap_complete::Shell;
 
-/// How to install them in each shell.
 const INSTALL: &str = "\
 bash        fabc completions bash > ~/.local/share/bash-completion/completions/fabc
 zsh         fabc completions zsh > _fabc     in a folder of your $fpath, such as ~/.zfunc; then `autoload -U compinit && compinit`
@@ -17,7 +15,6 @@ elvish      eval (fabc completions elvish | slurp)     in ~/.config/elvish/rc.el
 
 A shell that is opened afterwards completes verbs, options and files.";
 
-/// Arguments of `completions`.
 #[derive(Args)]
 #[command(after_help = INSTALL)]
 pub struct CompletionsArguments {
@@ -26,7 +23,6 @@ pub struct CompletionsArguments {
     pub shell: Shell,
 }
 
-/// Writes the completions for one shell.
 pub fn run(arguments: &CompletionsArguments, io: &Io) -> Result<Exit, Failure> {
     let mut script = Vec::new();
     clap_complete::generate(arguments.shell, &mut Cli::command(), "fabc", &mut script);

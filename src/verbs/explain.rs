@@ -6,7 +6,6 @@ use clap::Args;
 use fab_compiler::diag::Code;
 use fab_compiler::explain;
 
-/// Arguments of `explain`.
 #[derive(Args)]
 pub struct ExplainArguments {
     /// The code of a message, such as F0203; default: list all codes.
@@ -14,7 +13,6 @@ pub struct ExplainArguments {
     pub code: Option<String>,
 }
 
-/// Prints the explanation of one code or the list of all.
 pub fn run(arguments: &ExplainArguments, io: &Io) -> Result<Exit, Failure> {
     match &arguments.code {
         Some(code) => io.data(explain::to_text(known(code)?).trim_end()),

@@ -5,7 +5,6 @@ use crate::io::Io;
 use clap::{Args, ValueHint};
 use std::path::PathBuf;
 
-/// Arguments of `manual`.
 #[derive(Args)]
 pub struct ManualArguments {
     /// The folder that gets the pages, `fabc.1` and one for each verb.
@@ -13,7 +12,6 @@ pub struct ManualArguments {
     pub folder: PathBuf,
 }
 
-/// Writes a page for the command and for each verb.
 pub fn run(arguments: &ManualArguments, io: &Io) -> Result<Exit, Failure> {
     let folder = &arguments.folder;
     std::fs::create_dir_all(folder)

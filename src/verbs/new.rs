@@ -8,18 +8,16 @@ pub mod simulator;
 
 use crate::exit::{Exit, Failure};
 use crate::io::{Io, write_file};
-use crate::report::Report;
 use crate::shipped;
-use crate::sources;
+use crate::sources::{self, Texts};
 use clap::{Args, Subcommand, ValueHint};
-use fab_compiler::{LoadError, Loader};
 use fab_program::Program;
 use serde::Serialize;
+use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Arguments of `new`.
 #[derive(Args)]
 pub struct NewArguments {
     /// What to begin.
@@ -38,7 +36,6 @@ pub enum NewVerb {
     Library(LibraryArguments),
 }
 
-/// Arguments of `new library`.
 #[derive(Args)]
 pub struct LibraryArguments {
     /// Shipped tasks that are copied too, with their pictures and demonstrations.
@@ -52,7 +49,6 @@ pub struct LibraryArguments {
     pub json: bool,
 }
 
-/// Arguments of `new fold`.
 #[derive(Args)]
 pub struct NewFoldArguments {
     #[command(flatten)]
@@ -95,7 +91,6 @@ const SMOOTHING: Library = "lib/smoothing.fab";
 /// What a comment begins with that says what had to be guessed; such comments are printed, too.
 const GUESSED: &str = "# guessed: ";
 
-/// The verbs to suggest next.
 const NEXT: [&str; 3] = if cfg!(feature = "runtime") {
     ["render", "test", "run"]
 } else {
@@ -104,26 +99,31 @@ const NEXT: [&str; 3] = if cfg!(feature = "runtime") {
 
 /// A task that is not written yet.
 pub struct Draft {
-    /// The text of its file.
     text: String,
-    /// The library that it uses.
     library: Library,
     /// The user's pictures to copy beside it, with their paths there.
     pictures: Vec<(PathBuf, Vec<u8>)>,
-    /// Next steps for the user, in order.
     next: Vec<String>,
 }
 
-/// Writes the task, and prints the next steps.
 pub fn run(arguments: &NewArguments, io: &Io) -> Result<Exit, Failure> {
-    match &arguments.what {
-        NewVerb::Fold(arguments) => fold(arguments, io),
-        NewVerb::Smoothing(arguments) => {
-            let draft = Draft::of(include_str!("new/smoothing.fab"), SMOOTHING, arguments);
-            begin(arguments, draft, io)
+    let (task, draft) = match &arguments.what {
+        NewVerb::Library(arguments) => return library(arguments, io),
+        NewVerb::Smoothing(task) => (
+            task,
+            Draft::of(include_str!("new/smoothing.fab"), SMOOTHING, task),
+        ),
+        #[cfg(feature = "runtime")]
+        NewVerb::Fold(arguments) if !arguments.pictures.from_images.is_empty() => {
+            // Checked before looking at the pictures, which takes a while.
+            check_place(&arguments.task)?;
+            (&arguments.task, simulator::draft(arguments, io)?)
         }
-        NewVerb::Library(arguments) => library(arguments, io),
-    }
+        NewVerb::Fold(NewFoldArguments { task, .. }) => {
+            (task, Draft::of(include_str!("new/fold.fab"), FOLDING, task))
+        }
+    };
+    begin(task, draft, io)
 }
 
 /// Copies what is not there yet; a file of another content stays as it is, and is named.
@@ -141,7 +141,7 @@ fn library(arguments: &LibraryArguments, io: &Io) -> Result<Exit, Failure> {
     if copied.files.is_empty() {
         io.talk("nothing is missing");
     }
-    io.result(arguments.json, &copied);
+    io.either(arguments.json, &copied, || copied.files.join("\n"));
     Ok(Exit::Done)
 }
 
@@ -169,26 +169,7 @@ impl Copied {
     }
 }
 
-impl Report for Copied {
-    fn text(&self) -> String {
-        self.files.join("\n")
-    }
-}
-
-fn fold(arguments: &NewFoldArguments, io: &Io) -> Result<Exit, Failure> {
-    let task = &arguments.task;
-    #[cfg(feature = "runtime")]
-    if !arguments.pictures.from_images.is_empty() {
-        // Checked before looking at the pictures, which takes a while.
-        check_place(task)?;
-        return begin(task, simulator::draft(arguments, io)?, io);
-    }
-    let draft = Draft::of(include_str!("new/fold.fab"), FOLDING, task);
-    begin(task, draft, io)
-}
-
 impl Draft {
-    /// Fills the task's name into a template.
     fn of(template: &str, library: Library, arguments: &NewTaskArguments) -> Draft {
         let file = shown(&arguments.file());
         Draft {
@@ -198,13 +179,6 @@ impl Draft {
             next: NEXT.map(|verb| format!("fabc {verb} {file}")).to_vec(),
         }
     }
-
-    /// Returns what had to be guessed, as its comments say.
-    fn guesses(&self) -> Vec<&str> {
-        let lines = self.text.lines();
-        let guesses = lines.filter_map(|line| line.trim_start().strip_prefix(GUESSED));
-        guesses.collect()
-    }
 }
 
 /// Compiles the draft, draws its pictures, and writes everything, file by file.
@@ -213,8 +187,16 @@ fn begin(arguments: &NewTaskArguments, draft: Draft, io: &Io) -> Result<Exit, Fa
     let folder = arguments.folder();
     let library = folder.join(draft.library);
     let shipped = shipped::text(draft.library);
-    let present = present_library(&library)?;
-    let program = compile(arguments, &draft, present.as_deref().unwrap_or(shipped), io)?;
+    let present = match library.symlink_metadata() {
+        Err(_) => shipped.to_owned(),
+        Ok(_) => sources::read_text(&library).map_err(|why| {
+            Failure::environment(format!(
+                "the new task needs `{}`, and it cannot be used: {why}; choose another folder with `--in DIR`",
+                shown(&library)
+            ))
+        })?,
+    };
+    let program = compile(arguments, &draft, &present, io)?;
     #[cfg(feature = "runtime")]
     let drawn = simulator::Drawn::of(&program, io)?;
     #[cfg(not(feature = "runtime"))]
@@ -240,36 +222,20 @@ fn begin(arguments: &NewTaskArguments, draft: Draft, io: &Io) -> Result<Exit, Fa
     }
     // Last, so that there is no task without what it uses.
     write(&arguments.file(), draft.text.as_bytes())?;
-    let begun = Begun {
-        files,
-        guesses: draft.guesses(),
-        next: &draft.next,
-    };
-    io.result(arguments.json, &begun);
+    let lines = draft.text.lines();
+    let guesses = lines.filter_map(|line| line.trim_start().strip_prefix(GUESSED));
+    let (guesses, next) = (guesses.collect::<Vec<_>>(), &draft.next);
+    let document = json!({ "files": files, "guesses": guesses, "next": next });
+    io.either(arguments.json, &document, || files.join("\n"));
     if !arguments.json {
-        for guess in begun.guesses {
+        for guess in guesses {
             io.talk(&format!("guessed: {guess}"));
         }
-        io.talk(&format!("next:\n  {}", draft.next.join("\n  ")));
+        io.talk(&format!("next:\n  {}", next.join("\n  ")));
     }
     Ok(Exit::Done)
 }
 
-/// The files of a new task.
-#[derive(Serialize)]
-struct Begun<'d> {
-    files: Vec<String>,
-    guesses: Vec<&'d str>,
-    next: &'d [String],
-}
-
-impl Report for Begun<'_> {
-    fn text(&self) -> String {
-        self.files.join("\n")
-    }
-}
-
-/// Writes a file and the folders above it.
 fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder).map_err(|error| Failure::unwritable(folder, error))?;
@@ -281,11 +247,9 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
 fn check_place(arguments: &NewTaskArguments) -> Result<(), Failure> {
     check_name(&arguments.name)?;
     let folder = arguments.folder();
+    let advice = "choose another name, or another folder with `--in DIR`";
     for ending in ["fab", "subgoals"] {
-        refuse_if_there(
-            &folder.join(format!("{}.{ending}", arguments.name)),
-            "choose another name, or another folder with `--in DIR`",
-        )?;
+        refuse_if_there(&folder.join(format!("{}.{ending}", arguments.name)), advice)?;
     }
     Ok(())
 }
@@ -303,45 +267,16 @@ fn check_name(name: &str) -> Result<(), Failure> {
     } else {
         return Ok(());
     };
-    let name = name.escape_debug();
-    Err(Failure::usage(format!(
-        "`{name}` cannot name a task: {why}"
-    )))
+    let why = format!("`{}` cannot name a task: {why}", name.escape_debug());
+    Err(Failure::usage(why))
 }
 
 fn refuse_if_there(place: &Path, advice: &str) -> Result<(), Failure> {
     if place.symlink_metadata().is_err() {
         return Ok(());
     }
-    let place = shown(place);
-    Err(Failure::environment(format!(
-        "`{place}` already exists; {advice}"
-    )))
-}
-
-/// Returns the text of the library if the folder already has it.
-fn present_library(place: &Path) -> Result<Option<String>, Failure> {
-    if place.symlink_metadata().is_err() {
-        return Ok(None);
-    }
-    sources::read_text(place).map(Some).map_err(|why| {
-        Failure::environment(format!(
-            "the new task needs `{}`, and it cannot be used: {why}; choose another folder with `--in DIR`",
-            shown(place)
-        ))
-    })
-}
-
-/// A loader that finds the draft as if it were already written.
-struct DraftOverDisk<'d>(BTreeMap<&'d str, &'d str>);
-
-impl Loader for DraftOverDisk<'_> {
-    fn load(&self, name: &str) -> Result<String, LoadError> {
-        let text = self.0.get(name).ok_or_else(|| LoadError {
-            message: format!("cannot read `{name}`: it is not part of the new task"),
-        })?;
-        Ok((*text).to_owned())
-    }
+    let why = format!("`{}` already exists; {advice}", shown(place));
+    Err(Failure::environment(why))
 }
 
 fn compile(
@@ -351,7 +286,7 @@ fn compile(
     io: &Io,
 ) -> Result<Program, Failure> {
     let entry = format!("{}.fab", arguments.name);
-    let files = DraftOverDisk(BTreeMap::from([
+    let files = Texts(BTreeMap::from([
         (entry.as_str(), draft.text.as_str()),
         (draft.library, library),
     ]));
@@ -375,9 +310,8 @@ fn compile(
 }
 
 fn shown(path: &Path) -> String {
-    if path.as_os_str().is_empty() {
-        ".".to_owned()
-    } else {
-        path.display().to_string()
+    match path.as_os_str().is_empty() {
+        true => ".".to_owned(),
+        false => path.display().to_string(),
     }
 }

@@ -11,10 +11,9 @@ mod why;
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::report::Report;
-use crate::sources::TaskArguments;
+use crate::sources::{self, TaskArguments};
 use crate::verbs::price::Price;
-use crate::{sources, watch};
+use crate::watch;
 use clap::{Args, ValueHint};
 use fab_base::wording::quoted;
 use fab_program::render::PromptPicture;
@@ -22,12 +21,10 @@ use fab_program::scene::SceneView;
 use fab_program::{Arrow, Layers, Picture, Program, Stage, SubgoalStep};
 use page::{DisplayPart, ShownStage};
 use scene_file::SceneFile;
-use serde::Serialize;
+use serde_json::json;
 use std::fs;
 use std::path::{Path, PathBuf};
-use why::Why;
 
-/// Arguments of `render`.
 #[derive(Args)]
 pub struct RenderArguments {
     #[command(flatten)]
@@ -59,57 +56,28 @@ pub struct RenderArguments {
     pub json: bool,
 }
 
-/// Renders every stage or the named one, once or after every change of a file.
 pub fn run(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
     let entry = std::slice::from_ref(&arguments.task.file);
     #[cfg_attr(not(feature = "runtime"), expect(unused_mut))]
     let mut others = Vec::from_iter(arguments.scene.clone());
     #[cfg(feature = "runtime")]
     others.extend(arguments.camera.files());
-    if arguments.watch {
-        watch::run(entry, &others, || render(arguments, io), io)
-    } else {
-        render(arguments, io)
-    }
+    let render = || render(arguments, io);
+    watch::run(arguments.watch, entry, &others, render, io)
 }
 
-/// The stages of a task for display.
 pub struct Rendered {
     stages: Vec<ShownStage>,
     /// What the model that is shown the messages costs, if one is named.
     price: Option<Price>,
 }
 
-/// The stages as they are printed.
-#[derive(Serialize)]
-struct Printed<'s> {
-    stages: Vec<PrintedStage<'s>>,
-    #[serde(skip)]
-    texts: Vec<String>,
-}
-
-#[derive(Serialize)]
-struct PrintedStage<'s> {
-    #[serde(flatten)]
-    stage: &'s ShownStage,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    why: Option<Why<'s>>,
-}
-
-impl Report for Printed<'_> {
-    fn text(&self) -> String {
-        self.texts.join("\n").trim_end().to_owned()
-    }
-}
-
 fn render(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
     let declared = sources::compile_task(&arguments.task, io)?;
     if arguments.step > declared.horizon {
+        let (title, horizon, step) = (declared.title(), declared.horizon, arguments.step);
         return Err(Failure::usage(format!(
-            "`{}` has {} steps; there is no step {}",
-            declared.title(),
-            declared.horizon,
-            arguments.step
+            "`{title}` has {horizon} steps; there is no step {step}"
         )));
     }
     let listed = arguments.scene.as_ref();
@@ -129,24 +97,28 @@ fn render(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
         })?;
     }
     let folder = sources::folder_of(&arguments.task.file);
-    let text = |stage: &ShownStage| {
+    let why = |stage| why::of(stage, &folder, price.as_ref());
+    let document = stages.iter().map(|stage| {
+        let mut document = json!(stage);
         if arguments.why {
-            why::text(stage, &folder, price.as_ref())
-        } else if arguments.out.is_none() {
-            format!("=== stage {}\n{}", stage.name, stage.text())
-        } else {
-            String::new()
+            document["why"] = why(stage);
         }
-    };
-    let printed = stages.iter().map(|stage| PrintedStage {
-        stage,
-        why: (arguments.why).then(|| why::of(stage, &folder, price.as_ref())),
+        document
     });
-    let printed = Printed {
-        stages: printed.collect(),
-        texts: stages.iter().map(text).collect(),
-    };
-    io.result(arguments.json, &printed);
+    let document = json!({ "stages": document.collect::<Vec<_>>() });
+    io.either(arguments.json, &document, || {
+        let texts = stages.iter().map(|stage| {
+            if arguments.why {
+                why::text(stage, &folder, price.as_ref())
+            } else if arguments.out.is_none() {
+                format!("=== stage {}\n{}", stage.name, stage.text())
+            } else {
+                String::new()
+            }
+        });
+        let texts: Vec<String> = texts.collect();
+        texts.join("\n").trim_end().to_owned()
+    });
     for stage in stages {
         for (finding, number) in stage.findings.iter().zip(1..) {
             io.talk(&format!("`{}`, answer {number}: {finding}", stage.name));
@@ -180,17 +152,16 @@ fn chosen_stages<'p>(
     let Some(wanted) = wanted else {
         return Ok(program.stages.iter().collect());
     };
-    match program.stages.iter().find(|stage| stage.name == wanted) {
-        Some(stage) => Ok(vec![stage]),
-        None => Err(Failure::usage(format!(
-            "`{}` has no stage `{wanted}`; it has {}",
-            program.task,
-            quoted(program.stages.iter().map(|stage| &stage.name))
-        ))),
-    }
+    let mut stages = program.stages.iter();
+    let stage = stages.find(|stage| stage.name == wanted);
+    stage.map(|stage| vec![stage]).ok_or_else(|| {
+        let (task, names) = (&program.task, program.stages.iter());
+        let names = quoted(names.map(|stage| &stage.name));
+        Failure::usage(format!("`{task}` has no stage `{wanted}`; it has {names}"))
+    })
 }
 
-/// Describes the content of a prompt's picture.
+/// Says what a picture shows.
 pub fn title(picture: &PromptPicture, step: u32) -> String {
     match picture {
         PromptPicture::File(file) => file.path.clone(),
@@ -199,15 +170,11 @@ pub fn title(picture: &PromptPicture, step: u32) -> String {
             Layers::Absent => "scene".to_owned(),
         },
         PromptPicture::Drawn(Picture::Subgoal { which, arrow }) => {
-            let number = match which {
-                SubgoalStep::Now => step - 1,
-                SubgoalStep::Next => step,
-            };
-            let drawn = match arrow {
-                Arrow::Drawn => " with arrow",
-                Arrow::Absent => "",
-            };
-            format!("subgoal {number}{drawn}")
+            let number = step - u32::from(*which == SubgoalStep::Now);
+            match arrow {
+                Arrow::Drawn => format!("subgoal {number} with arrow"),
+                Arrow::Absent => format!("subgoal {number}"),
+            }
         }
     }
 }
@@ -223,8 +190,8 @@ fn write(folder: &Path, shown: &[ShownStage]) -> std::io::Result<()> {
             DisplayPart::Image { png, .. } => png.as_ref(),
             DisplayPart::Text { .. } => None,
         });
-        for (number, png) in pictures.enumerate() {
-            fs::write(folder.join(format!("{name}_{}.png", number + 1)), png)?;
+        for (png, number) in pictures.zip(1..) {
+            fs::write(folder.join(format!("{name}_{number}.png")), png)?;
         }
     }
     Ok(())

@@ -18,7 +18,7 @@ use clap::Args;
 use decide::{Decision, Decisions, Outcome};
 use find::Pending;
 use groups::Group;
-use serde::Serialize;
+use serde_json::{Value, json};
 use std::path::PathBuf;
 
 const KEYS: &str = "\
@@ -26,7 +26,6 @@ Without --json, --accept, --reject and --accept-all it asks on the terminal; `?`
 An ID is a group's (8 letters of its hash), a snapshot's (its file name without `.snap`), or the
 path of a snapshot, pending or accepted.";
 
-/// Arguments of `review`.
 #[derive(Args)]
 #[command(after_help = KEYS)]
 pub struct ReviewArguments {
@@ -50,44 +49,29 @@ pub struct ReviewArguments {
     pub json: bool,
 }
 
-/// The JSON of a review: what is pending, and what was decided.
-#[derive(Serialize)]
-struct Review<'r> {
-    groups: Vec<ShownGroup<'r>>,
-    pending: usize,
-    #[serde(flatten)]
-    outcome: Option<&'r Outcome>,
-}
-
-/// A group with its snapshots.
-#[derive(Serialize)]
-struct ShownGroup<'r> {
-    #[serde(flatten)]
-    group: &'r Group,
-    snapshots: Vec<&'r Pending>,
-}
-
-/// Reviews the pending snapshots.
 pub fn run(arguments: &ReviewArguments, io: &Io) -> Result<Exit, Failure> {
     let mut pending = find::find(&arguments.places, arguments.only.as_deref(), io)?;
-    let decides =
-        arguments.accept_all || !arguments.accept.is_empty() || !arguments.reject.is_empty();
-    let outcome = if decides {
-        Some(decide(arguments, &mut pending)?)
-    } else {
-        None
-    };
+    let is_named = !arguments.accept.is_empty() || !arguments.reject.is_empty();
+    let mut outcome = None;
+    if arguments.accept_all || is_named {
+        outcome = Some(decide(arguments, &mut pending)?);
+    }
     let groups = groups::group(&pending);
     if arguments.json {
-        let shown = groups.iter().map(|group| ShownGroup {
-            group,
-            snapshots: group.members.iter().map(|at| &pending[*at]).collect(),
+        let shown = groups.iter().map(|group| {
+            let mut shown = json!(group);
+            let members = group.members.iter().map(|at| &pending[*at]);
+            shown["snapshots"] = members.map(|one| json!(one)).collect();
+            shown
         });
-        io.json(&Review {
-            groups: shown.collect(),
-            pending: pending.len(),
-            outcome: outcome.as_ref(),
-        });
+        let shown: Vec<Value> = shown.collect();
+        let mut document = json!({ "groups": shown, "pending": pending.len() });
+        if let Some(outcome) = outcome {
+            document["accepted"] = json!(outcome.accepted);
+            document["rejected"] = json!(outcome.rejected);
+            document["waiting"] = json!(outcome.waiting);
+        }
+        io.json(&document);
     } else if let Some(outcome) = outcome {
         outcome.report(io);
     } else {
@@ -96,8 +80,7 @@ pub fn run(arguments: &ReviewArguments, io: &Io) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// Applies the decisions of the command line, and leaves in `pending` what they do not settle; an unknown id ends it
-/// before anything is changed.
+/// Applies the decisions of the command line, and leaves in `pending` what they do not settle.
 fn decide(arguments: &ReviewArguments, pending: &mut Vec<Pending>) -> Result<Outcome, Failure> {
     let groups = groups::group(pending);
     let mut decisions = Decisions::about(pending, &groups);
@@ -114,16 +97,15 @@ fn decide(arguments: &ReviewArguments, pending: &mut Vec<Pending>) -> Result<Out
     Ok(outcome)
 }
 
-/// Asks about each group on the terminal.
 fn ask(pending: &[Pending], groups: &[Group], io: &Io) -> Result<Exit, Failure> {
     if pending.is_empty() {
         io.talk("nothing is pending");
         return Ok(Exit::Done);
     }
     if !io.is_interactive() {
+        let n_pending = pending.len();
         return Err(Failure::usage(format!(
-            "{} snapshots are pending, and this is not a terminal; use --json, --accept, --reject or --accept-all",
-            pending.len()
+            "{n_pending} snapshots are pending, and this is not a terminal; use --json, --accept, --reject or --accept-all"
         )));
     }
     session::run(Decisions::about(pending, groups), io)

@@ -10,22 +10,19 @@ mod scene;
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::report::Report;
-use crate::shipped;
-use crate::sources;
+use crate::{shipped, sources};
 use clap::Args;
 use expected::Source;
 use fab_base::parallel::in_parallel;
 use fab_program::Program;
-use plan::{Plan, SnapshotState, State};
+use plan::{Plan, State};
 use scene::{Moment, USUAL};
-use serde::Serialize;
+use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::thread;
 
-/// Arguments of `snap`.
 #[derive(Args)]
 pub struct SnapArguments {
     /// The files whose prompts are pinned.
@@ -74,59 +71,83 @@ impl SnapArguments {
     }
 }
 
-/// The states of all snapshots, and how many there are of each.
-#[derive(Default, Serialize)]
-struct Taken {
-    snapshots: Vec<SnapshotState>,
-    same: usize,
-    unseen: usize,
-    changed: usize,
-    new: usize,
-    orphaned: usize,
-    pending: usize,
-}
-
-/// Takes snapshots, or reports how they differ.
 pub fn run(arguments: &SnapArguments, io: &Io) -> Result<Exit, Failure> {
     if !arguments.check {
         for file in &arguments.files {
             shipped::check_own(file, io)?;
         }
     }
+    // A file that is named twice counts once.
+    let mut folders: BTreeMap<PathBuf, BTreeSet<&String>> = BTreeMap::new();
+    for file in &arguments.files {
+        let files = folders.entry(sources::folder_of(file)).or_default();
+        files.insert(file);
+    }
     let mut plans = Vec::new();
-    for (folder, files) in by_folder(&arguments.files) {
+    for (folder, files) in folders {
         let plan = planned(&folder, &files, arguments, io);
         plans.push(plan.map_err(|failure| failure.saying("no snapshot was taken"))?);
     }
     // Everything is computed before anything is written, so that a mistake in one file leaves every folder unchanged.
-    let mut taken = Taken::default();
+    let mut states = Vec::new();
     for plan in &plans {
-        let mut states = plan.states();
+        let mut found = plan.states();
         if !arguments.check {
-            plan.write(&mut states, arguments.prune)?;
+            plan.write(&mut found, arguments.prune)?;
         }
-        taken.add(states);
+        states.extend(found);
     }
-    io.result(arguments.json, &taken);
+    let count = |state: State| states.iter().filter(|it| it.state == state).count();
+    let [same, unseen] = [State::Same, State::Unseen].map(count);
+    let [changed, new, orphaned] = [State::Changed, State::New, State::Orphaned].map(count);
+    let pending = states.iter().filter(|it| it.is_pending).count();
+    let document = json!({
+        "snapshots": states,
+        "same": same,
+        "unseen": unseen,
+        "changed": changed,
+        "new": new,
+        "orphaned": orphaned,
+        "pending": pending,
+    });
+    io.either(arguments.json, &document, || {
+        let alike = [State::Same, State::Unseen];
+        let differing = states.iter().filter(|it| !alike.contains(&it.state));
+        let lines = differing.map(|found| {
+            let state = format!("{:?}", found.state).to_lowercase();
+            format!("{state:8} {}", found.path.display())
+        });
+        lines.collect::<Vec<String>>().join("\n")
+    });
     if !arguments.json {
-        taken.advise(arguments, io);
+        let seen = format!("{same} unchanged, {changed} changed, {new} new, {orphaned} orphaned");
+        let unseen = match unseen {
+            0 => String::new(),
+            count => format!(", {count} that this build of fabc cannot check"),
+        };
+        io.talk(&format!("{seen}{unseen}"));
+        let files = arguments.files.join(" ");
+        if arguments.check && changed + new + pending > 0 {
+            io.talk(&format!(
+                "run `fabc snap {files}` to write the new snapshots, then `fabc review {files}` to accept or reject them"
+            ));
+        } else if pending > 0 {
+            io.talk(&format!(
+                "`fabc review {files}` shows what waits, and accepts or rejects it"
+            ));
+        }
+        if orphaned > 0 && !arguments.prune {
+            io.talk(
+                "an orphaned snapshot is of something that its file no longer declares; `fabc snap --prune` removes it",
+            );
+        }
     }
-    let n_differing = taken.changed + taken.new + taken.orphaned + taken.pending;
-    if arguments.check && n_differing > 0 {
-        Ok(Exit::Author)
-    } else {
-        Ok(Exit::Done)
-    }
-}
-
-/// Groups files by the folder that holds their snapshots; a file that is named twice counts once.
-fn by_folder(files: &[String]) -> BTreeMap<PathBuf, BTreeSet<&String>> {
-    let mut folders: BTreeMap<PathBuf, BTreeSet<&String>> = BTreeMap::new();
-    for file in files {
-        let files = folders.entry(sources::folder_of(file)).or_default();
-        files.insert(file);
-    }
-    folders
+    Ok(
+        match arguments.check && changed + new + orphaned + pending > 0 {
+            true => Exit::Author,
+            false => Exit::Done,
+        },
+    )
 }
 
 /// Compiles the files of a folder, and finds what snapshots they should have, one file per core at a time.
@@ -155,64 +176,4 @@ fn planned(
         plan.expect(name, found)?;
     }
     Ok(plan)
-}
-
-impl Taken {
-    /// Adds the states of a folder's snapshots.
-    fn add(&mut self, states: Vec<SnapshotState>) {
-        for found in &states {
-            let count = match found.state {
-                State::Same => &mut self.same,
-                State::Unseen => &mut self.unseen,
-                State::Changed => &mut self.changed,
-                State::New => &mut self.new,
-                State::Orphaned => &mut self.orphaned,
-            };
-            *count += 1;
-            self.pending += usize::from(found.is_pending);
-        }
-        self.snapshots.extend(states);
-    }
-
-    /// Reports the counts, and what can be done next.
-    fn advise(&self, arguments: &SnapArguments, io: &Io) {
-        let unseen = match self.unseen {
-            0 => String::new(),
-            count => format!(", {count} that this build of fabc cannot check"),
-        };
-        io.talk(&format!(
-            "{} unchanged, {} changed, {} new, {} orphaned{unseen}",
-            self.same, self.changed, self.new, self.orphaned
-        ));
-        let files = arguments.files.join(" ");
-        if arguments.check && self.changed + self.new + self.pending > 0 {
-            io.talk(&format!(
-                "run `fabc snap {files}` to write the new snapshots, then `fabc review {files}` to accept or reject them"
-            ));
-        } else if self.pending > 0 {
-            io.talk(&format!(
-                "`fabc review {files}` shows what waits, and accepts or rejects it"
-            ));
-        }
-        if self.orphaned > 0 && !arguments.prune {
-            io.talk(
-                "an orphaned snapshot is of something that its file no longer declares; `fabc snap --prune` removes it",
-            );
-        }
-    }
-}
-
-impl Report for Taken {
-    fn text(&self) -> String {
-        let differing = self.snapshots.iter().filter_map(|found| {
-            let state = match found.state {
-                State::Same | State::Unseen => return None,
-                State::Changed => "changed",
-                State::New => "new",
-                State::Orphaned => "orphaned",
-            };
-            Some(format!("{state:8} {}", found.path.display()))
-        });
-        differing.collect::<Vec<String>>().join("\n")
-    }
 }

@@ -2,10 +2,8 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::report::Report;
 use crate::{shipped, sources, watch};
-use clap::Args;
-use clap::ValueHint;
+use clap::{Args, ValueHint};
 use fab_base::wording::counted;
 use fab_compiler::diag;
 use fab_program::test::{Finding, Trial};
@@ -13,7 +11,6 @@ use fab_program::{Expect, Program, Test};
 use serde::Serialize;
 use serde_json::{Value, json};
 
-/// Arguments of `test`.
 #[derive(Args)]
 pub struct TestArguments {
     /// The files whose tests are run, or names of shipped tasks.
@@ -32,14 +29,10 @@ pub struct TestArguments {
 
 /// Runs every test of every file, once or after every change; exits with 1 if one fails.
 pub fn run(arguments: &TestArguments, io: &Io) -> Result<Exit, Failure> {
-    if arguments.watch {
-        watch::run(&arguments.files, &[], || test(arguments, io), io)
-    } else {
-        test(arguments, io)
-    }
+    let test = || test(arguments, io);
+    watch::run(arguments.watch, &arguments.files, &[], test, io)
 }
 
-/// The results of all tests.
 #[derive(Default, Serialize)]
 struct Tested {
     passed: usize,
@@ -50,7 +43,6 @@ struct Tested {
     diagnostics: Vec<Value>,
 }
 
-/// A test and its result.
 #[derive(Serialize)]
 struct TestedOne {
     file: String,
@@ -115,18 +107,14 @@ fn test(arguments: &TestArguments, io: &Io) -> Result<Exit, Failure> {
     if tested.failed > 0 && exit == Exit::Done {
         exit = Exit::Author;
     }
-    io.result(arguments.json, &tested);
-    Ok(exit)
-}
-
-impl Report for Tested {
-    fn text(&self) -> String {
-        let passed = format!("{} passed, {} failed", self.passed, self.failed);
-        match self.errors.len() {
+    io.either(arguments.json, &tested, || {
+        let passed = format!("{} passed, {} failed", tested.passed, tested.failed);
+        match tested.errors.len() {
             0 => passed,
             n => format!("{passed}, {} not run", counted(n, "file")),
         }
-    }
+    });
+    Ok(exit)
 }
 
 fn line(file: &str, test: &Test, trial: &Trial) -> String {

@@ -5,7 +5,6 @@ use crate::io::Io;
 use clap::Args;
 use fab_compiler::lang;
 
-/// Arguments of `vocabulary`.
 #[derive(Args)]
 pub struct VocabularyArguments {
     /// Print one JSON document, for editors.
@@ -16,7 +15,6 @@ pub struct VocabularyArguments {
 /// The page that holds the tables; a test of the compiler writes them.
 const PAGE: &str = include_str!("../../docs/language.md");
 
-/// Prints the tables of the reference, or all of it as JSON.
 pub fn run(arguments: &VocabularyArguments, io: &Io) -> Result<Exit, Failure> {
     if arguments.json {
         io.json(&lang::vocabulary());

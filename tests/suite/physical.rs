@@ -280,7 +280,7 @@ fn coverage_by_pictures_has_columns_of_its_own() {
             "reached_by_operator"
         ]
     );
-    assert_eq!(rows[0].causes, BTreeMap::from([("hardware", 3)]));
+    assert_eq!(rows[0].effort.causes, BTreeMap::from([("hardware", 3)]));
     assert_eq!(rows[0].note, None, "that was no rehearsal in `sim`");
     assert_eq!(rows[2].value, 0.0, "a third of the larger cloth is missing");
     let text = table::text(&suite, &rows);

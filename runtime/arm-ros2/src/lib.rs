@@ -20,6 +20,7 @@ mod link;
 mod service;
 
 #[cfg(test)]
+#[path = "tests/distribution.rs"]
 mod distribution;
 
 pub use camera::subscribe;
@@ -43,15 +44,4 @@ pub enum Ros2Error {
     /// A setting is unusable.
     #[error("{0}")]
     Setting(String),
-}
-
-#[cfg(test)]
-mod tests {
-    /// A watchdog stops the arm from its own thread.
-    #[test]
-    fn ports_and_cameras_are_send() {
-        fn assert_send<T: Send>() {}
-        assert_send::<super::Ros2Port>();
-        assert_send::<fab_arm::rgbd::topics::TopicCamera<crate::link::Link>>();
-    }
 }

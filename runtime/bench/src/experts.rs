@@ -4,26 +4,23 @@
 //! them. For a fold fraction below 1, each fold of the sequence is shortened accordingly.
 
 use super::lay_starts::LaidStarts;
-use super::play::{ExpertDistance, Phase, Spent, at, place, program_of};
+use super::play::{ExpertDistance, Progress, Spent, at, place};
 use super::record::Rollout;
 use super::{Bench, BenchError, Entry};
 use fab_agent::rollout::Job;
 use fab_base::parallel::in_parallel;
 use fab_program::{Program, Sequence};
-use fab_world::expert;
-use fab_world::expert::{MakeWorld, Sequences};
-use fab_world::metrics;
-use fab_world::{World, WorldError};
+use fab_world::expert::{self, MakeWorld, Sequences};
+use fab_world::{World, WorldError, metrics};
 use std::collections::BTreeSet;
 
 /// Returns a program's sequences for comparison, with each fold ending at a fraction of its length.
 fn sequences(program: &Program, fraction: f64) -> Vec<Sequence> {
     let mut sequences = program.experts.clone();
-    for fold in sequences
-        .iter_mut()
-        .flat_map(|sequence| &mut sequence.folds)
-    {
-        fold.fraction *= fraction;
+    for sequence in &mut sequences {
+        for fold in &mut sequence.folds {
+            fold.fraction *= fraction;
+        }
     }
     sequences
 }
@@ -51,14 +48,14 @@ fn make_world(
 pub(super) fn simulate(
     bench: &Bench<'_>,
     laid: &LaidStarts,
-    progress: &(dyn Fn(Phase, usize, usize) + Sync),
+    progress: &Progress<'_>,
     spent: &mut Spent,
 ) -> Result<bool, BenchError> {
     let mut jobs = Vec::new();
     let mut known = BTreeSet::new();
     for (number, entry) in bench.entries.iter().enumerate() {
         for (start, laid) in laid[number].iter().enumerate() {
-            let program = program_of(bench, entry, start)?;
+            let program = entry.program(&bench.tasks[entry.task].starts[start]);
             let digest = laid.digest();
             let world = make_world(bench, entry, start, program);
             let world = world.map_err(|error| at(&place(bench, entry, start), error))?;
@@ -77,14 +74,14 @@ pub(super) fn simulate(
     if jobs.is_empty() {
         return Ok(true);
     }
-    progress(Phase::Experts, 0, jobs.len());
+    progress("expert ends known", 0, jobs.len());
     let done = in_parallel(
         jobs.len(),
         bench.threads,
         |index| {
             let (number, start, sequence) = &jobs[index];
             let entry = &bench.entries[*number];
-            let program = program_of(bench, entry, *start)?;
+            let program = entry.program(&bench.tasks[entry.task].starts[*start]);
             // One sequence per job, so that the job starts no thread of its own.
             let ends = expert::ends(
                 Sequences {
@@ -103,14 +100,11 @@ pub(super) fn simulate(
                 Err(error) => Err(at(&place(bench, entry, *start), error)),
             }
         },
-        |done| progress(Phase::Experts, done, jobs.len()),
+        |done| progress("expert ends known", done, jobs.len()),
     )?;
     spent.experts_simulated = done.iter().flatten().sum();
     Ok(done.iter().all(Option::is_some))
 }
-
-/// A distance between two states, metres.
-type Measure = fn(&[[f32; 3]], &[[f32; 3]]) -> Option<f64>;
 
 /// Scores the last state of a rollout, however it ended; the start itself if nothing was executed.
 pub(super) fn distances(
@@ -133,9 +127,8 @@ pub(super) fn distances(
             job.interrupt,
             &mut |_| {},
         )?;
-        let nearest = |measure: Measure| {
-            let ends = ends.ends.iter();
-            let all = ends.filter_map(|end| measure(last, &end.positions));
+        let nearest = |measure: fn(&[[f32; 3]], &[[f32; 3]]) -> Option<f64>| {
+            let all = { ends.ends.iter() }.filter_map(|end| measure(last, &end.positions));
             all.min_by(f64::total_cmp)
         };
         let mean_m = nearest(metrics::mean_particle_distance_m);

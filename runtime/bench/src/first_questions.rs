@@ -1,9 +1,9 @@
 //! The first questions of a suite's entries, for estimates.
 
 use super::lay_starts::lay_for;
-use super::play::{at, place, program_of};
+use super::play::{at, job, place};
 use super::{Bench, BenchError};
-use fab_agent::rollout::{FirstQuestion, Job, RunError, first_questions};
+use fab_agent::rollout::{FirstQuestion, RunError, first_questions};
 
 /// Lays the first start of each entry and renders its stages' first questions, in the order of the entries.
 ///
@@ -15,9 +15,8 @@ pub fn first_questions_of(bench: &Bench<'_>) -> Result<Vec<Vec<FirstQuestion>>, 
     let mut all: Vec<Vec<FirstQuestion>> = Vec::with_capacity(bench.entries.len());
     for (number, entry) in bench.entries.iter().enumerate() {
         let place = place(bench, entry, 0);
-        let program = program_of(bench, entry, 0)?;
-        let task = &bench.tasks[entry.task];
-        let values = entry.values(&task.starts[0]);
+        let point = &bench.tasks[entry.task].starts[0];
+        let (program, values) = (entry.program(point), entry.values(point));
         // An estimate must not ask anybody to lay a cloth, or connect to anything.
         let make_world = || match &bench.arm {
             Some(arm) => (arm.make_look)(program),
@@ -25,23 +24,7 @@ pub fn first_questions_of(bench: &Bench<'_>) -> Result<Vec<Vec<FirstQuestion>>, 
         };
         let start = lay_for(bench, entry, 0);
         let start = start.map_err(|error| at(&place, error))?;
-        let job = Job {
-            program,
-            start: &start,
-            subgoals: &entry.subgoals,
-            examples: &entry.examples,
-            make_policy: entry.make_policy,
-            budget: bench.budget,
-            make_world: &make_world,
-            make_expert_world: &make_world,
-            cache: bench.cache,
-            interrupt: bench.interrupt,
-            horizon: bench.suite.horizons.last().copied(),
-            early_stop: true,
-            operator: None,
-            repetition: 0,
-            start_number: None,
-        };
+        let job = job(bench, entry, program, &start, &make_world);
         let questions = match entry.models {
             Some(models) => first_questions(&job, models),
             None => Ok(Vec::new()),

@@ -5,7 +5,7 @@
 //! lies does not depend on other axes, so that figures at equal starts can be compared.
 
 use super::on_arm::{self, Cloths};
-use super::play::{Phase, at, place};
+use super::play::{Progress, at, place};
 use super::{Bench, BenchError, Entry};
 use fab_base::parallel::in_parallel;
 use fab_world::WorldError;
@@ -20,7 +20,7 @@ pub(super) type LaidStarts = Vec<Vec<Arc<Start>>>;
 /// Lays every start; `None` if the user interrupts.
 pub(super) fn lay(
     bench: &Bench<'_>,
-    progress: &(dyn Fn(Phase, usize, usize) + Sync),
+    progress: &Progress<'_>,
 ) -> Result<Option<LaidStarts>, BenchError> {
     // Most entries share their starts. A size is told apart by its bits.
     let mut jobs = BTreeMap::new();
@@ -32,7 +32,7 @@ pub(super) fn lay(
         }
     }
     let todo: Vec<_> = jobs.values().copied().collect();
-    progress(Phase::Starts, 0, todo.len());
+    progress("starts laid", 0, todo.len());
     let laid = in_parallel(
         todo.len(),
         bench.threads,
@@ -44,7 +44,7 @@ pub(super) fn lay(
                 Err(error) => Err(at(&place(bench, entry, start), error)),
             }
         },
-        |done| progress(Phase::Starts, done, todo.len()),
+        |done| progress("starts laid", done, todo.len()),
     )?;
     let Some(laid) = laid.into_iter().collect::<Option<Vec<_>>>() else {
         return Ok(None);

@@ -179,12 +179,9 @@ pub enum BenchError {
     /// The record of a rollout was gone when it ended.
     #[error(
         "`{}` has lost the record of the rollout that has just ended there: something removed or changed it meanwhile. \
-         Finished rollouts are kept, and the same `--out` continues from there", folder.display()
+         Finished rollouts are kept, and the same `--out` continues from there", .0.display()
     )]
-    Lost {
-        /// The run folder.
-        folder: PathBuf,
-    },
+    Lost(PathBuf),
     /// The provider refuses every call, so all further rollouts would fail the same way.
     #[error(
         "the provider refuses to answer ({fault}); the journal in `{}` has its message. Finished rollouts are kept, \
@@ -199,35 +196,21 @@ pub enum BenchError {
     /// An earlier part of the suite left the arm in the middle of a motion.
     #[error(
         "the rollout in `{}` left the arm in the middle of a motion: nothing more starts until a person has \
-         recovered it; `fabc robot recover {}` shows the state in which it was left", folder.display(), folder.display()
+         recovered it; `fabc robot recover {}` shows the state in which it was left", .0.display(), .0.display()
     )]
-    LeftUnclear {
-        /// The run folder.
-        folder: PathBuf,
-    },
+    LeftUnclear(PathBuf),
     /// An arm's journal cannot be read.
     #[error("the state in which the arm was left is unknown: {0}")]
     ArmLog(#[from] LogError),
     /// The suite measures something that is unknown for a real cloth.
     #[error(
-        "the suite measures `{metric}`, which needs particle positions, and those of a real cloth are unknown: run \
+        "the suite measures `{0}`, which needs particle positions, and those of a real cloth are unknown: run \
          it in the simulator or on a simulated arm; `physical` is made for a real one"
     )]
-    NoParticles {
-        /// The metric.
-        metric: &'static str,
-    },
+    NoParticles(&'static str),
     /// The calls of an earlier part of the suite cannot be read.
     #[error(transparent)]
     Ledger(#[from] LedgerError),
-    /// No program was compiled for the grid of a start.
-    #[error("{place}: no program is compiled for a cloth of {} by {} particles", grid[0], grid[1])]
-    NoProgram {
-        /// Task and start.
-        place: String,
-        /// Particles along both sides.
-        grid: [u32; 2],
-    },
     /// A start is one of the examples in the prompts.
     #[error(
         "the start `{start}` of `{task}` is that of demonstration {demonstration}, which `{method}` shows the model: a result from it would not be a test; make the demonstrations again with another `--seed`"
@@ -261,6 +244,12 @@ impl Entry<'_> {
     /// Returns what differs from the task's own world at a start.
     pub fn values(&self, start: &StartPoint) -> AxisValues {
         self.variation.values(start.number)
+    }
+
+    /// Returns the program for the cloth of a start.
+    fn program(&self, start: &StartPoint) -> &Program {
+        let program = self.programs.get(&start.grid());
+        program.expect("the task is compiled for the grid of every start")
     }
 
     /// Returns whether rollouts end at their goal. A free model continues if a metric needs that, and the figures with

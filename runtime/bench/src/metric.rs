@@ -10,13 +10,13 @@
 
 use super::play::{ExpertDistance, Played};
 use super::record::Step;
+use super::statistics::Statistic;
 use fab_agent::outcome::Outcome;
 use fab_agent::policy::Finding;
-use fab_agent::record::{Asked, CoverageSource};
+use fab_agent::record::CoverageSource;
 use fab_program::Goal;
 use fab_program::verify::Verdict;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use std::fmt;
 
 /// The coverage from which the paper counts a cloth on the real table as smooth.
 const COVERED: f64 = 0.85;
@@ -28,14 +28,14 @@ pub struct Row {
     pub name: &'static str,
     /// Its column heading in tables for people.
     pub heading: &'static str,
-    /// The unit of its figures.
-    pub unit: Unit,
-    /// Which direction is better.
-    pub better: Better,
+    /// The unit of its figures: `mm`, `share` (improvements may be below 0), or `per action`.
+    pub unit: &'static str,
+    /// Which figures are better: `higher` or `lower`.
+    pub better: &'static str,
     /// The number of decimal places printed.
     pub digits: usize,
-    /// How the values of many rollouts are combined into one figure.
-    pub aggregate: Aggregate,
+    /// How the values of many rollouts are combined into one figure; `None`: with the statistic that the suite states.
+    pub statistic: Option<Statistic>,
     /// What coverage must have been measured on for a rollout to have a value; `None` if that does not matter.
     pub measured_on: Option<CoverageSource>,
     /// Whether it needs a rollout that continued after meeting its goal.
@@ -48,46 +48,6 @@ pub struct Row {
     pub about: &'static str,
     /// The caption below a table, if any.
     pub caption: Option<&'static str>,
-}
-
-/// The unit of a figure.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unit {
-    /// Millimetres.
-    Millimetres,
-    /// A fraction; improvements may be below 0.
-    Share,
-    /// A count per action.
-    PerAction,
-}
-
-impl Unit {
-    /// Returns its name in documents.
-    pub fn name(self) -> &'static str {
-        match self {
-            Unit::Millimetres => "mm",
-            Unit::Share => "share",
-            Unit::PerAction => "per action",
-        }
-    }
-}
-
-/// Which direction is better.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Better {
-    /// Higher ones.
-    Higher,
-    /// Lower ones.
-    Lower,
-}
-
-/// How the values of many rollouts are combined into one figure.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Aggregate {
-    /// With the statistic that the suite states.
-    AsStated,
-    /// As the share of rollouts in which something happened.
-    Share,
 }
 
 /// The part of a rollout that a metric reads.
@@ -113,35 +73,26 @@ pub const METRICS: &[Row] = &[
     Row {
         name: "mean_particle_distance_mm",
         heading: "distance, mm",
-        unit: Unit::Millimetres,
-        better: Better::Lower,
-        digits: 1,
         fold_fraction: Some(1.0),
         read: |row, reading| distance_mm(row, reading, |found| found.mean_m),
         about: "mean distance of particles from the nearest expert result with complete folds",
-        ..PLAIN
+        ..DISTANCE
     },
     Row {
         name: "mean_particle_distance_mm_gamma_0.9",
         heading: "to gamma 0.9, mm",
-        unit: Unit::Millimetres,
-        better: Better::Lower,
-        digits: 1,
         fold_fraction: Some(0.9),
         read: |row, reading| distance_mm(row, reading, |found| found.mean_m),
         about: "the same, with every fold of the experts ending at 0.9 of its way, as the recorded demonstrations do",
-        ..PLAIN
+        ..DISTANCE
     },
     Row {
         name: "shape_distance_mm",
         heading: "shape, mm",
-        unit: Unit::Millimetres,
-        better: Better::Lower,
-        digits: 1,
         fold_fraction: Some(1.0),
         read: |row, reading| distance_mm(row, reading, |found| found.shape_m),
         about: "the mean distance once the cloth is shifted and turned over the table to where it fits best: how differently it is folded, however far it slid",
-        ..PLAIN
+        ..DISTANCE
     },
     Row {
         name: "normalized_improvement_source",
@@ -209,8 +160,8 @@ pub const METRICS: &[Row] = &[
     Row {
         name: "picks_refused",
         heading: "refused",
-        unit: Unit::PerAction,
-        better: Better::Lower,
+        unit: "per action",
+        better: "lower",
         read: |_, reading| {
             let refused = reading.steps.iter().map(refused).sum::<usize>();
             (!reading.steps.is_empty()).then(|| refused as f64 / reading.steps.len() as f64)
@@ -248,10 +199,10 @@ pub const METRICS: &[Row] = &[
 const PLAIN: Row = Row {
     name: "",
     heading: "",
-    unit: Unit::Share,
-    better: Better::Higher,
+    unit: "share",
+    better: "higher",
     digits: 3,
-    aggregate: Aggregate::AsStated,
+    statistic: None,
     measured_on: None,
     is_without_stop: false,
     fold_fraction: None,
@@ -260,9 +211,16 @@ const PLAIN: Row = Row {
     caption: None,
 };
 
+const DISTANCE: Row = Row {
+    unit: "mm",
+    better: "lower",
+    digits: 1,
+    ..PLAIN
+};
+
 const SHARE: Row = Row {
     digits: 2,
-    aggregate: Aggregate::Share,
+    statistic: Some(Statistic::Share),
     ..PLAIN
 };
 
@@ -270,16 +228,14 @@ const COVERS: &str = "Covers 0.85: share of the rollouts in which the cloth cove
 
 /// Returns how many answers of a step were refused by a check.
 fn refused(step: &Step) -> usize {
-    let is_refused = |asked: &&Asked| {
-        matches!(
-            asked.result,
-            Finding::Action {
-                verdict: Verdict::Reject { .. },
-                ..
-            }
-        )
-    };
-    step.line.attempts.iter().filter(is_refused).count()
+    let results = step.line.attempts.iter().map(|asked| &asked.result);
+    let verdicts = results.filter_map(|result| match result {
+        Finding::Action { verdict, .. } => Some(verdict),
+        _ => None,
+    });
+    verdicts
+        .filter(|it| matches!(it, Verdict::Reject { .. }))
+        .count()
 }
 
 fn share(holds: bool) -> f64 {
@@ -298,7 +254,7 @@ fn distance_mm(row: &Row, reading: &Reading<'_>, of: fn(&ExpertDistance) -> f64)
 }
 
 /// A metric: one row of [`METRICS`].
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Metric(&'static Row);
 
 impl Metric {
@@ -338,14 +294,6 @@ impl Metric {
 impl PartialEq for Metric {
     fn eq(&self, other: &Metric) -> bool {
         self.0.name == other.0.name
-    }
-}
-
-impl Eq for Metric {}
-
-impl fmt::Debug for Metric {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.0.name)
     }
 }
 

@@ -5,19 +5,15 @@
 //! resumed, because the table has changed. Nothing here moves the arm; each rollout's world does that.
 
 use super::lay_starts::LaidStarts;
-use super::metric::Metric;
-use super::play::{self, JobEnd, Phase, Played, StopReason, Which};
-use super::record;
+use super::play::{self, JobEnd, Played, Progress, StopReason, Which};
 use super::starts::StartPoint;
 use super::suite::Suite;
-use super::{Bench, BenchError, MakeRolloutWorld};
+use super::{Bench, BenchError, MakeRolloutWorld, record};
 use fab_agent::outcome::Outcome;
-use fab_arm::log;
-use fab_arm::log::{ARM_FILE, RunState};
+use fab_arm::log::{self, ARM_FILE, RunState};
 use fab_program::Program;
-use fab_world::About;
 use fab_world::start::Start;
-use fab_world::{World, WorldError};
+use fab_world::{About, World, WorldError};
 use std::path::{Path, PathBuf};
 
 /// The arm that runs a suite.
@@ -29,11 +25,8 @@ pub struct OnArm<'a> {
     /// Makes the world of a rollout; the folder is the run's, for the arm's journal.
     pub make_world: &'a MakeRolloutWorld<'a>,
     /// Makes a simulated world with the arm's reach, for questions before a rollout.
-    pub make_look: &'a MakeLook<'a>,
+    pub make_look: &'a (dyn Fn(&Program) -> Result<Box<dyn World>, WorldError> + Sync),
 }
-
-/// Makes the simulated world of a program.
-pub type MakeLook<'a> = dyn Fn(&Program) -> Result<Box<dyn World>, WorldError> + Sync + 'a;
 
 /// How cloths get onto an arm's table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,20 +65,14 @@ pub(super) struct Done {
 impl Cloths {
     /// Fails if a suite measures something unknown for such cloths.
     pub fn check(self, suite: &Suite) -> Result<(), BenchError> {
-        let needs = |metric: &&Metric| metric.needs_particles();
-        let metrics = || suite.metrics.iter();
+        let mut metrics = suite.metrics.iter().map(|metric| metric.row());
         let unknown = match self {
             Cloths::Simulated => None,
-            Cloths::ByHand if metrics().all(|metric| needs(&metric)) => metrics().next(),
+            Cloths::ByHand if suite.metrics.iter().all(|it| it.needs_particles()) => metrics.next(),
             // Without a distance, its column would show the start's, as if nothing had been done.
-            Cloths::ByHand => metrics().find(|metric| metric.row().fold_fraction.is_some()),
+            Cloths::ByHand => metrics.find(|row| row.fold_fraction.is_some()),
         };
-        match unknown {
-            Some(metric) => Err(BenchError::NoParticles {
-                metric: metric.row().name,
-            }),
-            None => Ok(()),
-        }
+        unknown.map_or(Ok(()), |row| Err(BenchError::NoParticles(row.name)))
     }
 }
 
@@ -102,12 +89,12 @@ pub(super) fn play(
     bench: &Bench<'_>,
     laid: &LaidStarts,
     jobs: &[Which],
-    progress: &(dyn Fn(Phase, usize, usize) + Sync),
+    progress: &Progress<'_>,
 ) -> Result<Done, BenchError> {
     for which in jobs {
         let folder = play::folder_of(bench, *which);
         if is_unclear(&folder)? {
-            return Err(BenchError::LeftUnclear { folder });
+            return Err(BenchError::LeftUnclear(folder));
         }
     }
     let mut done = Done::default();
@@ -124,14 +111,20 @@ pub(super) fn play(
         }
         let is_clear = !is_unclear(&folder)?;
         // A moved camera or an unresponsive arm would make the next rollout fail as well.
-        done.arm_stop = (has_failed || !is_clear).then(|| arm_stop(&folder, is_clear));
-        if done.arm_stop.is_some() {
+        if has_failed || !is_clear {
+            let why = record::last_words(&folder);
+            let why = why.unwrap_or_else(|| "its journal does not say why".to_owned());
+            done.arm_stop = Some(ArmStop {
+                folder,
+                is_clear,
+                why,
+            });
             done.stop.get_or_insert(StopReason::Arm);
         }
         if done.stop.is_some() {
             break;
         }
-        progress(Phase::Rollouts, number + 1, jobs.len());
+        progress("rollouts finished", number + 1, jobs.len());
     }
     Ok(done)
 }
@@ -140,15 +133,6 @@ pub(super) fn play(
 pub(super) fn has_begun(folder: &Path) -> bool {
     let has_moved = std::fs::metadata(folder.join(ARM_FILE)).is_ok_and(|file| file.len() > 0);
     has_moved || record::has_steps(folder)
-}
-
-fn arm_stop(folder: &Path, is_clear: bool) -> ArmStop {
-    let why = record::last_words(folder);
-    ArmStop {
-        folder: folder.to_owned(),
-        is_clear,
-        why: why.unwrap_or_else(|| "its journal does not say why".to_owned()),
-    }
 }
 
 fn is_unclear(folder: &Path) -> Result<bool, BenchError> {

@@ -11,11 +11,12 @@ use super::{Answers, Bench, BenchError, Entry, experts};
 use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
 use fab_agent::record::RECORD_FILE;
-use fab_agent::rollout;
-use fab_agent::rollout::{Event, Job, RunError};
+use fab_agent::rollout::{self, Event, Job, RunError};
 use fab_base::parallel::in_parallel;
 use fab_model::calls::{Fault, ledger};
 use fab_program::Program;
+use fab_world::expert::MakeWorld;
+use fab_world::start::Start;
 use fab_world::vary::AxisValues;
 use fab_world::{About, WorldError};
 use std::path::{Path, PathBuf};
@@ -94,28 +95,17 @@ pub struct Spent {
     pub rollouts_s: f64,
 }
 
-/// The current phase.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Phase {
-    /// Starts are laid.
-    Starts,
-    /// Expert ends are simulated.
-    Experts,
-    /// Rollouts are run.
-    Rollouts,
-}
+/// Is told what is done in a phase, the number of finished jobs, and that of all.
+pub type Progress<'p> = dyn Fn(&str, usize, usize) + Sync + 'p;
 
 /// Runs a suite.
-///
-/// `progress` is told the number of finished jobs and of all jobs in a phase.
-pub fn play(
-    bench: &Bench<'_>,
-    progress: &(dyn Fn(Phase, usize, usize) + Sync),
-) -> Result<Results, BenchError> {
+pub fn play(bench: &Bench<'_>, progress: &Progress<'_>) -> Result<Results, BenchError> {
     let mut results = Results::default();
     let begun = Instant::now();
+    // Replaced unless the user stops it before the rollouts.
+    results.stopped = Some(StopReason::Interrupted);
     let Some(laid) = lay_starts::lay(bench, progress)? else {
-        return Ok(interrupted(results));
+        return Ok(results);
     };
     results.spent.starts_s = begun.elapsed().as_secs_f64();
     lay_starts::refuse_examples(bench, &laid)?;
@@ -128,7 +118,7 @@ pub fn play(
     let is_whole = experts::simulate(bench, &laid, progress, &mut results.spent)?;
     results.spent.experts_s = begun.elapsed().as_secs_f64();
     if !is_whole {
-        return Ok(interrupted(results));
+        return Ok(results);
     }
     let begun = Instant::now();
     let jobs = rollouts(bench);
@@ -138,7 +128,7 @@ pub fn play(
         let noted = ledger::read(&folder_of(bench, *which))?;
         bench.budget.restore(&noted.spent);
     }
-    progress(Phase::Rollouts, 0, jobs.len());
+    progress("rollouts finished", 0, jobs.len());
     let done = match &bench.arm {
         Some(_) => on_arm::play(bench, &laid, &jobs, progress)?,
         None => side_by_side(bench, &laid, &jobs, progress)?,
@@ -164,7 +154,7 @@ fn side_by_side(
     bench: &Bench<'_>,
     laid: &LaidStarts,
     jobs: &[Which],
-    progress: &(dyn Fn(Phase, usize, usize) + Sync),
+    progress: &Progress<'_>,
 ) -> Result<on_arm::Done, BenchError> {
     let ended: Result<_, BenchError> = in_parallel(
         jobs.len(),
@@ -173,7 +163,7 @@ fn side_by_side(
             JobEnd::Played(played, was_found) => Ok(Some((*played, was_found))),
             JobEnd::CutOff | JobEnd::Stopped(_) => Ok(None),
         },
-        |done| progress(Phase::Rollouts, done, jobs.len()),
+        |done| progress("rollouts finished", done, jobs.len()),
     );
     Ok(on_arm::Done {
         played: ended?.into_iter().flatten().collect(),
@@ -181,14 +171,7 @@ fn side_by_side(
     })
 }
 
-fn interrupted(results: Results) -> Results {
-    Results {
-        stopped: Some(StopReason::Interrupted),
-        ..results
-    }
-}
-
-/// Returns the description of a program's world with some values of its own.
+/// Describes a program's world, with some values of its own.
 fn about(bench: &Bench<'_>, program: &Program, values: &AxisValues) -> Result<About, WorldError> {
     let material = program.cloth.material.as_ref();
     if let Some(arm) = &bench.arm {
@@ -203,34 +186,15 @@ fn about(bench: &Bench<'_>, program: &Program, values: &AxisValues) -> Result<Ab
 }
 
 pub(super) fn at(place: &str, error: WorldError) -> BenchError {
-    BenchError::World {
-        place: place.to_owned(),
-        error,
-    }
+    let place = place.to_owned();
+    BenchError::World { place, error }
 }
 
 pub(super) fn place(bench: &Bench<'_>, entry: &Entry<'_>, start: usize) -> String {
     let task = &bench.tasks[entry.task];
-    let number = task.starts[start].number;
-    match entry.variation.name() {
-        None => format!("{}, start {number}", task.name),
-        Some(varied) => format!("{}, start {number}, varied: {varied}", task.name),
-    }
-}
-
-pub(super) fn program_of<'b>(
-    bench: &Bench<'_>,
-    entry: &'b Entry<'_>,
-    start: usize,
-) -> Result<&'b Program, BenchError> {
-    let grid = bench.tasks[entry.task].starts[start].grid();
-    entry
-        .programs
-        .get(&grid)
-        .ok_or_else(|| BenchError::NoProgram {
-            place: place(bench, entry, start),
-            grid,
-        })
+    let varied = entry.variation.name().map(|it| format!(", varied: {it}"));
+    let (name, number) = (&task.name, task.starts[start].number);
+    format!("{name}, start {number}{}", varied.unwrap_or_default())
 }
 
 /// Entry, start and repetition of a rollout.
@@ -238,12 +202,13 @@ pub(super) type Which = (usize, usize, u32);
 
 /// Lists the rollouts in the order of tables.
 fn rollouts(bench: &Bench<'_>) -> Vec<Which> {
-    let entries = bench.entries.iter().enumerate();
-    let all = entries.flat_map(|(number, entry)| {
-        let starts = 0..bench.tasks[entry.task].starts.len();
-        starts.flat_map(move |start| (0..entry.repeats).map(move |repeat| (number, start, repeat)))
-    });
-    all.collect()
+    let mut all = Vec::new();
+    for (number, entry) in bench.entries.iter().enumerate() {
+        for start in 0..bench.tasks[entry.task].starts.len() {
+            all.extend((0..entry.repeats).map(|repeat| (number, start, repeat)));
+        }
+    }
+    all
 }
 
 /// Returns the folder of a rollout, below the suite's folder.
@@ -274,9 +239,8 @@ pub(super) fn one(
 ) -> Result<JobEnd, BenchError> {
     let (number, start, repetition) = which;
     let entry = &bench.entries[number];
-    let program = program_of(bench, entry, start)?;
-    let values = entry.values(&bench.tasks[entry.task].starts[start]);
-    let start_at = &laid[number][start];
+    let point = &bench.tasks[entry.task].starts[start];
+    let (program, values) = (entry.program(point), entry.values(point));
     let folder = folder_of(bench, which);
     let make_simulated = || (bench.make_world)(program, &values);
     let make_world = || match (&bench.arm, &bench.elsewhere) {
@@ -285,24 +249,16 @@ pub(super) fn one(
         (None, None) => make_simulated(),
     };
     let job = Job {
-        program,
-        start: start_at,
-        subgoals: &entry.subgoals,
-        examples: &entry.examples,
-        make_policy: entry.make_policy,
-        budget: bench.budget,
         make_world: &make_world,
         make_expert_world: &make_simulated,
-        cache: bench.cache,
-        interrupt: bench.interrupt,
-        horizon: bench.suite.horizons.last().copied(),
         early_stop: entry.stops_early(&bench.suite.metrics),
         operator: bench.operator,
         repetition,
         start_number: match bench.answers {
-            Answers::PerStart => Some(bench.tasks[entry.task].starts[start].number),
+            Answers::PerStart => Some(point.number),
             Answers::Shared => None,
         },
+        ..job(bench, entry, program, &laid[number][start], &make_simulated)
     };
     let about =
         about(bench, program, &values).map_err(|error| at(&place(bench, entry, start), error))?;
@@ -311,13 +267,7 @@ pub(super) fn one(
     let is_once = bench.arm.is_some() || bench.elsewhere.as_ref().is_some_and(|it| !it.repeats);
     let (rollout, was_found) = match record::find(&folder, &identity) {
         // Failures of a model or a program are retried, unless an arm has moved the cloth since.
-        FolderContents::Finished(rollout)
-            if is_once
-                || !matches!(
-                    rollout.report.outcome,
-                    Outcome::ModelFailed | Outcome::PolicyFailed
-                ) =>
-        {
+        FolderContents::Finished(rollout) if is_once || !is_retried(rollout.report.outcome) => {
             (*rollout, true)
         }
         FolderContents::Other(why) => return Err(BenchError::Other { folder, why }),
@@ -344,6 +294,37 @@ pub(super) fn one(
         distances,
     };
     Ok(JobEnd::Played(Box::new(played), was_found))
+}
+
+fn is_retried(outcome: Outcome) -> bool {
+    matches!(outcome, Outcome::ModelFailed | Outcome::PolicyFailed)
+}
+
+/// Returns what all rollouts of an entry from a start have in common.
+pub(super) fn job<'j>(
+    bench: &'j Bench<'_>,
+    entry: &'j Entry<'_>,
+    program: &'j Program,
+    start: &'j Start,
+    make_world: &'j MakeWorld<'j>,
+) -> Job<'j> {
+    Job {
+        program,
+        start,
+        subgoals: &entry.subgoals,
+        examples: &entry.examples,
+        make_policy: entry.make_policy,
+        budget: bench.budget,
+        make_world,
+        make_expert_world: make_world,
+        cache: bench.cache,
+        interrupt: bench.interrupt,
+        horizon: bench.suite.horizons.last().copied(),
+        early_stop: true,
+        operator: None,
+        repetition: 0,
+        start_number: None,
+    }
 }
 
 fn identity(job: &Job<'_>, entry: &Entry<'_>, about: About, vary: AxisValues) -> Identity {
@@ -375,9 +356,10 @@ fn run(
         place: folder.display().to_string(),
         error,
     };
-    let open = match folder.join(RECORD_FILE).is_file() {
-        true => RunFolder::reopen(folder),
-        false => RunFolder::create(folder),
+    let open = if folder.join(RECORD_FILE).is_file() {
+        RunFolder::reopen(folder)
+    } else {
+        RunFolder::create(folder)
     };
     let open = open.map_err(|error| failed(error.into()))?;
     let rollout::Ended { report, took } = match rollout::run(job, open, listen) {
@@ -394,23 +376,14 @@ fn run(
         Outcome::BudgetExhausted => return Ok(Err(StopReason::Capped)),
         _ => {}
     }
-    let named = [Fault::NotAuthorised, Fault::QuotaExhausted]
-        .into_iter()
-        .find(|fault| took.faults.contains_key(fault.name()));
-    if let (Outcome::ModelFailed, Some(fault)) = (report.outcome, named) {
-        return Err(BenchError::Refused {
-            folder: folder.to_owned(),
-            fault,
-        });
-    }
-    match record::find(folder, identity) {
-        FolderContents::Finished(rollout) => Ok(Ok(*rollout)),
-        FolderContents::Other(why) => Err(BenchError::Other {
-            folder: folder.to_owned(),
-            why,
-        }),
-        FolderContents::Unfinished => Err(BenchError::Lost {
-            folder: folder.to_owned(),
-        }),
+    let mut refusals = [Fault::NotAuthorised, Fault::QuotaExhausted].into_iter();
+    let named = refusals.find(|fault| took.faults.contains_key(fault.name()));
+    let found = record::find(folder, identity);
+    let folder = folder.to_owned();
+    match (report.outcome, named, found) {
+        (Outcome::ModelFailed, Some(fault), _) => Err(BenchError::Refused { folder, fault }),
+        (_, _, FolderContents::Finished(rollout)) => Ok(Ok(*rollout)),
+        (_, _, FolderContents::Other(why)) => Err(BenchError::Other { folder, why }),
+        (_, _, FolderContents::Unfinished) => Err(BenchError::Lost(folder)),
     }
 }

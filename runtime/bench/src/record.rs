@@ -10,7 +10,7 @@ use fab_base::{difference, files, npy};
 use fab_program::{Goal, Metric as GoalMetric};
 use fab_world::vary::AxisValues;
 use serde::Serialize;
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::path::Path;
 
 /// A rollout that has ended by itself.
@@ -94,19 +94,15 @@ pub fn find(folder: &Path, wanted: &Identity) -> FolderContents {
     let Some(end) = read.end else {
         return FolderContents::Unfinished;
     };
-    if matches!(
-        end.report.outcome,
-        Outcome::Interrupted | Outcome::BudgetExhausted
-    ) {
+    let positions = |file: &String| {
+        let bytes = files::read(&folder.join(file), MAX_BYTES).ok();
+        bytes.and_then(|bytes| npy::decode(&bytes))
+    };
+    let last = end.final_positions.as_ref().map(positions);
+    let is_stopped = [Outcome::Interrupted, Outcome::BudgetExhausted].contains(&end.report.outcome);
+    if is_stopped || last == Some(None) {
         return FolderContents::Unfinished;
     }
-    let last = match &end.final_positions {
-        None => None,
-        Some(file) => match positions(&folder.join(file)) {
-            Some(positions) => Some(positions),
-            None => return FolderContents::Unfinished,
-        },
-    };
     let mut spent = read.spent;
     let (mut cost_usd, mut cost_usd_at_most) = (0.0, 0.0);
     let steps = read.steps.into_iter().map(|line| {
@@ -125,12 +121,8 @@ pub fn find(folder: &Path, wanted: &Identity) -> FolderContents {
     FolderContents::Finished(Box::new(Rollout {
         report: end.report,
         steps: steps.collect(),
-        last,
+        last: last.flatten(),
     }))
-}
-
-fn positions(file: &Path) -> Option<Vec<[f32; 3]>> {
-    npy::decode(&files::read(file, MAX_BYTES).ok()?)
 }
 
 /// Returns whether a rollout took a step in a folder, or ended there.
@@ -144,9 +136,9 @@ pub(super) fn last_words(folder: &Path) -> Option<String> {
 }
 
 impl Identity {
-    /// Reads the identity of a record.
-    fn of(header: &Header) -> Identity {
-        Identity {
+    /// Says how a record's header differs from this identity.
+    fn difference(&self, header: &Header) -> Option<String> {
+        let recorded = Identity {
             program: header.program.clone(),
             vary: header.vary.clone(),
             params: header.params.clone(),
@@ -157,15 +149,9 @@ impl Identity {
             early_stop: header.early_stop,
             repetition: header.repetition,
             drawn_for: header.drawn_for,
-        }
-    }
-
-    /// Says how a record's header differs from this identity.
-    fn difference(&self, header: &Header) -> Option<String> {
-        let document = |identity: &Identity| {
-            serde_json::to_value(identity).expect("an identity has string keys")
         };
-        let found = difference::first(&document(&Identity::of(header)), &document(self))?;
+        let document = |identity| json!(identity);
+        let found = difference::first(&document(&recorded), &document(self))?;
         let advice = if self.drawn_for != header.drawn_for {
             "; `--share-answers` decides whether each start draws answers of its own"
         } else {
@@ -199,9 +185,10 @@ impl Rollout {
         {
             return Outcome::GoalReached;
         }
-        match steps.len() < self.steps.len() {
-            true => Outcome::HorizonReached,
-            false => self.report.outcome,
+        if steps.len() < self.steps.len() {
+            Outcome::HorizonReached
+        } else {
+            self.report.outcome
         }
     }
 }

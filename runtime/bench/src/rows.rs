@@ -3,13 +3,12 @@
 //! In: finished rollouts. Out: [`Row`]s, with the same fields as JSON and CSV. Every finished rollout counts, however
 //! it ended: its last state is measured, and `outcomes` counts the outcomes.
 
-use super::metric::{Aggregate, Metric};
+use super::metric::Metric;
 use super::play::{Played, Results};
 use super::record::Step;
 use super::statistics::{self, Clusters, Statistic, Summary};
 use super::suite::Quote;
 use super::{Answers, Bench, Entry};
-use fab_agent::outcome::Outcome;
 use fab_program::{Goal, Program};
 use serde::{Serialize, Serializer};
 use std::collections::{BTreeMap, BTreeSet};
@@ -89,6 +88,24 @@ pub struct Row {
     pub quoted: bool,
     /// Source of a quoted figure.
     pub source: Option<String>,
+    /// What the rollouts took; nothing for a quoted figure.
+    #[serde(flatten)]
+    pub effort: Effort,
+    /// The policy, with the caveats that a reader of the figures must know.
+    pub policy: Option<String>,
+    /// Whether the policy saw the true positions of particles.
+    pub sees_particles: bool,
+    /// The model, if one was asked.
+    pub model: Option<String>,
+    /// Whether that is a stand-in, not a vision-language model.
+    pub model_is_stand_in: bool,
+    /// A caveat for readers.
+    pub note: Option<String>,
+}
+
+/// What the rollouts behind a figure took, and how they ended.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Effort {
     /// Examples in the prompts.
     pub data_size: Option<usize>,
     /// Questions per action; of a difference, how many more.
@@ -110,16 +127,6 @@ pub struct Row {
     pub causes: BTreeMap<&'static str, usize>,
     /// Wall time of render, vision, prompt, parse and verify per action, seconds.
     pub planning_s: Option<f64>,
-    /// The policy, with the caveats that a reader of the figures must know.
-    pub policy: Option<String>,
-    /// Whether the policy saw the true positions of particles.
-    pub sees_particles: bool,
-    /// The model, if one was asked.
-    pub model: Option<String>,
-    /// Whether that is a stand-in, not a vision-language model.
-    pub model_is_stand_in: bool,
-    /// A caveat for readers.
-    pub note: Option<String>,
 }
 
 /// Returns all rows: task by task, methods in the suite's order, then gaps between them, then quoted figures. The rows of
@@ -165,6 +172,17 @@ pub fn rows(bench: &Bench<'_>, results: &Results) -> Vec<Row> {
     rows
 }
 
+/// A figure to compute.
+#[derive(Clone, Copy)]
+struct Figure {
+    metric: Metric,
+    /// The number of actions to show.
+    horizon: u32,
+    /// The number of actions that count.
+    cut: u32,
+    statistic: Statistic,
+}
+
 /// An entry with its finished rollouts.
 struct EntryResults<'b> {
     bench: &'b Bench<'b>,
@@ -174,11 +192,6 @@ struct EntryResults<'b> {
     rollouts: Vec<Vec<&'b Played>>,
     /// The note if a simulation replaced the table on which an operator lays the cloth.
     rehearsal: Option<&'static str>,
-}
-
-fn rehearsal(world: &str) -> Option<&'static str> {
-    let mut all = REHEARSALS.into_iter();
-    all.find(|(name, _)| *name == world).map(|(_, note)| note)
 }
 
 impl<'b> EntryResults<'b> {
@@ -193,30 +206,39 @@ impl<'b> EntryResults<'b> {
         for played in results.rollouts.iter().filter(|it| it.entry == index) {
             rollouts[played.start].push(played);
         }
-        let is_empty = rollouts.iter().all(Vec::is_empty);
+        if rollouts.iter().all(Vec::is_empty) {
+            return None;
+        }
+        let starts = bench.suite.starts_of(&bench.tasks[entry.task].name);
+        let mut rehearsals = REHEARSALS.iter().filter(|_| starts.is_laid_by_hand());
+        let rehearsal = rehearsals.find(|(world, _)| *world == results.world);
         Some(EntryResults {
             bench,
             entry,
             program: entry.programs.values().next()?,
             rollouts,
-            rehearsal: bench
-                .suite
-                .starts_of(&bench.tasks[entry.task].name)
-                .is_laid_by_hand()
-                .then(|| rehearsal(&results.world))
-                .flatten(),
+            rehearsal: rehearsal.map(|(_, note)| *note),
         })
-        .filter(|_| !is_empty)
     }
 
-    /// Returns the action counts that have figures: the number to show, and the number at which to cut.
-    fn horizons(&self) -> Vec<(u32, u32)> {
+    /// Returns the figures to compute: each metric after each number of actions.
+    fn figures(&self) -> Vec<Figure> {
         let stated = &self.bench.suite.horizons;
-        if stated.is_empty() {
+        let mut horizons: Vec<_> = stated.iter().map(|horizon| (*horizon, *horizon)).collect();
+        if horizons.is_empty() {
             // As long as the task permits; a rollout with retried steps may be longer.
-            return vec![(self.program.horizon, u32::MAX)];
+            horizons.push((self.program.horizon, u32::MAX));
         }
-        stated.iter().map(|horizon| (*horizon, *horizon)).collect()
+        let figure = |(horizon, cut), metric: Metric| Figure {
+            metric,
+            horizon,
+            cut,
+            statistic: metric.row().statistic.unwrap_or(self.bench.suite.statistic),
+        };
+        let figures = horizons.into_iter();
+        figures
+            .flat_map(|horizon| self.metrics().map(move |metric| figure(horizon, metric)))
+            .collect()
     }
 
     fn metrics(&self) -> impl Iterator<Item = Metric> {
@@ -234,29 +256,18 @@ impl<'b> EntryResults<'b> {
     }
 
     fn rows(&self) -> Vec<Row> {
-        let mut rows = Vec::new();
-        for (horizon, cut) in self.horizons() {
-            for metric in self.metrics() {
-                let statistic = self.statistic(metric);
-                let samples = self.samples(metric, cut);
-                let clusters = self.clusters();
-                if let Some(summary) = statistics::summary(statistic, &samples, &clusters) {
-                    let stated = FigureMeaning::Of(statistic);
-                    let row = self.row(
-                        self.entry.method.name.clone(),
-                        metric,
-                        (horizon, cut),
-                        stated,
-                        summary,
-                    );
-                    rows.push(Row {
-                        clusters: self.shares().then(|| clusters.count(&samples)),
-                        ..row
-                    });
-                }
-            }
-        }
-        rows
+        let clusters = Clusters::joined(&self.answers_used());
+        let row = |figure: Figure| {
+            let samples = self.samples(figure);
+            let summary = statistics::summary(figure.statistic, &samples, &clusters)?;
+            let stated = FigureMeaning::Of(figure.statistic);
+            let name = &self.entry.method.name;
+            Some(Row {
+                clusters: self.shares().then(|| clusters.count(&samples)),
+                ..self.row(name, figure, stated, summary)
+            })
+        };
+        self.figures().into_iter().filter_map(row).collect()
     }
 
     /// Returns by how much these figures exceed others at the same starts.
@@ -266,42 +277,30 @@ impl<'b> EntryResults<'b> {
         name: &str,
         meaning: fn(Statistic) -> FigureMeaning,
     ) -> Vec<Row> {
-        let mut rows = Vec::new();
-        for (horizon, cut) in self.horizons() {
-            for metric in self.metrics() {
-                let statistic = self.statistic(metric);
-                let (a, b) = (self.samples(metric, cut), over.samples(metric, cut));
-                let mut used = self.answers_used();
-                for (used, more) in used.iter_mut().zip(over.answers_used()) {
-                    used.extend(more);
-                }
-                let clusters = Clusters::joined(&used);
-                if let Some(summary) = statistics::gap(statistic, &a, &b, &clusters) {
-                    let stated = meaning(statistic);
-                    let row = |of: &EntryResults<'_>| {
-                        of.row(name.to_owned(), metric, (horizon, cut), stated, summary)
-                    };
-                    let (row, other) = (row(self), row(over));
-                    let more = |of: fn(&Row) -> Option<f64>| Some(of(&row)? - of(&other)?);
-                    let shares = self.shares() || over.shares();
-                    rows.push(Row {
-                        answers: row.answers.max(over.answers()),
-                        clusters: shares.then(|| clusters.count(&a)),
-                        queries: more(|it| it.queries),
-                        s_per_action: more(|it| it.s_per_action),
-                        planning_s: None,
-                        cost: None,
-                        cost_at_most: None,
-                        visible_tokens: None,
-                        hidden_tokens: None,
-                        outcomes: BTreeMap::new(),
-                        causes: BTreeMap::new(),
-                        ..row
-                    });
-                }
-            }
+        let mut used = self.answers_used();
+        for (used, more) in used.iter_mut().zip(over.answers_used()) {
+            used.extend(more);
         }
-        rows
+        let clusters = Clusters::joined(&used);
+        let row = |figure: Figure| {
+            let (a, b) = (self.samples(figure), over.samples(figure));
+            let summary = statistics::gap(figure.statistic, &a, &b, &clusters)?;
+            let stated = meaning(figure.statistic);
+            let [row, other] = [self, over].map(|of| of.row(name, figure, stated, summary));
+            let more = |of: fn(&Effort) -> Option<f64>| Some(of(&row.effort)? - of(&other.effort)?);
+            Some(Row {
+                answers: row.answers.max(over.answers()),
+                clusters: (self.shares() || over.shares()).then(|| clusters.count(&a)),
+                effort: Effort {
+                    data_size: row.effort.data_size,
+                    queries: more(|it| it.queries),
+                    s_per_action: more(|it| it.s_per_action),
+                    ..Effort::default()
+                },
+                ..row
+            })
+        };
+        self.figures().into_iter().filter_map(row).collect()
     }
 
     /// Returns whether starts share answers; `None` if no answer is drawn.
@@ -327,105 +326,31 @@ impl<'b> EntryResults<'b> {
         starts.collect()
     }
 
-    fn clusters(&self) -> Clusters {
-        Clusters::joined(&self.answers_used())
-    }
-
-    fn statistic(&self, metric: Metric) -> Statistic {
-        match metric.row().aggregate {
-            Aggregate::Share => Statistic::Share,
-            Aggregate::AsStated => self.bench.suite.statistic,
-        }
-    }
-
     fn goal(&self) -> Option<&'b Goal> {
         self.program.goal.as_ref()
     }
 
-    /// Returns the goal at which a rollout counts as stopped.
-    fn stop(&self, metric: Metric) -> Option<&'b Goal> {
-        self.goal().filter(|_| !metric.row().is_without_stop)
-    }
-
-    fn samples(&self, metric: Metric, cut: u32) -> Vec<Vec<f64>> {
-        let of = |played: &&&Played| metric.value(played, cut, self.goal());
+    fn samples(&self, figure: Figure) -> Vec<Vec<f64>> {
+        let of = |played: &&Played| figure.metric.value(played, figure.cut, self.goal());
         let starts = self.rollouts.iter();
         starts
-            .map(|repeats| repeats.iter().filter_map(|it| of(&it)).collect())
+            .map(|repeats| repeats.iter().filter_map(of).collect())
             .collect()
     }
 
-    fn outcome(&self, played: &Played, metric: Metric, cut: u32) -> Outcome {
-        played
-            .rollout
-            .outcome_at(cut, self.goal(), self.stop(metric))
-    }
-
-    fn row(
-        &self,
-        method: String,
-        metric: Metric,
-        (horizon, cut): (u32, u32),
-        statistic: FigureMeaning,
-        summary: Summary,
-    ) -> Row {
-        let rollouts = || self.rollouts.iter().flatten();
-        let mut outcomes = BTreeMap::new();
-        for played in rollouts() {
-            *outcomes
-                .entry(self.outcome(played, metric, cut).name())
-                .or_default() += 1;
-        }
-        let mut causes = BTreeMap::new();
-        let judged = rollouts().filter_map(|played| played.rollout.report.operator.as_ref());
-        for cause in judged.filter_map(|judgement| judgement.why) {
-            *causes.entry(cause.name()).or_default() += 1;
-        }
-        let steps: Vec<&Step> = rollouts()
-            .flat_map(|played| played.rollout.steps_to(cut, self.stop(metric)))
-            .collect();
-        let per_action = |sum: f64| (!steps.is_empty()).then(|| sum / steps.len() as f64);
-        let costs = steps.iter().map(|step| step.cost_usd);
-        let cost = costs.sum::<Option<f64>>();
-        let at_most = steps.iter().map(|step| step.cost_usd_at_most);
-        let cost_at_most = at_most.sum::<Option<f64>>();
-        let answers = steps.iter().flat_map(|step| &step.line.attempts);
-        let used = || {
-            answers
-                .clone()
-                .filter(|it| it.reply.is_some())
-                .map(|it| it.usage)
-        };
-        let visible = used()
-            .map(|usage| usage.map(|it| it.visible_tokens() as f64))
-            .sum::<Option<f64>>();
-        let hidden = used()
-            .filter_map(|usage| usage?.reasoning_tokens)
-            .map(|tokens| tokens as f64)
-            .reduce(|sum, more| sum + more);
-        let planning: Vec<f64> = steps
-            .iter()
-            .filter_map(|step| step.spent.planning_s)
-            .collect();
+    fn row(&self, method: &str, figure: Figure, statistic: FigureMeaning, summary: Summary) -> Row {
         let policy = &self.entry.policy;
         let is_stand_in = policy.is_stand_in();
-        let own = self
-            .entry
-            .method
-            .stand_in_note
-            .iter()
-            .filter(|_| is_stand_in);
-        let notes: Vec<&str> = own
-            .chain(&self.entry.method.note)
-            .map(String::as_str)
-            .chain(self.rehearsal)
-            .collect();
+        let of_method = &self.entry.method;
+        let own = of_method.stand_in_note.iter().filter(|_| is_stand_in);
+        let notes = own.chain(&of_method.note).map(String::as_str);
+        let notes: Vec<&str> = notes.chain(self.rehearsal).collect();
         Row {
             task: self.bench.tasks[self.entry.task].name.clone(),
-            method,
+            method: method.to_owned(),
             vary: self.entry.variation.name(),
-            metric,
-            horizon: Some(horizon),
+            metric: figure.metric,
+            horizon: Some(figure.horizon),
             n: Some(self.rollouts.iter().filter(|it| !it.is_empty()).count()),
             repeats: Some(self.entry.repeats),
             answers: self.answers(),
@@ -436,27 +361,53 @@ impl<'b> EntryResults<'b> {
             ci95: summary.ci95,
             quoted: false,
             source: None,
-            data_size: Some(self.entry.data_size()),
-            queries: per_action(
-                steps
-                    .iter()
-                    .flat_map(|step| &step.line.attempts)
-                    .filter(|attempt| attempt.request.is_some())
-                    .count() as f64,
-            ),
-            s_per_action: per_action(steps.iter().map(|step| step.seconds()).sum()),
-            cost: cost.and_then(per_action),
-            cost_at_most: cost_at_most.and_then(per_action),
-            visible_tokens: visible.and_then(per_action),
-            hidden_tokens: hidden.and_then(per_action),
-            outcomes,
-            causes,
-            planning_s: statistics::mean(&planning),
+            effort: self.effort(figure),
             policy: Some(policy.title()),
             sees_particles: policy.sees_particles,
             model: policy.models.is_some().then(|| policy.name.clone()),
             model_is_stand_in: is_stand_in,
             note: (!notes.is_empty()).then(|| notes.join("; ")),
+        }
+    }
+
+    fn effort(&self, Figure { metric, cut, .. }: Figure) -> Effort {
+        // The goal at which a rollout counts as stopped.
+        let stop = self.goal().filter(|_| !metric.row().is_without_stop);
+        let rollouts = || self.rollouts.iter().flatten();
+        let mut outcomes = BTreeMap::new();
+        for played in rollouts() {
+            *outcomes
+                .entry(played.rollout.outcome_at(cut, self.goal(), stop).name())
+                .or_default() += 1;
+        }
+        let mut causes = BTreeMap::new();
+        let judged = rollouts().filter_map(|played| played.rollout.report.operator.as_ref());
+        for cause in judged.filter_map(|judgement| judgement.why) {
+            *causes.entry(cause.name()).or_default() += 1;
+        }
+        let steps = rollouts().flat_map(|played| played.rollout.steps_to(cut, stop));
+        let steps: Vec<&Step> = steps.collect();
+        let per_action = |sum: f64| (!steps.is_empty()).then(|| sum / steps.len() as f64);
+        let costs = steps.iter().map(|step| step.cost_usd);
+        let at_most = steps.iter().map(|step| step.cost_usd_at_most);
+        let asked = || steps.iter().flat_map(|step| &step.line.attempts);
+        let used = || asked().filter(|it| it.reply.is_some()).map(|it| it.usage);
+        let visible = used().map(|usage| usage.map(|it| it.visible_tokens() as f64));
+        let hidden = used().filter_map(|usage| usage?.reasoning_tokens);
+        let hidden = hidden.map(|tokens| tokens as f64);
+        let planning = steps.iter().filter_map(|step| step.spent.planning_s);
+        let n_sent = asked().filter(|it| it.request.is_some()).count();
+        Effort {
+            data_size: Some(self.entry.data_size()),
+            queries: per_action(n_sent as f64),
+            s_per_action: per_action(steps.iter().map(|step| step.seconds()).sum()),
+            cost: costs.sum::<Option<f64>>().and_then(per_action),
+            cost_at_most: at_most.sum::<Option<f64>>().and_then(per_action),
+            visible_tokens: visible.sum::<Option<f64>>().and_then(per_action),
+            hidden_tokens: hidden.reduce(|sum, more| sum + more).and_then(per_action),
+            outcomes,
+            causes,
+            planning_s: statistics::mean(&planning.collect::<Vec<_>>()),
         }
     }
 }
@@ -475,22 +426,13 @@ fn quoted(quote: &Quote) -> Row {
         statistic: FigureMeaning::Of(quote.statistic),
         value: quote.value,
         spread: quote.spread,
-        ci95: quote
-            .n
-            .filter(|_| quote.statistic == Statistic::Share)
-            .and_then(|n| statistics::wilson(quote.value, n as usize)),
+        ci95: match (quote.statistic, quote.n) {
+            (Statistic::Share, Some(n)) => statistics::wilson(quote.value, n as usize),
+            _ => None,
+        },
         quoted: true,
         source: Some(quote.source.clone()),
-        data_size: None,
-        queries: None,
-        s_per_action: None,
-        cost: None,
-        cost_at_most: None,
-        visible_tokens: None,
-        hidden_tokens: None,
-        outcomes: BTreeMap::new(),
-        causes: BTreeMap::new(),
-        planning_s: None,
+        effort: Effort::default(),
         policy: None,
         sees_particles: false,
         model: None,

@@ -8,10 +8,9 @@ use fab_base::cache::Cache;
 use fab_base::files;
 use fab_base::interrupt::Interrupt;
 use fab_program::{Cloth, ClothStart};
-use fab_world::crumple;
 use fab_world::start::{Start, StartError};
-use fab_world::{World, WorldError};
-use serde_json::Value;
+use fab_world::{World, WorldError, crumple};
+use serde::Deserialize;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -39,7 +38,7 @@ enum Arrangement {
     Turned { deg: f64 },
     Crumpled { seed: u64 },
     Recorded(Start),
-    ByHand { number: u32 },
+    ByHand,
 }
 
 /// Why a folder of recorded starts cannot be used.
@@ -60,48 +59,43 @@ pub enum RecordedError {
 
 /// Returns the generated starts of a task's cloth.
 pub fn generated(starts: &Starts, cloth: &Cloth) -> Vec<StartPoint> {
+    let point = |number: usize, [dimx, dimy]: [u32; 2], lie: Arrangement| StartPoint {
+        number: number as u64,
+        cloth: Cloth {
+            dimx,
+            dimy,
+            ..cloth.clone()
+        },
+        lie,
+    };
     match starts {
         Starts::Flat { sides, turns_deg } => {
-            let both = sides
-                .iter()
-                .flat_map(|side| turns_deg.iter().map(move |deg| (*side, *deg)));
-            let points = both.enumerate().map(|(number, (dimx, deg))| StartPoint {
-                number: number as u64,
-                cloth: Cloth {
-                    dimx,
-                    // Rounded down, like the paper's rectangles: int(0.8 n) for a task of 55 by 44.
-                    dimy: (dimx * cloth.dimy / cloth.dimx).max(2),
-                    ..cloth.clone()
-                },
-                lie: Arrangement::Turned { deg },
-            });
-            points.collect()
+            let turned = |side: &u32| {
+                // Rounded down, like the paper's rectangles: int(0.8 n) for a task of 55 by 44.
+                let sides = [*side, (side * cloth.dimy / cloth.dimx).max(2)];
+                turns_deg.iter().map(move |deg| (sides, *deg))
+            };
+            let both = sides.iter().flat_map(turned).enumerate();
+            both.map(|(number, (sides, deg))| point(number, sides, Arrangement::Turned { deg }))
+                .collect()
         }
         Starts::Crumpled {
             sides,
             count,
             first_seed,
         } => {
-            let points = (0..*count as usize).map(|number| StartPoint {
-                number: number as u64,
-                cloth: Cloth {
-                    dimx: sides[number % sides.len()],
-                    dimy: sides[number / sides.len() % sides.len()],
-                    ..cloth.clone()
-                },
-                lie: Arrangement::Crumpled {
-                    seed: first_seed + number as u64,
-                },
-            });
-            points.collect()
+            let crumpled = |number: usize| {
+                let of = |at: usize| sides[at % sides.len()];
+                let seed = first_seed + number as u64;
+                let sides = [of(number), of(number / sides.len())];
+                point(number, sides, Arrangement::Crumpled { seed })
+            };
+            (0..*count as usize).map(crumpled).collect()
         }
         Starts::Operator { count } => {
-            let points = (0..*count).map(|number| StartPoint {
-                number: u64::from(number),
-                cloth: cloth.clone(),
-                lie: Arrangement::ByHand { number },
-            });
-            points.collect()
+            let own = [cloth.dimx, cloth.dimy];
+            let by_hand = |number| point(number, own, Arrangement::ByHand);
+            (0..*count as usize).map(by_hand).collect()
         }
     }
 }
@@ -118,10 +112,9 @@ pub fn recorded(folder: &Path, task: &str) -> Result<Vec<StartPoint>, RecordedEr
     };
     let manifest = folder.join("manifest.json");
     let files = if manifest.is_file() {
-        let value: Value =
-            files::read_json(&manifest, MAX_BYTES).map_err(|why| wrong(&manifest, why))?;
-        listed(&value, task)
-            .and_then(|listed| below(folder, listed))
+        let listed = files::read_json(&manifest, MAX_BYTES);
+        listed
+            .and_then(|listed| below(folder, listed, task))
             .map_err(|why| wrong(&manifest, why))?
     } else {
         let files = positions_in(folder).map_err(|why| wrong(folder, why))?;
@@ -151,51 +144,49 @@ pub fn recorded(folder: &Path, task: &str) -> Result<Vec<StartPoint>, RecordedEr
     points.collect()
 }
 
-/// Returns number and path of each start that a manifest lists for a task.
-fn listed(manifest: &Value, task: &str) -> Result<Vec<(u64, PathBuf)>, String> {
-    let (key, number, path) = match (
-        manifest["entries"].is_array(),
-        manifest["states"].is_array(),
-    ) {
-        (true, _) => ("entries", "id", "dir"),
-        (false, true) => ("states", "index", "pos"),
-        _ => return Err("it has neither `entries` nor `states`".to_owned()),
-    };
-    let all = manifest[key].as_array().map_or(&[][..], Vec::as_slice);
-    if all.is_empty() {
-        return Err(format!(
-            "its `{key}` are empty; at least one start is needed"
-        ));
-    }
-    let mut found = Vec::new();
-    for (at, entry) in all.iter().enumerate() {
-        let (Some(number), Some(file)) = (entry[number].as_u64(), entry[path].as_str()) else {
-            return Err(format!(
-                "`{key}` {at} (counted from 0) lacks `{number}` or `{path}`"
-            ));
-        };
-        if key == "states" {
-            found.push((number, PathBuf::from(file)));
-        } else if entry["task"]
-            .as_str()
-            .is_some_and(|name| snake_case(name) == task)
-        {
-            found.push((number, Path::new(file).join("init_pos.npy")));
-        }
-    }
-    Ok(found)
+/// The starts that a manifest lists.
+#[derive(Deserialize)]
+struct Manifest {
+    #[serde(default)]
+    entries: Vec<RecordedFold>,
+    #[serde(default)]
+    states: Vec<RecordedState>,
 }
 
-/// Resolves listed files to their real paths, which must be below the folder.
-fn below(folder: &Path, files: Vec<(u64, PathBuf)>) -> Result<Vec<(u64, PathBuf)>, String> {
+/// A demonstrated fold; its start is a file of its folder.
+#[derive(Deserialize)]
+struct RecordedFold {
+    task: String,
+    id: u64,
+    dir: PathBuf,
+}
+
+/// A crumpled cloth.
+#[derive(Deserialize)]
+struct RecordedState {
+    index: u64,
+    pos: PathBuf,
+}
+
+/// Returns number and real path of each start that a manifest lists for a task; all must be below the folder.
+fn below(folder: &Path, listed: Manifest, task: &str) -> Result<Vec<(u64, PathBuf)>, String> {
+    if listed.entries.is_empty() && listed.states.is_empty() {
+        return Err("it lists neither `entries` nor `states`".to_owned());
+    }
+    let folds = listed.entries.into_iter();
+    let folds = folds.filter(|fold| snake_case(&fold.task) == task);
+    let folds = folds.map(|fold| (fold.id, fold.dir.join("init_pos.npy")));
+    let states = listed.states.into_iter();
+    let files = folds.chain(states.map(|state| (state.index, state.pos)));
     let real = fs::canonicalize(folder).map_err(|error| error.to_string())?;
     let above = real.parent().unwrap_or(&real);
-    let found = files.into_iter().map(|(number, file)| {
+    let found = files.map(|(number, file)| {
         let path = fs::canonicalize(above.join(&file))
             .map_err(|error| format!("cannot find `{}`: {error}", file.display()))?;
-        match path.starts_with(&real) {
-            true => Ok((number, path)),
-            false => Err(format!("`{}` leads out of the folder", file.display())),
+        if path.starts_with(&real) {
+            Ok((number, path))
+        } else {
+            Err(format!("`{}` leads out of the folder", file.display()))
         }
     });
     found.collect()
@@ -248,15 +239,16 @@ impl StartPoint {
 
     /// Describes how a person is to lay the cloth.
     pub fn in_words(&self) -> String {
-        let of_task = |number: &u32| match self.cloth.start {
-            ClothStart::Crumpled => format!("crumpled by hand, {}", number + 1),
-            _ => format!("flat, {}", number + 1),
-        };
+        let number = self.number + 1;
         match &self.lie {
             Arrangement::Turned { deg } => format!("flat, turned by {deg:.0} degrees"),
-            Arrangement::Crumpled { .. } => format!("crumpled by hand, {}", self.number + 1),
             Arrangement::Recorded(start) => format!("as `{}` was recorded", start.name),
-            Arrangement::ByHand { number } => of_task(number),
+            Arrangement::ByHand if self.cloth.start != ClothStart::Crumpled => {
+                format!("flat, {number}")
+            }
+            Arrangement::Crumpled { .. } | Arrangement::ByHand => {
+                format!("crumpled by hand, {number}")
+            }
         }
     }
 
@@ -280,21 +272,19 @@ impl StartPoint {
             }
             Arrangement::Recorded(start) => Ok(start.clone()),
             Arrangement::Crumpled { seed } => self.crumpled(*seed, world, cache, interrupt),
-            Arrangement::ByHand { number } => {
-                let seed = u64::from(*number);
+            Arrangement::ByHand => {
+                let seed = self.number;
+                let askew_rad = (ASKEW_DEG * seed as f64).to_radians();
                 let laid = match self.cloth.start {
                     ClothStart::Crumpled => self.crumpled(seed, world, cache, interrupt),
-                    _ => Ok(Start::turned_by(
-                        &self.cloth,
-                        (ASKEW_DEG * f64::from(*number)).to_radians(),
-                    )),
+                    _ => Ok(Start::turned_by(&self.cloth, askew_rad)),
                 };
                 let start = match laid {
                     Err(WorldError::CannotCrumple { .. }) => Start::flat(&self.cloth),
                     laid => laid?,
                 };
                 Ok(Start {
-                    name: format!("laid by hand, {}", number + 1),
+                    name: format!("laid by hand, {}", seed + 1),
                     seed: Some(seed),
                     ..start
                 })

@@ -48,13 +48,6 @@ pub struct Clusters {
 }
 
 impl Clusters {
-    /// Makes every start a cluster of its own.
-    pub fn single(n_starts: usize) -> Clusters {
-        Clusters {
-            of: (0..n_starts).collect(),
-        }
-    }
-
     /// Joins the starts that have something in common, directly or through others; one set for each start.
     pub fn joined<T: Ord>(by_start: &[BTreeSet<T>]) -> Clusters {
         let mut of: Vec<usize> = (0..by_start.len()).collect();
@@ -101,23 +94,17 @@ pub fn summary(
     let filled = filled(by_start);
     let value = value_of(statistic, &filled)?;
     let (spread, ci95) = match statistic {
-        Statistic::Median => (
-            larger_quartile_distance(&filled.concat()),
-            bootstrap(&clusters, |drawn| {
-                value_of(statistic, &pick(by_start, drawn))
-            }),
-        ),
+        Statistic::Median => {
+            let of = |drawn: &[usize]| value_of(statistic, &pick(by_start, drawn));
+            let spread = larger_quartile_distance(&filled.concat());
+            (spread, bootstrap(&clusters, of))
+        }
         Statistic::Mean => {
             // A start without samples is in no cluster, so its zero is never drawn.
-            let means: Vec<f64> = by_start
-                .iter()
-                .map(|repeats| mean(repeats).unwrap_or_default())
-                .collect();
-            let spread = standard_deviation(&self::means(&filled));
-            (
-                spread,
-                bootstrap(&clusters, |drawn| mean(&pick(&means, drawn))),
-            )
+            let all = by_start.iter().map(|it| mean(it).unwrap_or_default());
+            let all: Vec<f64> = all.collect();
+            let ci95 = bootstrap(&clusters, |drawn| mean(&pick(&all, drawn)));
+            (standard_deviation(&means(&filled)), ci95)
         }
         Statistic::Share => (None, wilson(value, clusters.len())),
     };
@@ -137,13 +124,13 @@ pub fn gap(
     b: &[Vec<f64>],
     clusters: &Clusters,
 ) -> Option<Summary> {
-    let both = a
-        .iter()
-        .zip(b)
-        .map(|(a, b)| match a.is_empty() || b.is_empty() {
-            true => (Vec::new(), Vec::new()),
-            false => (a.clone(), b.clone()),
-        });
+    let both = a.iter().zip(b).map(|(a, b)| {
+        if a.is_empty() || b.is_empty() {
+            (Vec::new(), Vec::new())
+        } else {
+            (a.clone(), b.clone())
+        }
+    });
     let (a, b): (Vec<_>, Vec<_>) = both.unzip();
     let of = |drawn: &[usize]| {
         Some(value_of(statistic, &pick(&a, drawn))? - value_of(statistic, &pick(&b, drawn))?)

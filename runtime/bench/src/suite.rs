@@ -148,27 +148,16 @@ pub struct Quote {
     pub source: String,
 }
 
-/// Why a suite cannot be used.
+/// Why a suite cannot be used: it is not TOML or has another structure, or a value is out of bounds.
 #[derive(Debug, PartialEq, thiserror::Error)]
-pub enum SuiteError {
-    /// It is not TOML, or has another structure; the text names line and column.
-    #[error("{0}")]
-    Shape(String),
-    /// A value is out of bounds.
-    #[error("`{key}`: {why}")]
-    Value {
-        /// The key.
-        key: String,
-        /// What is wrong, and what would be right.
-        why: String,
-    },
-}
+#[error("{0}")]
+pub struct SuiteError(String);
 
 impl Suite {
     /// Reads a suite.
     pub fn parse(text: &str) -> Result<Suite, SuiteError> {
         let suite: Suite = toml::from_str(text)
-            .map_err(|error| SuiteError::Shape(error.to_string().trim_end().to_owned()))?;
+            .map_err(|error| SuiteError(error.to_string().trim_end().to_owned()))?;
         suite.check()?;
         Ok(suite)
     }
@@ -186,37 +175,22 @@ impl Suite {
         }
         for method in &self.methods {
             file_name("method.name", &method.name)?;
-            method
-                .repeats
-                .map_or(Ok(()), |it| within("method.repeats", it))?;
+            within("method.repeats", method.repeats.unwrap_or(1))?;
+            let most = Reasoning::MOST_TOKENS;
             if let Some(Reasoning::Tokens(tokens)) = method.reasoning
-                && !(1..=Reasoning::MOST_TOKENS).contains(&tokens)
+                && !(1..=most).contains(&tokens)
             {
-                let most = Reasoning::MOST_TOKENS;
-                return wrong(
-                    "method.reasoning",
-                    format!("{tokens} is not from 1 to {most}"),
-                );
+                let why = format!("{tokens} is not from 1 to {most}");
+                return wrong("method.reasoning", why);
             }
-            if let (Some(policy), Some(reasoning)) = (&method.policy, method.reasoning)
-                && policy != "prompted"
-            {
-                return wrong(
-                    "method.policy",
-                    format!(
-                        "`{policy}` asks no model, and `reasoning` is `{reasoning}`: state one of them"
-                    ),
+            let other = method.policy.iter().find(|policy| *policy != "prompted");
+            let reasoning = method.reasoning.map(|it| ("reasoning", it.to_string()));
+            let of_model = reasoning.or(method.model.clone().map(|it| ("model", it)));
+            if let (Some(policy), Some((key, value))) = (other, of_model) {
+                let why = format!(
+                    "`{policy}` asks no model, and `{key}` is `{value}`: state one of them"
                 );
-            }
-            if let (Some(policy), Some(model)) = (&method.policy, &method.model)
-                && policy != "prompted"
-            {
-                return wrong(
-                    "method.policy",
-                    format!(
-                        "`{policy}` asks no model, and `model` is `{model}`: state one of them"
-                    ),
-                );
+                return wrong("method.policy", why);
             }
         }
         unique(
@@ -236,12 +210,10 @@ impl Suite {
             if !finite.into_iter().all(f64::is_finite) {
                 return wrong("quoted.value", "it is not a finite number".to_owned());
             }
-            quote.n.map_or(Ok(()), |n| within("quoted.n", n))?;
+            within("quoted.n", quote.n.unwrap_or(1))?;
             if quote.statistic == Statistic::Share && !(0.0..=1.0).contains(&quote.value) {
-                return wrong(
-                    "quoted.value",
-                    format!("{} is not a share from 0 to 1", quote.value),
-                );
+                let why = format!("{} is not a share from 0 to 1", quote.value);
+                return wrong("quoted.value", why);
             }
         }
         let mut all = self.own_starts.values().chain([&self.starts]);
@@ -289,14 +261,10 @@ impl Starts {
                 filled("starts.turns_deg", turns_deg)?;
                 let count = sides.len() as u64 * turns_deg.len() as u64;
                 within("starts", u32::try_from(count).unwrap_or(u32::MAX).max(1))?;
-                if let Some(turn) = turns_deg
-                    .iter()
-                    .find(|turn| turn.is_nan() || turn.abs() > 360.0)
-                {
-                    return wrong(
-                        "starts.turns_deg",
-                        format!("{turn} is not from -360 to 360"),
-                    );
+                let mut turns = turns_deg.iter();
+                if let Some(turn) = turns.find(|turn| !(-360.0..=360.0).contains(*turn)) {
+                    let why = format!("{turn} is not from -360 to 360");
+                    return wrong("starts.turns_deg", why);
                 }
                 sides
             }
@@ -307,10 +275,8 @@ impl Starts {
             } => {
                 within("starts.count", *count)?;
                 if first_seed.checked_add(u64::from(*count)).is_none() {
-                    return wrong(
-                        "starts.first_seed",
-                        format!("{first_seed} leaves no room for {count} seeds"),
-                    );
+                    let why = format!("{first_seed} leaves no room for {count} seeds");
+                    return wrong("starts.first_seed", why);
                 }
                 sides
             }
@@ -333,10 +299,7 @@ fn yes() -> bool {
 }
 
 fn wrong<T>(key: &str, why: String) -> Result<T, SuiteError> {
-    Err(SuiteError::Value {
-        key: key.to_owned(),
-        why,
-    })
+    Err(SuiteError(format!("`{key}`: {why}")))
 }
 
 fn filled<T>(key: &str, list: &[T]) -> Result<(), SuiteError> {
@@ -348,10 +311,10 @@ fn filled<T>(key: &str, list: &[T]) -> Result<(), SuiteError> {
 }
 
 fn within(key: &str, count: u32) -> Result<(), SuiteError> {
-    match count {
-        1..=MOST => Ok(()),
-        _ => wrong(key, format!("{count} is not from 1 to {MOST}")),
+    if (1..=MOST).contains(&count) {
+        return Ok(());
     }
+    wrong(key, format!("{count} is not from 1 to {MOST}"))
 }
 
 /// Restricts a name to what every file system accepts and a terminal can print.
@@ -360,10 +323,8 @@ fn file_name(key: &str, name: &str) -> Result<(), SuiteError> {
     if (1..=64).contains(&name.len()) && name.chars().all(plain) {
         return Ok(());
     }
-    wrong(
-        key,
-        format!("{name:?} is not 1 to 64 letters, digits, `_` or `-`"),
-    )
+    let why = format!("{name:?} is not 1 to 64 letters, digits, `_` or `-`");
+    wrong(key, why)
 }
 
 fn unique<'n>(key: &str, names: impl Iterator<Item = &'n str>) -> Result<(), SuiteError> {

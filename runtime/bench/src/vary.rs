@@ -51,78 +51,26 @@ struct Table {
     axes: BTreeMap<String, Value>,
 }
 
-/// Why a table `[vary]` cannot be used.
-#[derive(Debug, PartialEq, thiserror::Error)]
-pub enum VaryError {
-    /// It has no axis.
-    #[error(
-        "`[vary]` names no axis; state at least one, such as `friction = [0.5, 1.2]`, or leave the table out"
-    )]
-    Empty,
-    /// It names an unknown axis.
-    #[error("`[vary]` has no axis `{name}`; {hint}")]
-    Unknown {
-        /// The name.
-        name: String,
-        /// What was probably meant, or what there is.
-        hint: String,
-    },
-    /// The bounds are no pair of numbers.
-    #[error(
-        "`vary.{axis}` is `{value}`; it takes two numbers, the lowest and the highest value, such as `[{low}, {high}]`"
-    )]
-    Shape {
-        /// The axis.
-        axis: &'static str,
-        /// What it has.
-        value: String,
-        /// The least value of the axis.
-        low: f64,
-        /// Its greatest value.
-        high: f64,
-    },
-    /// The lower bound is above the upper one.
-    #[error("`vary.{axis}`: {low} is greater than {high}; the lowest value comes first")]
-    Reversed {
-        /// The axis.
-        axis: &'static str,
-        /// The first number.
-        low: f64,
-        /// The second number.
-        high: f64,
-    },
-    /// A bound is outside the axis.
-    #[error("`vary.{}`: {value} is not from {} to {} ({})", axis.name, axis.low, axis.high, axis.unit)]
-    Outside {
-        /// The axis.
-        axis: &'static Axis,
-        /// The bound.
-        value: f64,
-    },
-}
-
 impl TryFrom<Table> for Vary {
-    type Error = VaryError;
+    type Error = String;
 
-    fn try_from(table: Table) -> Result<Vary, VaryError> {
+    fn try_from(table: Table) -> Result<Vary, String> {
         if let Some(name) = table.axes.keys().find(|name| Axis::find(name).is_none()) {
-            return Err(VaryError::Unknown {
-                name: name.clone(),
-                hint: hint(name),
-            });
+            return Err(format!("`[vary]` has no axis `{name}`; {}", hint(name)));
         }
         let ranges = AXES.iter().filter_map(|axis| {
             let bounds = table.axes.get(axis.name)?;
             Some(AxisRange::read(axis, bounds))
         });
-        let ranges = ranges.collect::<Result<Vec<AxisRange>, VaryError>>()?;
-        match ranges.is_empty() {
-            true => Err(VaryError::Empty),
-            false => Ok(Vary {
-                seed: table.seed,
-                ranges,
-            }),
+        let ranges = ranges.collect::<Result<Vec<AxisRange>, String>>()?;
+        if ranges.is_empty() {
+            let why = "`[vary]` names no axis; state at least one, such as `friction = [0.5, 1.2]`, or leave the table out";
+            return Err(why.to_owned());
         }
+        Ok(Vary {
+            seed: table.seed,
+            ranges,
+        })
     }
 }
 
@@ -140,35 +88,32 @@ impl From<Vary> for Table {
 }
 
 impl AxisRange {
-    fn read(axis: &'static Axis, bounds: &Value) -> Result<AxisRange, VaryError> {
-        let number = |bound: &Value| match bound {
-            Value::Integer(whole) => Some(*whole as f64),
-            bound => bound.as_float().filter(|number| !number.is_nan()),
+    fn read(axis: &'static Axis, bounds: &Value) -> Result<AxisRange, String> {
+        let Axis {
+            name, low, high, ..
+        } = axis;
+        let numbers = bounds.clone().try_into::<[f64; 2]>().ok();
+        let Some([from, to]) = numbers.filter(|it| !it.iter().any(|bound| bound.is_nan())) else {
+            return Err(format!(
+                "`vary.{name}` is `{bounds}`; it takes two numbers, the lowest and the highest value, such as `[{low}, {high}]`"
+            ));
         };
-        let numbers = bounds.as_array().into_iter().flatten().map(number);
-        let numbers = numbers.collect::<Option<Vec<f64>>>();
-        let Some([low, high]) = numbers.as_deref() else {
-            return Err(VaryError::Shape {
-                axis: axis.name,
-                value: bounds.to_string(),
-                low: axis.low,
-                high: axis.high,
-            });
-        };
-        let (low, high) = (*low, *high);
-        for value in [low, high] {
-            if !(axis.low..=axis.high).contains(&value) {
-                return Err(VaryError::Outside { axis, value });
-            }
+        if let Some(value) = [from, to].iter().find(|it| !(*low..=*high).contains(it)) {
+            return Err(format!(
+                "`vary.{name}`: {value} is not from {low} to {high} ({})",
+                axis.unit
+            ));
         }
-        match low > high {
-            true => Err(VaryError::Reversed {
-                axis: axis.name,
-                low,
-                high,
-            }),
-            false => Ok(AxisRange { axis, low, high }),
+        if from > to {
+            return Err(format!(
+                "`vary.{name}`: {from} is greater than {to}; the lowest value comes first"
+            ));
         }
+        Ok(AxisRange {
+            axis,
+            low: from,
+            high: to,
+        })
     }
 
     /// Draws the value of a start.

@@ -5,7 +5,7 @@
 
 use crate::metrics::coverage;
 use crate::start::Start;
-use crate::{Grasp, Grip, Motion, World, WorldError, WorldPoint};
+use crate::{About, Grasp, Grip, Motion, World, WorldError, WorldPoint};
 use fab_base::interrupt::Interrupt;
 use fab_program::{Camera, Cloth, ClothStart, ImageUp, Manner};
 use std::time::{Duration, Instant};
@@ -20,8 +20,10 @@ const INSTANT: Duration = Duration::from_millis(500);
 pub struct Promise {
     /// What is promised.
     pub name: &'static str,
-    check: fn(&MakeWorld<'_>) -> Result<Conformance, Violation>,
+    check: Check,
 }
+
+type Check = fn(&MakeWorld<'_>) -> Result<Conformance, Violation>;
 
 /// Makes worlds that are all equal.
 pub type MakeWorld<'a> = dyn Fn() -> Result<Box<dyn World>, WorldError> + 'a;
@@ -55,51 +57,52 @@ impl Promise {
 
 /// All promises.
 pub const PROMISES: [Promise; 11] = [
-    Promise {
-        name: "equal worlds have equal parameters and code",
-        check: equal_worlds_say_the_same,
-    },
-    Promise {
-        name: "nothing is seen or done before a reset",
-        check: looks_only_after_a_reset,
-    },
-    Promise {
-        name: "two pictures without an action between them are equal",
-        check: two_looks_are_equal,
-    },
-    Promise {
-        name: "a fold moves the cloth, and a reset brings it back",
-        check: a_fold_moves_the_cloth_and_a_reset_brings_it_back,
-    },
-    Promise {
-        name: "equal actions have equal results",
-        check: equal_actions_have_equal_results,
-    },
-    Promise {
-        name: "a pick beside the cloth grasps nothing and moves nothing",
-        check: a_pick_beside_the_cloth_grasps_nothing,
-    },
-    Promise {
-        name: "a motion for another number of grippers is refused, and moves nothing",
-        check: a_motion_for_other_grippers_is_refused,
-    },
-    Promise {
-        name: "an interrupt ends an action",
-        check: an_interrupt_ends_an_action,
-    },
-    Promise {
-        name: "a start that cannot be laid is refused",
-        check: a_broken_start_is_refused,
-    },
-    Promise {
-        name: "crumpling depends on the seed alone",
-        check: crumpling_depends_on_the_seed_alone,
-    },
-    Promise {
-        name: "a manner is followed or refused by its field's name",
-        check: a_manner_is_followed_or_refused,
-    },
+    promise(
+        "equal worlds have equal parameters and code",
+        equal_worlds_say_the_same,
+    ),
+    promise(
+        "nothing is seen or done before a reset",
+        looks_only_after_a_reset,
+    ),
+    promise(
+        "two pictures without an action between them are equal",
+        two_looks_are_equal,
+    ),
+    promise(
+        "a fold moves the cloth, and a reset brings it back",
+        a_fold_moves_the_cloth_and_a_reset_brings_it_back,
+    ),
+    promise(
+        "equal actions have equal results",
+        equal_actions_have_equal_results,
+    ),
+    promise(
+        "a pick beside the cloth grasps nothing and moves nothing",
+        a_pick_beside_the_cloth_grasps_nothing,
+    ),
+    promise(
+        "a motion for another number of grippers is refused, and moves nothing",
+        a_motion_for_other_grippers_is_refused,
+    ),
+    promise("an interrupt ends an action", an_interrupt_ends_an_action),
+    promise(
+        "a start that cannot be laid is refused",
+        a_broken_start_is_refused,
+    ),
+    promise(
+        "crumpling depends on the seed alone",
+        crumpling_depends_on_the_seed_alone,
+    ),
+    promise(
+        "a manner is followed or refused by its field's name",
+        a_manner_is_followed_or_refused,
+    ),
 ];
+
+const fn promise(name: &'static str, check: Check) -> Promise {
+    Promise { name, check }
+}
 
 /// Returns the camera for the checks' pictures: the one of the shipped folds.
 pub fn camera() -> Camera {
@@ -112,9 +115,10 @@ pub fn camera() -> Camera {
 }
 
 fn demand(holds: bool, otherwise: &str) -> Result<(), Violation> {
-    match holds {
-        true => Ok(()),
-        false => Err(Violation::Promise(otherwise.to_owned())),
+    if holds {
+        Ok(())
+    } else {
+        Err(Violation::Promise(otherwise.to_owned()))
     }
 }
 
@@ -128,6 +132,23 @@ fn start() -> Start {
     })
 }
 
+fn laid(make: &MakeWorld<'_>) -> Result<Box<dyn World>, WorldError> {
+    let mut world = make()?;
+    world.reset(&start())?;
+    Ok(world)
+}
+
+/// A start that no world can lay.
+fn broken() -> Start {
+    let mut broken = start();
+    broken.positions[3][2] = f32::NAN;
+    broken
+}
+
+fn refused(why: &str) -> Result<Conformance, Violation> {
+    Ok(Conformance::Refused(why.to_owned()))
+}
+
 fn corner_to_center() -> Grip {
     let [x, y, z] = start().positions[0];
     Grip::new(
@@ -137,19 +158,11 @@ fn corner_to_center() -> Grip {
 }
 
 fn equal_worlds_say_the_same(make: &MakeWorld<'_>) -> Result<Conformance, Violation> {
-    let (one, other) = (make()?, make()?);
-    demand(
-        one.name() == other.name(),
-        "two equal worlds have different names",
-    )?;
-    demand(
-        one.parameters() == other.parameters(),
-        "two equal worlds have different `parameters`",
-    )?;
-    demand(
-        one.code() == other.code(),
-        "two equal worlds have different `code`",
-    )?;
+    let [one, other] = [make()?, make()?].map(|world| About::of(world.as_ref()));
+    let differ = |what: &str| format!("two equal worlds have different {what}");
+    demand(one.name == other.name, &differ("names"))?;
+    demand(one.parameters == other.parameters, &differ("`parameters`"))?;
+    demand(one.code == other.code, &differ("`code`"))?;
     Ok(Conformance::Whole)
 }
 
@@ -170,8 +183,7 @@ fn looks_only_after_a_reset(make: &MakeWorld<'_>) -> Result<Conformance, Violati
 }
 
 fn two_looks_are_equal(make: &MakeWorld<'_>) -> Result<Conformance, Violation> {
-    let mut world = make()?;
-    world.reset(&start())?;
+    let mut world = laid(make)?;
     let (first, second) = (world.observe()?, world.observe()?);
     demand(
         first.rgb == second.rgb,
@@ -189,8 +201,7 @@ fn two_looks_are_equal(make: &MakeWorld<'_>) -> Result<Conformance, Violation> {
 fn a_fold_moves_the_cloth_and_a_reset_brings_it_back(
     make: &MakeWorld<'_>,
 ) -> Result<Conformance, Violation> {
-    let mut world = make()?;
-    world.reset(&start())?;
+    let mut world = laid(make)?;
     let before = world.observe()?;
     let executed = world.act(&corner_to_center().into(), &Interrupt::default())?;
     demand(
@@ -219,9 +230,7 @@ fn a_fold_moves_the_cloth_and_a_reset_brings_it_back(
         demand(particles != start().positions, "the fold moved no particle")?;
     }
     if !world.repeats() {
-        return Ok(Conformance::Refused(
-            "it says that it does not repeat".to_owned(),
-        ));
+        return refused("it says that it does not repeat");
     }
     world.reset(&start())?;
     demand(
@@ -234,9 +243,7 @@ fn a_fold_moves_the_cloth_and_a_reset_brings_it_back(
 fn equal_actions_have_equal_results(make: &MakeWorld<'_>) -> Result<Conformance, Violation> {
     let (mut one, mut other) = (make()?, make()?);
     if !one.repeats() {
-        return Ok(Conformance::Refused(
-            "it says that it does not repeat".to_owned(),
-        ));
+        return refused("it says that it does not repeat");
     }
     for world in [&mut one, &mut other] {
         world.reset(&start())?;
@@ -254,8 +261,7 @@ fn equal_actions_have_equal_results(make: &MakeWorld<'_>) -> Result<Conformance,
 }
 
 fn a_pick_beside_the_cloth_grasps_nothing(make: &MakeWorld<'_>) -> Result<Conformance, Violation> {
-    let mut world = make()?;
-    world.reset(&start())?;
+    let mut world = laid(make)?;
     let before = world.particles();
     let beside = Grip::new(
         WorldPoint::new(0.2, 0.2, 0.0),
@@ -280,8 +286,7 @@ fn a_pick_beside_the_cloth_grasps_nothing(make: &MakeWorld<'_>) -> Result<Confor
 }
 
 fn a_motion_for_other_grippers_is_refused(make: &MakeWorld<'_>) -> Result<Conformance, Violation> {
-    let mut world = make()?;
-    world.reset(&start())?;
+    let mut world = laid(make)?;
     let before = world.particles();
     let motion = Motion {
         grips: vec![corner_to_center(); world.grippers() + 1],
@@ -305,8 +310,7 @@ fn a_manner_is_followed_or_refused(make: &MakeWorld<'_>) -> Result<Conformance, 
         ..Manner::default()
     };
     let motion = Motion::from(corner_to_center().with_manner(manner));
-    let mut world = make()?;
-    world.reset(&start())?;
+    let mut world = laid(make)?;
     let Some(why) = world.refuses(&motion) else {
         let executed = world.act(&motion, &Interrupt::default())?;
         demand(
@@ -330,27 +334,21 @@ fn a_manner_is_followed_or_refused(make: &MakeWorld<'_>) -> Result<Conformance, 
 }
 
 fn an_interrupt_ends_an_action(make: &MakeWorld<'_>) -> Result<Conformance, Violation> {
-    let mut world = make()?;
-    world.reset(&start())?;
+    let mut world = laid(make)?;
     let interrupt = Interrupt::default();
     interrupt.raise();
     let begun = Instant::now();
     let done = world.act(&corner_to_center().into(), &interrupt);
     let took = begun.elapsed();
     match done {
-        Err(WorldError::Interrupted | WorldError::Halted { .. }) if took < LONGEST_HALT => {
+        Err(WorldError::Interrupted | WorldError::Halted { .. }) => {
+            let took_s = took.as_secs_f64();
+            let late = format!("an interrupted action took {took_s:.1} s to stop");
+            demand(took < LONGEST_HALT, &late)?;
             Ok(Conformance::Whole)
         }
-        Err(WorldError::Interrupted | WorldError::Halted { .. }) => {
-            Err(Violation::Promise(format!(
-                "an interrupted action took {:.1} s to stop",
-                took.as_secs_f64()
-            )))
-        }
         Err(other) => Err(other.into()),
-        Ok(_) if took < INSTANT => Ok(Conformance::Refused(
-            "an action is over before an interrupt can reach it".to_owned(),
-        )),
+        Ok(_) if took < INSTANT => refused("an action is over before an interrupt can reach it"),
         Ok(_) => Err(Violation::Promise(
             "it completes an action that was interrupted".to_owned(),
         )),
@@ -359,21 +357,15 @@ fn an_interrupt_ends_an_action(make: &MakeWorld<'_>) -> Result<Conformance, Viol
 
 fn a_broken_start_is_refused(make: &MakeWorld<'_>) -> Result<Conformance, Violation> {
     let mut world = make()?;
-    let mut broken = start();
-    broken.positions[3][2] = f32::NAN;
-    let refused = |world: &mut dyn World, start: &Start| {
-        matches!(world.reset(start), Err(WorldError::Start { .. }))
-    };
-    demand(
-        refused(world.as_mut(), &broken),
-        "it lays a start with a number that is not finite",
-    )?;
     let mut short = start();
     short.positions.pop();
-    demand(
-        refused(world.as_mut(), &short),
-        "it lays a start with fewer particles than its grid has",
-    )?;
+    for (start, what) in [
+        (broken(), "a number that is not finite"),
+        (short, "fewer particles than its grid has"),
+    ] {
+        let is_refused = matches!(world.reset(&start), Err(WorldError::Start { .. }));
+        demand(is_refused, &format!("it lays a start with {what}"))?;
+    }
     Ok(Conformance::Whole)
 }
 
@@ -383,9 +375,7 @@ fn crumpling_depends_on_the_seed_alone(make: &MakeWorld<'_>) -> Result<Conforman
     let heap = match crumple(7) {
         Ok(heap) => heap,
         Err(WorldError::CannotCrumple { .. }) => {
-            return Ok(Conformance::Refused(
-                "it says that it cannot crumple a cloth".to_owned(),
-            ));
+            return refused("it says that it cannot crumple a cloth");
         }
         Err(other) => return Err(other.into()),
     };
@@ -415,9 +405,7 @@ fn crumpling_depends_on_the_seed_alone(make: &MakeWorld<'_>) -> Result<Conforman
         matches!(interrupted, Err(WorldError::Interrupted)),
         "it goes on crumpling after an interrupt",
     )?;
-    let mut broken = start();
-    broken.positions[3][2] = f32::NAN;
-    let refused = world.crumple(&broken, 7, &Interrupt::default());
+    let refused = world.crumple(&broken(), 7, &Interrupt::default());
     demand(
         matches!(refused, Err(WorldError::Start { .. })),
         "it crumples a start with a number that is not finite",

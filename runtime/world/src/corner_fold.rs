@@ -5,9 +5,8 @@
 
 use crate::metrics::cloth_moved;
 use crate::simulated::Params;
-use crate::smallest_fold;
 use crate::start::Start;
-use crate::{Grip, SimulatedWorld, World, WorldError, WorldPoint};
+use crate::{Grip, SimulatedWorld, World, WorldError, WorldPoint, smallest_fold};
 use fab_base::interrupt::Interrupt;
 use fab_program::{Camera, Cloth, ClothStart, ImageUp, Picker, SmallestFold, particles_along};
 

@@ -3,9 +3,8 @@
 //! In: a program's cloth, a seed, a world. Out: a [`Start`], from the cache or crumpled anew. Equal cloths,
 //! seeds and worlds give equal bits.
 
-use crate::metrics;
 use crate::start::Start;
-use crate::{World, WorldError};
+use crate::{World, WorldError, metrics};
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 

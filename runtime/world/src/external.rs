@@ -11,7 +11,7 @@ use crate::start::Start;
 use crate::{Executed, Motion, World, WorldError, WorldPoint, simulated, unknown_manner};
 use fab_base::child::{Child, ChildError, CommandLine};
 use fab_base::interrupt::Interrupt;
-use fab_base::wording::counted;
+use fab_base::wording::{counted, quoted};
 use fab_base::{files, npy};
 use fab_picture::observation::Observation;
 use fab_picture::{DepthImage, dropouts, png};
@@ -55,7 +55,6 @@ pub struct ExternalWorld {
     failed: RefCell<Option<String>>,
 }
 
-/// The outcome of a question.
 enum Answered<T> {
     Given(T),
     Refused(String),
@@ -99,52 +98,8 @@ impl ExternalWorld {
         }
         let about = Hello::deserialize(&about)
             .map_err(|error| failed(format!("`{command}` answers `hello` wrongly: {error}")))?;
-        if about.protocol != PROTOCOL {
-            return Err(failed(format!(
-                "`{command}` answers version {} of the lines, and this fabc asks in version {PROTOCOL}, in which `act` and its \
-                 answer have a list of `grips`; let it answer that, and add `\"protocol\": {PROTOCOL}` to its `hello`",
-                about.protocol
-            )));
-        }
-        if about.grippers == 0 {
-            return Err(failed(format!(
-                "`{command}` states `grippers` as 0; a world has at least 1"
-            )));
-        }
-        for (key, value) in [
-            ("name", &about.name),
-            ("parameters", &about.parameters),
-            ("code", &about.code),
-        ] {
-            if value.trim().is_empty() {
-                return Err(failed(format!(
-                    "`{command}` states an empty `{key}`, and results are stored under it"
-                )));
-            }
-        }
-        for (question, limit_s) in &about.limits_s {
-            if !LIMITS_S.iter().any(|(known, _)| known == question)
-                || !(1..=MAX_LIMIT_S).contains(limit_s)
-            {
-                return Err(failed(format!(
-                    "`{command}` states the limit `{question}` as {limit_s} s; the questions are {}, and a limit is from 1 to {MAX_LIMIT_S} s",
-                    LIMITS_S.map(|(known, _)| format!("`{known}`")).join(", ")
-                )));
-            }
-        }
-        if let Some(unknown) = about
-            .acts_on
-            .iter()
-            .find(|name| manner_field(name).is_none())
-        {
-            let known: Vec<String> = MANNERS
-                .iter()
-                .map(|row| format!("`{}`", row.name))
-                .collect();
-            return Err(failed(format!(
-                "`{command}` acts on `{unknown}`, and a manner has {}",
-                known.join(", ")
-            )));
+        if let Some(fault) = fault(&about) {
+            return Err(failed(format!("`{command}` {fault}")));
         }
         Ok(ExternalWorld {
             child: RefCell::new(child),
@@ -166,16 +121,16 @@ impl ExternalWorld {
         self,
         material: Option<&program::Material>,
     ) -> Result<ExternalWorld, WorldError> {
-        match material {
-            Some(material) if !self.about.materials => Err(self.wrong(format!(
+        if let Some(material) = material.filter(|_| !self.about.materials) {
+            return Err(self.wrong(format!(
                 "its `hello` does not say `\"materials\": true`, and the task's cloth is made of `{}`",
                 material.name
-            ))),
-            material => Ok(ExternalWorld {
-                material: material.map(program::Material::without_sources),
-                ..self
-            }),
+            )));
         }
+        Ok(ExternalWorld {
+            material: material.map(program::Material::without_sources),
+            ..self
+        })
     }
 
     /// Asks a question. If it is interrupted, the program is interrupted too, and its last line counts.
@@ -253,12 +208,7 @@ impl ExternalWorld {
                 "it has {found} particles, and its grid has {count}"
             )));
         }
-        if !start
-            .positions
-            .iter()
-            .flatten()
-            .all(|number| number.is_finite())
-        {
+        if !are_finite(&start.positions) {
             return Err(refused("a position is not finite".to_owned()));
         }
         let flat = Start::flat(&Cloth {
@@ -268,9 +218,10 @@ impl ExternalWorld {
             start: ClothStart::Flat,
             material: self.material.clone(),
         });
-        let lie = match flat.positions == start.positions {
-            true => Arrangement::Flat,
-            false => Arrangement::Positions,
+        let lie = if flat.positions == start.positions {
+            Arrangement::Flat
+        } else {
+            Arrangement::Positions
         };
         let mut number = self.n_starts.borrow_mut();
         *number += 1;
@@ -290,21 +241,19 @@ impl ExternalWorld {
     fn positions(&self, file: &Path, count: usize) -> Result<Vec<[f32; 3]>, WorldError> {
         let wrong = |why: String| self.wrong(format!("its positions `{}`: {why}", file.display()));
         let bytes = files::read(file, MAX_ARRAY_BYTES).map_err(wrong)?;
-        let positions = npy::decode(&bytes).ok_or_else(|| {
-            wrong(
-                "they are not a .npy file of little-endian float32 numbers of shape [particles, 3]"
-                    .to_owned(),
-            )
-        })?;
+        let shape =
+            "they are not a .npy file of little-endian float32 numbers of shape [particles, 3]";
+        let positions = npy::decode(&bytes).ok_or_else(|| wrong(shape.to_owned()))?;
         if positions.len() != count {
+            let found = positions.len();
             return Err(wrong(format!(
-                "they are {}, and the start has {count} particles",
-                positions.len()
+                "they are {found}, and the start has {count} particles"
             )));
         }
-        match positions.iter().flatten().all(|number| number.is_finite()) {
-            true => Ok(positions),
-            false => Err(wrong("one is not finite".to_owned())),
+        if are_finite(&positions) {
+            Ok(positions)
+        } else {
+            Err(wrong("one is not finite".to_owned()))
         }
     }
 
@@ -345,14 +294,9 @@ impl World for ExternalWorld {
             picker: self.picker,
             start: self.written(start)?,
         };
-        match self.ask::<Nothing>(&question, &self.interrupt)? {
-            Answered::Given(_) => {}
-            Answered::Refused(why) => {
-                return Err(WorldError::Start {
-                    start: start.name.clone(),
-                    why,
-                });
-            }
+        if let Answered::Refused(why) = self.ask::<Nothing>(&question, &self.interrupt)? {
+            let start = start.name.clone();
+            return Err(WorldError::Start { start, why });
         }
         self.is_laid = true;
         self.look_at_particles(start.positions.len())
@@ -382,11 +326,10 @@ impl World for ExternalWorld {
         }
         if !depths
             .iter()
-            .all(|depth| depth.is_finite() && *depth >= 0.0)
+            .all(|depth| (0.0..f64::INFINITY).contains(depth))
         {
-            return Err(wrong(
-                "a depth is negative or not finite; 0 means no reading".to_owned(),
-            ));
+            let why = "a depth is negative or not finite; 0 means no reading";
+            return Err(wrong(why.to_owned()));
         }
         let depths = depths.into_iter().map(|depth| depth as f32).collect();
         let depth_m = DepthImage::from_raw(side, side, depths).expect("as many depths as pixels");
@@ -410,11 +353,9 @@ impl World for ExternalWorld {
         if !self.is_laid {
             return Err(WorldError::NotReset);
         }
-        if motion.grips.len() != self.grippers() {
-            let why = motion.unequal(self.name(), self.grippers());
-            return Err(WorldError::Motion { why });
-        }
-        if let Some(why) = self.refuses(motion) {
+        let fits = motion.grips.len() == self.grippers();
+        let unequal = (!fits).then(|| motion.unequal(self.name(), self.grippers()));
+        if let Some(why) = unequal.or_else(|| self.refuses(motion)) {
             return Err(WorldError::Motion { why });
         }
         let question = Question::Act {
@@ -432,15 +373,11 @@ impl World for ExternalWorld {
             )));
         }
         let points = done.grips.iter().flat_map(|done| {
-            let points = [
-                Some(done.grip.pick),
-                Some(done.grip.place),
-                done.released_at,
-            ];
-            points.into_iter().flatten()
+            let ends = [done.grip.pick, done.grip.place].into_iter();
+            ends.chain(done.released_at)
         });
         let mut numbers = points.flat_map(|point| [point.x, point.y, point.z]);
-        if !(numbers.all(f64::is_finite) && done.duration_s.is_finite() && done.duration_s >= 0.0) {
+        if !(numbers.all(f64::is_finite) && (0.0..f64::INFINITY).contains(&done.duration_s)) {
             return Err(
                 self.wrong("what it did has a number that is not finite, or a negative duration")
             );
@@ -498,6 +435,48 @@ impl World for ExternalWorld {
             }
         }
     }
+}
+
+/// Says what is wrong with a world's description, if anything is.
+fn fault(about: &Hello) -> Option<String> {
+    if about.protocol != PROTOCOL {
+        return Some(format!(
+            "answers version {} of the lines, and this fabc asks in version {PROTOCOL}, in which `act` and its \
+             answer have a list of `grips`; let it answer that, and add `\"protocol\": {PROTOCOL}` to its `hello`",
+            about.protocol
+        ));
+    }
+    if about.grippers == 0 {
+        return Some("states `grippers` as 0; a world has at least 1".to_owned());
+    }
+    let stated = [
+        ("name", &about.name),
+        ("parameters", &about.parameters),
+        ("code", &about.code),
+    ];
+    if let Some((key, _)) = { stated }.iter().find(|(_, value)| value.trim().is_empty()) {
+        return Some(format!(
+            "states an empty `{key}`, and results are stored under it"
+        ));
+    }
+    let is_question = |name: &String| LIMITS_S.iter().any(|(known, _)| known == name);
+    let is_limit = |limit_s: &u64| (1..=MAX_LIMIT_S).contains(limit_s);
+    let mut limits = about.limits_s.iter();
+    if let Some((question, limit_s)) = limits.find(|(name, it)| !is_question(name) || !is_limit(it))
+    {
+        return Some(format!(
+            "states the limit `{question}` as {limit_s} s; the questions are {}, and a limit is from 1 to {MAX_LIMIT_S} s",
+            quoted(LIMITS_S.map(|(known, _)| known))
+        ));
+    }
+    let mut acts_on = about.acts_on.iter();
+    let unknown = acts_on.find(|name| manner_field(name).is_none())?;
+    let known = quoted(MANNERS.iter().map(|row| row.name));
+    Some(format!("acts on `{unknown}`, and a manner has {known}"))
+}
+
+fn are_finite(positions: &[[f32; 3]]) -> bool {
+    positions.iter().flatten().all(|number| number.is_finite())
 }
 
 fn limit_s(question: &str) -> u64 {

@@ -41,13 +41,9 @@ pub const AXES: &[Axis] = &[
         low: 0.0,
         high: 10.0,
         about: "Coulomb friction of table and picker; 0.75 without a material",
-        change: |setup, coefficient| {
-            let parameters = &mut setup.parameters;
-            let of = match &mut parameters.material {
-                Some(material) => &mut material.table_friction,
-                None => &mut parameters.table_friction,
-            };
-            *of = coefficient as f32;
+        change: |Setup { parameters, .. }, coefficient| match &mut parameters.material {
+            Some(material) => material.table_friction = coefficient as f32,
+            None => parameters.table_friction = coefficient as f32,
         },
     },
     Axis {
@@ -56,13 +52,9 @@ pub const AXES: &[Axis] = &[
         low: 0.0,
         high: 10.0,
         about: "Coulomb friction between layers of the cloth; 1 without a material",
-        change: |setup, coefficient| {
-            let parameters = &mut setup.parameters;
-            let of = match &mut parameters.material {
-                Some(material) => &mut material.self_friction,
-                None => &mut parameters.self_friction,
-            };
-            *of = coefficient as f32;
+        change: |Setup { parameters, .. }, coefficient| match &mut parameters.material {
+            Some(material) => material.self_friction = coefficient as f32,
+            None => parameters.self_friction = coefficient as f32,
         },
     },
     Axis {

@@ -13,12 +13,9 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// What is done with new texts.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Effect {
-    /// The files are written.
     Write,
-    /// The changes are shown as a unified diff.
     Show,
 }
 
@@ -26,8 +23,6 @@ pub enum Effect {
 ///
 /// Files that they use are not changed: they may belong to other tasks, whose author is not asking. The user is told
 /// of each file that is not changed although it could be.
-///
-/// - `found`: the paths of the named files, or why there is none.
 pub fn run(found: &mut [Result<String, Failure>], effect: Effect, io: &Io) -> String {
     let mut diff = String::new();
     let named: Vec<String> = found.iter().flatten().cloned().collect();
@@ -74,9 +69,7 @@ fn fix_one(name: &str, effect: Effect, io: &Io) -> Result<(String, Compiled), Fa
     Ok((diff, fixed.compiled))
 }
 
-/// Returns the files that keep certain edits, and why.
-///
-/// - `named`: the files that the user named.
+/// Returns the files that keep certain edits, and why; the user has named some.
 fn reasons(left: &Compiled, named: &[String]) -> BTreeMap<String, String> {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for diagnostic in left.diagnostics.iter().filter(|it| it.is_certain()) {

@@ -4,23 +4,20 @@ use super::page::{DisplayMessage, DisplayPart, ShownStage};
 use super::{RenderArguments, Rendered, chosen_stages, title};
 use crate::exit::Failure;
 use crate::io::Io;
-use crate::sources;
-use crate::sources::TaskArguments;
+use crate::sources::{self, TaskArguments};
 use crate::verbs::price::Price;
 use crate::verbs::runtime::run::say_pictures;
-use crate::verbs::runtime::setting;
-use crate::verbs::runtime::setting::StartArguments;
 use crate::verbs::runtime::setting::catalogue::FactsArguments;
 use crate::verbs::runtime::setting::models::TargetModel;
+use crate::verbs::runtime::setting::{self, StartArguments};
 use crate::verbs::runtime::step_scene::{StepScene, scene_at_step};
 use clap::Args;
 use fab_agent::examples::Examples;
 use fab_agent::pictures::Pictures;
-use fab_agent::policy;
-use fab_agent::policy::{Conversation, Finding, MessagePart, StepView, UndrawnMessage};
+use fab_agent::policy::{self, Conversation, Finding, MessagePart, StepView, UndrawnMessage};
 use fab_agent::subgoals::SubgoalSet;
 use fab_base::interrupt::Interrupt;
-use fab_model::{Message, Part, Speaker};
+use fab_model::{Message, Part};
 use fab_program::facts::Facts;
 use fab_program::render::Values;
 use fab_program::reply::Stated;
@@ -47,7 +44,6 @@ pub struct CameraArguments {
 }
 
 impl CameraArguments {
-    /// Returns the files that it names.
     pub fn files(&self) -> impl Iterator<Item = PathBuf> {
         let start = self.start.start.iter().map(PathBuf::from);
         start.chain(self.shown.facts.models.iter().cloned())
@@ -75,9 +71,8 @@ pub fn fitted_to_start(
     interrupt: &Interrupt,
     io: &Io,
 ) -> Result<Program, Failure> {
-    let is_seed = |text: &String| text.bytes().all(|byte| byte.is_ascii_digit());
     let is_file = match &start.start {
-        Some(text) => !is_seed(text),
+        Some(text) => !text.bytes().all(|byte| byte.is_ascii_digit()),
         None => matches!(declared.cloth.start, ClothStart::File { .. }),
     };
     if !is_file {
@@ -89,10 +84,7 @@ pub fn fitted_to_start(
     setting::fitted(task, declared, &start, io)
 }
 
-/// Renders stages as a rollout would ask them: brings the cloth to the step, takes a picture, and goes through the
-/// stages with the rollout's own functions.
-///
-/// - `declared`: the task as written, whose subgoals are shown.
+/// Renders stages by the rollout's own functions; subgoals are those of the task as `declared`.
 pub fn rendered(
     declared: &Program,
     arguments: &RenderArguments,
@@ -104,11 +96,8 @@ pub fn rendered(
         replies,
     } = &arguments.camera;
     // Ctrl-C ends the whole program, unless `--watch` listens to it.
-    let interrupt = if arguments.watch {
-        io.interrupt()?
-    } else {
-        Interrupt::default()
-    };
+    let listened = arguments.watch.then(|| io.interrupt()).transpose()?;
+    let interrupt = listened.unwrap_or_default();
     let program = &fitted_to_start(&arguments.task, declared, start, &interrupt, io)?;
     let stages = chosen_stages(program, arguments.stage.as_deref())?;
     let target = TargetModel::of(target, io)?;
@@ -138,9 +127,9 @@ pub fn rendered(
     let lowering = |_| target.lowering;
     let (rehearsed, left) = policy::rehearse(view, &stages, &lowering, replies.clone())?;
     if !left.is_empty() {
+        let n_left = left.len();
         return Err(Failure::usage(format!(
-            "the last {} of the answers given by `--reply` belong to no question: no more are asked",
-            left.len()
+            "the last {n_left} of the answers given by `--reply` belong to no question: no more are asked"
         )));
     }
     let mut shown = Vec::with_capacity(rehearsed.len());
@@ -170,9 +159,7 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// Lays the cloth, executes the steps before this one, and takes a picture.
-    ///
-    /// - `declared`: the task as written, whose subgoals are shown; `folder` holds its file.
+    /// Lays the cloth, executes the steps before this one, and takes a picture; subgoals are those of the task as `declared`.
     pub fn at(
         program: &Program,
         declared: &Program,
@@ -203,7 +190,6 @@ impl Seen {
     }
 }
 
-/// Describes the finding about an answer.
 fn in_words(finding: &Finding) -> String {
     let (words, stated) = match finding {
         Finding::Text {
@@ -227,22 +213,15 @@ fn in_words(finding: &Finding) -> String {
 
 /// Names the characters of an answer that were read as a field, and each repair.
 fn source(stated: &Stated) -> String {
+    let Stated { field, at, .. } = stated;
     let text = stated.text.split_whitespace().collect::<Vec<_>>().join(" ");
     let repairs = stated.repairs.iter().map(|repair| format!("; {repair}"));
-    format!(
-        "\n  `{}` from `{text}` at byte {}{}",
-        stated.field,
-        stated.at,
-        repairs.collect::<String>()
-    )
+    let repairs: String = repairs.collect();
+    format!("\n  `{field}` from `{text}` at byte {at}{repairs}")
 }
 
 /// Returns a message for display, with the pictures of the request that is sent, if it was drawn.
 pub fn displayed(spoken: &UndrawnMessage, sent: Option<&Message>, step: u32) -> DisplayMessage {
-    let png = |number: usize| match sent?.parts.get(number)? {
-        Part::Image(png) => Some(png.bytes().to_vec()),
-        Part::Text(_) => None,
-    };
     let part = |(number, part): (usize, &MessagePart)| {
         let title = match part {
             MessagePart::Text(said) => return DisplayPart::Text { said: said.clone() },
@@ -250,15 +229,14 @@ pub fn displayed(spoken: &UndrawnMessage, sent: Option<&Message>, step: u32) -> 
             MessagePart::RefusedAction => "the refused action".to_owned(),
             MessagePart::Prediction => "what would come of the answer".to_owned(),
         };
-        let png = png(number);
+        let png = match sent.and_then(|sent| sent.parts.get(number)) {
+            Some(Part::Image(png)) => Some(png.bytes().to_vec()),
+            Some(Part::Text(_)) | None => None,
+        };
         DisplayPart::Image { title, png }
     };
     DisplayMessage {
-        role: match spoken.speaker {
-            Speaker::System => "system",
-            Speaker::User => "user",
-            Speaker::Assistant => "assistant",
-        },
+        role: format!("{:?}", spoken.speaker).to_lowercase(),
         parts: spoken.parts.iter().enumerate().map(part).collect(),
     }
 }

@@ -13,27 +13,20 @@ use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// One message for display.
 #[derive(Serialize)]
 pub struct DisplayMessage {
-    /// Who speaks.
-    pub role: &'static str,
-    /// Its parts, in order.
+    pub role: String,
     pub parts: Vec<DisplayPart>,
 }
 
-/// A part of a displayed message.
 #[derive(Serialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum DisplayPart {
-    /// Text.
     Text {
         #[serde(rename = "text", serialize_with = "words")]
         said: PromptText,
     },
-    /// A picture.
     Image {
-        /// The picture's description.
         #[serde(rename = "shows")]
         title: String,
         /// The PNG bytes, if requested and if this build can draw it.
@@ -50,13 +43,10 @@ pub struct Correction {
     said: PromptText,
 }
 
-/// A stage for display.
 #[derive(Serialize)]
 pub struct ShownStage {
-    /// Its name.
     #[serde(rename = "stage")]
     pub name: String,
-    /// Its messages, in order.
     pub messages: Vec<DisplayMessage>,
     /// How many of the messages make up the first question.
     #[serde(skip)]
@@ -69,9 +59,7 @@ pub struct ShownStage {
     pub results: Vec<serde_json::Value>,
 }
 
-/// A line of a page.
 pub struct Line {
-    /// The line's text.
     pub text: String,
     /// Where its text comes from; `None` for headings, blank lines between texts, and pictures.
     pub origin: Option<Origin>,
@@ -86,8 +74,6 @@ fn length<S: Serializer>(png: &Option<Vec<u8>>, serializer: S) -> Result<S::Ok, 
 }
 
 /// Returns the first question of a stage, without pictures, by the function that a rollout uses.
-///
-/// - `folder`: holds the program's file.
 #[cfg(feature = "runtime")]
 fn messages(
     program: &Program,
@@ -98,10 +84,10 @@ fn messages(
 ) -> Result<Vec<DisplayMessage>, Failure> {
     let examples = fab_agent::examples::Examples::load(program, folder)?;
     let spoken = fab_agent::policy::opening(program, stage, values, &examples, step)?;
-    let spoken = spoken.iter();
-    Ok(spoken
-        .map(|it| super::camera::displayed(it, None, step))
-        .collect())
+    let displayed = spoken
+        .iter()
+        .map(|it| super::camera::displayed(it, None, step));
+    Ok(displayed.collect())
 }
 
 /// Returns the first question of a stage, without pictures and demonstrations, which the authoring tool cannot read.
@@ -113,7 +99,6 @@ fn messages(
     values: Values<'_>,
     step: u32,
 ) -> Result<Vec<DisplayMessage>, Failure> {
-    use fab_program::render::PromptSpeaker;
     let messages = render::messages(program, stage, values)?.into_iter();
     let displayed = messages.map(|message| {
         let said = message.content;
@@ -122,22 +107,14 @@ fn messages(
             title: super::title(picture, step),
             png: None,
         }));
-        let role = match message.speaker {
-            PromptSpeaker::System => "system",
-            PromptSpeaker::User => "user",
-            PromptSpeaker::Assistant => "assistant",
-        };
+        let role = format!("{:?}", message.speaker).to_lowercase();
         DisplayMessage { role, parts }
     });
     Ok(displayed.collect())
 }
 
 impl ShownStage {
-    /// Makes a stage of its first question, with the points of a scene or else with typed placeholders, and without
-    /// pictures.
-    ///
-    /// - `folder`: holds the program's file.
-    /// - `last`: the previous action.
+    /// Makes a stage of its first question, with the points of a scene or else with typed placeholders, without pictures.
     pub fn without_camera(
         program: &Program,
         folder: &Path,
@@ -161,7 +138,6 @@ impl ShownStage {
         Ok(ShownStage::of(program, stage, values, messages)?)
     }
 
-    /// Makes a stage of its first question.
     pub fn of(
         program: &Program,
         stage: &Stage,
@@ -173,19 +149,17 @@ impl ShownStage {
             Read::Text { .. } => Vec::new(),
         };
         let corrections = corrections.into_iter();
+        let corrections = corrections.map(|(check, said)| Correction { check, said });
         Ok(ShownStage {
             name: stage.name.clone(),
             n_asked_first: messages.len(),
             messages,
-            corrections: corrections
-                .map(|(check, said)| Correction { check, said })
-                .collect(),
+            corrections: corrections.collect(),
             findings: Vec::new(),
             results: Vec::new(),
         })
     }
 
-    /// Returns the lines of all messages, with a heading above each.
     pub fn lines(&self) -> Vec<Line> {
         let mut lines = Vec::new();
         for message in &self.messages {
@@ -206,7 +180,6 @@ impl ShownStage {
         lines
     }
 
-    /// Returns the parts of the first question.
     pub fn first_question(&self) -> impl Iterator<Item = &DisplayPart> {
         let asked = self.messages.iter().take(self.n_asked_first);
         asked.flat_map(|message| &message.parts)
@@ -220,7 +193,6 @@ impl ShownStage {
         })
     }
 
-    /// Returns the page as text.
     pub fn text(&self) -> String {
         let lines = self.lines().into_iter();
         lines.map(|line| line.text + "\n").collect()

@@ -13,7 +13,6 @@ pub struct SceneFile {
 }
 
 impl SceneFile {
-    /// Reads the points of every keypoint.
     pub fn read(program: &Program, path: &Path) -> Result<SceneFile, Failure> {
         let wrong = |why: String| {
             Failure::environment(format!(

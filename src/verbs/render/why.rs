@@ -5,12 +5,13 @@
 
 use super::page::{DisplayPart, ShownStage};
 use crate::verbs::price::Price;
+use fab_base::table::{Align, aligned};
 use fab_program::render::Origin;
 use fab_program::tokens;
 use serde::Serialize;
+use serde_json::{Value, json};
 use std::path::Path;
 
-/// The size of one component of a stage.
 #[derive(Serialize)]
 struct Weight {
     said_by: String,
@@ -19,66 +20,41 @@ struct Weight {
     cost_nano_usd: Option<u64>,
 }
 
-/// The sizes of a stage's first question.
 #[derive(Serialize)]
 struct Weights {
-    /// In order of appearance.
     components: Vec<Weight>,
     all: Weight,
     /// How many pictures have an unknown token count.
     pictures_not_counted: usize,
 }
 
-/// Where the texts of a stage come from, and what they weigh.
-#[derive(Serialize)]
-pub struct Why<'s> {
-    stretches: Vec<Stretch<'s>>,
-    estimated_tokens: Weights,
-}
-
-/// A stretch of a text and its origin.
-#[derive(Serialize)]
-struct Stretch<'s> {
-    message: usize,
-    part: usize,
-    /// Its bytes in the text.
-    start: usize,
-    end: usize,
-    said_by: &'s str,
-    value: Option<&'s str>,
-    file: Option<String>,
-    line: Option<u32>,
-}
-
-/// Returns the page with line numbers, and a table of the tokens of each component.
-///
-/// - `folder`: the folder of the task's file; prefixed to file names.
+/// Returns the page with line numbers, and a table of the tokens of each component; `folder` goes before file names.
 pub fn text(stage: &ShownStage, folder: &Path, price: Option<&Price>) -> String {
-    let mut text = format!("=== stage {}\n", stage.name);
+    let mut lines = vec![format!("=== stage {}", stage.name)];
     let mut before: Option<String> = None;
     for line in stage.lines() {
-        let head = line.origin.as_ref().map(|origin| match &origin.place {
-            Some(place) => format!("[{}, {}]", origin.source, named(folder, &place.file)),
-            None => format!("[{}]", origin.source),
-        });
-        if let Some(head) = head.as_ref().filter(|head| Some(*head) != before.as_ref()) {
-            text.push_str(&format!("      {head}\n"));
-        }
-        if head.is_some() || !line.text.is_empty() {
+        let Some(Origin { source, place, .. }) = &line.origin else {
+            if line.text.is_empty() {
+                lines.push("      |".to_owned());
+            } else {
+                before = None;
+                lines.push(line.text);
+            }
+            continue;
+        };
+        let place_of = place.as_ref();
+        let file = place_of.map(|place| format!(", {}", named(folder, &place.file)));
+        let head = Some(format!("      [{source}{}]", file.unwrap_or_default()));
+        if head != before {
+            lines.extend(head.clone());
             before = head;
         }
-        if line.origin.is_none() && !line.text.is_empty() {
-            text.push_str(&format!("{}\n", line.text));
-            continue;
-        }
-        let place = line.origin.and_then(|origin| origin.place);
-        let number = place.map_or(String::new(), |place| place.line.to_string());
-        let numbered = format!("{number:>5} | {}", line.text);
-        text.push_str(&format!("{}\n", numbered.trim_end()));
+        let number = place_of.map_or(String::new(), |place| place.line.to_string());
+        lines.push(format!("{number:>5} | {}", line.text).trim_end().to_owned());
     }
-    text.push('\n');
-    text.push_str(&table(stage, price));
-    text
+    lines.push(String::new());
+    lines.extend(table(stage, price));
+    lines.join("\n") + "\n"
 }
 
 fn named(folder: &Path, file: &str) -> String {
@@ -138,52 +114,48 @@ fn group(origin: &Origin) -> String {
     }
 }
 
-fn table(stage: &ShownStage, price: Option<&Price>) -> String {
-    let Weights {
-        components,
-        all,
-        pictures_not_counted: uncounted,
-    } = weighed(stage, price);
-    let mut text = String::from("estimated tokens of the first question");
-    if let Some(price) = price {
-        text.push_str(&format!(", and their cost for {}", price.model));
-    }
-    text.push('\n');
-    let rows = || components.iter().chain([&all]);
-    let widest = rows().map(|it| it.said_by.chars().count()).max();
-    let widest = widest.unwrap_or(0);
-    for weight in rows() {
-        let (least, most) = (weight.at_least, weight.at_most);
-        let tokens = if least == most {
-            least.to_string()
-        } else {
-            format!("{least}-{most}")
-        };
-        let cost = weight.cost_nano_usd.map(dollars).unwrap_or_default();
-        let name = &weight.said_by;
-        text.push_str(&format!("  {name:widest$}  {tokens:>7}{cost}\n"));
-    }
+fn table(stage: &ShownStage, price: Option<&Price>) -> Vec<String> {
+    let weights = weighed(stage, price);
+    let of = price.map(|price| format!(", and their cost for {}", price.model));
+    let mut lines = vec![format!(
+        "estimated tokens of the first question{}",
+        of.unwrap_or_default()
+    )];
+    let rows = weights.components.iter().chain([&weights.all]);
+    let rows: Vec<_> = rows
+        .map(|weight| {
+            let (least, most) = (weight.at_least, weight.at_most);
+            let tokens = match least == most {
+                true => least.to_string(),
+                false => format!("{least}-{most}"),
+            };
+            let cost = weight.cost_nano_usd.map(dollars).unwrap_or_default();
+            [weight.said_by.clone(), format!("{tokens:>7}"), cost]
+        })
+        .collect();
+    let rows = aligned(&[Align::Left, Align::Right], &rows).into_iter();
+    lines.extend(rows.map(|row| format!("  {row}")));
+    let uncounted = weights.pictures_not_counted;
     if uncounted > 0 {
         let why = match price {
             None => "; `--model PROVIDER:NAME` adds their tokens and the cost".to_owned(),
             Some(price) => format!(": how many tokens one has for {} is not known", price.model),
         };
-        text.push_str(&format!("  {uncounted} pictures are not counted{why}\n"));
+        lines.push(format!("  {uncounted} pictures are not counted{why}"));
     }
-    if let Some(price) = price.filter(|_| all.cost_nano_usd.is_none()) {
-        text.push_str(&format!("  the price of {} is not known\n", price.model));
-    }
-    text
+    let unpriced = price.filter(|_| weights.all.cost_nano_usd.is_none());
+    lines.extend(unpriced.map(|price| format!("  the price of {} is not known", price.model)));
+    lines
 }
 
 /// Formats billionths of a dollar as a column, rounded up to a millionth.
 fn dollars(nano: u64) -> String {
     let micro = nano.div_ceil(1000);
-    format!("  ${}.{:06}", micro / 1_000_000, micro % 1_000_000)
+    format!("${}.{:06}", micro / 1_000_000, micro % 1_000_000)
 }
 
-/// Returns the stretches and the weights of a stage.
-pub fn of<'s>(stage: &'s ShownStage, folder: &Path, price: Option<&Price>) -> Why<'s> {
+/// Tells where the texts of a stage come from, and what they weigh.
+pub fn of(stage: &ShownStage, folder: &Path, price: Option<&Price>) -> Value {
     let mut stretches = Vec::new();
     for (message, shown) in stage.messages.iter().enumerate() {
         for (part, shown) in shown.parts.iter().enumerate() {
@@ -192,21 +164,18 @@ pub fn of<'s>(stage: &'s ShownStage, folder: &Path, price: Option<&Price>) -> Wh
             };
             stretches.extend(said.stretches.iter().map(|stretch| {
                 let place = stretch.origin.place.as_ref();
-                Stretch {
-                    message,
-                    part,
-                    start: stretch.bytes.start,
-                    end: stretch.bytes.end,
-                    said_by: &stretch.origin.source,
-                    value: stretch.origin.value.as_deref(),
-                    file: place.map(|place| named(folder, &place.file)),
-                    line: place.map(|place| place.line),
-                }
+                json!({
+                    "message": message,
+                    "part": part,
+                    "start": stretch.bytes.start,
+                    "end": stretch.bytes.end,
+                    "said_by": stretch.origin.source,
+                    "value": stretch.origin.value,
+                    "file": place.map(|place| named(folder, &place.file)),
+                    "line": place.map(|place| place.line),
+                })
             }));
         }
     }
-    Why {
-        stretches,
-        estimated_tokens: weighed(stage, price),
-    }
+    json!({ "stretches": stretches, "estimated_tokens": weighed(stage, price) })
 }

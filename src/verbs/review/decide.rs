@@ -9,11 +9,9 @@ use crate::exit::Failure;
 use crate::io::Io;
 use crate::snapshots::{Name, Side};
 use fab_base::wording::quoted;
-use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// The decision about a pending snapshot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decision {
     /// It becomes the accepted one.
@@ -25,13 +23,10 @@ pub enum Decision {
 /// The target of a decision, by its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Selection {
-    /// A group.
     Group(usize),
-    /// A pending snapshot.
     Snapshot(usize),
 }
 
-/// All decisions so far.
 pub struct Decisions<'r> {
     pub pending: &'r [Pending],
     pub groups: &'r [Group],
@@ -41,19 +36,16 @@ pub struct Decisions<'r> {
 }
 
 /// What the decisions of a review came to.
-#[derive(Serialize)]
+#[derive(Default)]
 pub struct Outcome {
     pub accepted: Vec<Name>,
     pub rejected: Vec<Name>,
     /// Those of which only some edits were accepted; they are still pending.
     pub waiting: Vec<Name>,
-    /// How many are still pending.
-    #[serde(skip)]
     pub n_pending: usize,
 }
 
 impl<'r> Decisions<'r> {
-    /// Starts without a decision.
     pub fn about(pending: &'r [Pending], groups: &'r [Group]) -> Decisions<'r> {
         Decisions {
             pending,
@@ -63,14 +55,11 @@ impl<'r> Decisions<'r> {
         }
     }
 
-    /// Records a decision about a group.
     pub fn decide(&mut self, group: usize, decision: Decision) {
         self.made.insert(Selection::Group(group), decision);
     }
 
-    /// Records the same decision about everything that the ids name.
-    ///
-    /// Fails if one names nothing, or something that was decided otherwise.
+    /// Records a decision about all that the ids name; fails if one names nothing, or something that was decided otherwise.
     pub fn decide_named(&mut self, ids: &[String], decision: Decision) -> Result<(), Failure> {
         for id in ids {
             let earlier = self.made.insert(self.named(id)?, decision);
@@ -83,7 +72,6 @@ impl<'r> Decisions<'r> {
         Ok(())
     }
 
-    /// Accepts every group about which nothing was decided.
     pub fn accept_others(&mut self) {
         for group in (0..self.groups.len()).map(Selection::Group) {
             self.made.entry(group).or_insert(Decision::Accept);
@@ -110,19 +98,25 @@ impl<'r> Decisions<'r> {
         self.settled.contains_key(&member)
     }
 
-    /// Returns what became of the snapshots so far.
     pub fn outcome(&self) -> Outcome {
-        let names = |is_meant: &dyn Fn(usize) -> bool| {
-            let pending = self.pending.iter().enumerate();
-            let meant = pending.filter(|(at, _)| is_meant(*at));
-            meant.map(|(_, one)| one.name.clone()).collect()
-        };
-        Outcome {
-            accepted: names(&|at| self.settled.get(&at) == Some(&Decision::Accept)),
-            rejected: names(&|at| self.settled.get(&at) == Some(&Decision::Reject)),
-            waiting: names(&|at| self.is_waiting(at)),
-            n_pending: self.pending.len() - self.settled.len(),
+        let mut outcome = Outcome::default();
+        for (at, one) in self.pending.iter().enumerate() {
+            let names = match self.settled.get(&at) {
+                Some(Decision::Accept) => &mut outcome.accepted,
+                Some(Decision::Reject) => &mut outcome.rejected,
+                None => {
+                    outcome.n_pending += 1;
+                    // Some of its edits are accepted, and others undecided.
+                    let is_waiting = self.of_groups(at).any(|it| it.is_some());
+                    if !is_waiting || self.of(at).is_some() {
+                        continue;
+                    }
+                    &mut outcome.waiting
+                }
+            };
+            names.push(one.name.clone());
         }
+        outcome
     }
 
     /// Returns what the decisions come to for a snapshot; `None` while some are open.
@@ -138,19 +132,13 @@ impl<'r> Decisions<'r> {
         is_accepted.then_some(Decision::Accept)
     }
 
-    /// Returns whether some edits of a snapshot are accepted, and others undecided.
-    fn is_waiting(&self, member: usize) -> bool {
-        self.of(member).is_none() && self.of_groups(member).any(|it| it.is_some())
-    }
-
     fn of_groups(&self, member: usize) -> impl Iterator<Item = Option<Decision>> {
         let groups = self.groups.iter().enumerate();
         let own = groups.filter(move |(_, group)| group.members.contains(&member));
         own.map(|(number, _)| self.made.get(&Selection::Group(number)).copied())
     }
 
-    /// Returns what an id names: a group's, a snapshot's, or the path of a snapshot, pending or accepted, or of its
-    /// picture.
+    /// Returns what an id names: a group's, a snapshot's, or the path of a snapshot, pending or accepted, or of its picture.
     fn named(&self, id: &str) -> Result<Selection, Failure> {
         if let Some(group) = self.groups.iter().position(|group| group.id == id) {
             return Ok(Selection::Group(group));
@@ -158,7 +146,7 @@ impl<'r> Decisions<'r> {
         let path = id.trim_end_matches(".png").trim_end_matches(".new");
         let path = PathBuf::from(format!("{path}.new"));
         let pending = self.pending.iter().enumerate();
-        let found = pending.filter(|(_, one)| one.name.0 == id || one.path == path);
+        let found = pending.filter(|(_, one)| one.name == id || one.path == path);
         match found.collect::<Vec<_>>().as_slice() {
             [] => Err(Failure::usage(format!(
                 "nothing that is pending has the id `{id}`; `fabc review --json` lists them; nothing was done"
@@ -173,19 +161,17 @@ impl<'r> Decisions<'r> {
 }
 
 impl Outcome {
-    /// Reports the outcome in one or two lines.
     pub fn report(&self, io: &Io) {
-        if !self.waiting.is_empty() {
+        let (accepted, rejected) = (self.accepted.len(), self.rejected.len());
+        let (n_waiting, n_pending) = (self.waiting.len(), self.n_pending);
+        if n_waiting > 0 {
             io.talk(&format!(
                 "{}; decide about all of them at once, since single ones are not remembered",
-                waiting(self.waiting.len())
+                waiting(n_waiting)
             ));
         }
         io.data(&format!(
-            "accepted {}, rejected {}, still pending {}",
-            self.accepted.len(),
-            self.rejected.len(),
-            self.n_pending
+            "accepted {accepted}, rejected {rejected}, still pending {n_pending}"
         ));
     }
 }

@@ -11,14 +11,11 @@ use std::ops::Range;
 /// Unchanged lines shown before and after an edit.
 const CONTEXT: usize = 2;
 
-/// The cause of a change.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Cause {
     /// The component, or a description of what changed.
     pub component: String,
-    /// The file, if known.
     pub file: Option<String>,
-    /// The line in it, from 1.
     pub line: Option<u32>,
 }
 
@@ -48,7 +45,6 @@ impl Edit {
     }
 }
 
-/// A text's lines, and where they come from.
 struct Text<'a> {
     lines: Vec<&'a str>,
     origins: &'a [Origin],
@@ -72,8 +68,7 @@ impl<'a> Text<'a> {
         let number = u32::try_from(at).ok()?.checked_add(1)?;
         let mut origins = self.origins.iter();
         let origin = origins.find(|origin| (origin.from..=origin.to).contains(&number))?;
-        let place = origin.place.clone();
-        let (file, first) = place.unzip();
+        let (file, first) = origin.place.clone().unzip();
         Some(Cause {
             component: origin.component.clone(),
             file,

@@ -6,7 +6,7 @@
 
 use crate::exit::Failure;
 use crate::io::Io;
-use crate::snapshots::{Contents, FOLDER, Folder, Info, Name, Side, Snapshot, picture_of};
+use crate::snapshots::{self, Contents, FOLDER, Folder, Info, Name, Side, Snapshot, picture_of};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,6 @@ use walkdir::{DirEntry, WalkDir};
 /// Folders with generated or downloaded files.
 const SKIPPED: [&str; 3] = ["target", "node_modules", "runs"];
 
-/// A pending snapshot.
 #[derive(Serialize)]
 pub struct Pending {
     #[serde(skip)]
@@ -24,7 +23,6 @@ pub struct Pending {
     /// Its name, which is also its id.
     #[serde(rename = "id")]
     pub name: Name,
-    /// The file.
     pub path: PathBuf,
     /// The file of the proposed picture, if it is one.
     pub file: Option<PathBuf>,
@@ -38,9 +36,7 @@ pub struct Pending {
     pub info: Info,
 }
 
-/// Finds the pending snapshots in the named places, or below the current folder.
-///
-/// - `only`: a part of the names of those to return; default: all.
+/// Finds the pending snapshots in the named places, or below the current folder; `only` is a part of their names.
 pub fn find(places: &[PathBuf], only: Option<&str>, io: &Io) -> Result<Vec<Pending>, Failure> {
     let here = [PathBuf::from(".")];
     let places = if places.is_empty() { &here } else { places };
@@ -78,10 +74,8 @@ fn snapshot_folders(place: &Path) -> Result<Vec<PathBuf>, Failure> {
                 folders.push(path.strip_prefix(".").unwrap_or(path).to_owned());
             }
             Err(error) if error.depth() == 0 => {
-                let path = place.display();
-                return Err(Failure::environment(format!(
-                    "cannot read `{path}`: {error}"
-                )));
+                let why = format!("cannot read `{}`: {error}", place.display());
+                return Err(Failure::environment(why));
             }
             // An unreadable folder below a named one is skipped.
             _ => {}
@@ -99,14 +93,12 @@ fn pending_in(
 ) -> Result<Vec<Pending>, Failure> {
     let folder = Rc::new(Folder::open(path)?);
     let mut found = Vec::new();
-    for name in folder.pending.iter().filter(|name| name.0.contains(only)) {
+    for name in folder.pending.iter().filter(|name| name.contains(only)) {
         let proposed = match folder.read(name, Side::Pending) {
-            Err(_) if !name.is_ours() => None,
-            Err(failure) => {
-                return Err(failure
-                    .saying("run `fabc snap` again, which proposes anew what cannot be read"));
-            }
-            Ok(read) => read,
+            Err(_) if !snapshots::is_ours(name) => None,
+            read => read.map_err(|failure| {
+                failure.saying("run `fabc snap` again, which proposes anew what cannot be read")
+            })?,
         };
         let info = proposed.as_ref().and_then(|it| it.metadata.info.clone());
         let (Some(proposed), Some(info)) = (proposed, info) else {
@@ -140,13 +132,11 @@ impl Pending {
     /// Names the files of the accepted and the proposed picture, for a viewer of pictures.
     pub fn pictures_to_look_at(&self) -> Option<String> {
         let proposed = self.file.as_ref()?.display();
-        match self.accepted.as_ref().map(|it| &it.contents) {
-            None | Some(Contents::Text(_)) => Some(proposed.to_string()),
-            Some(Contents::Picture(_)) => {
-                let accepted = self.folder.file(&self.name, Side::Accepted);
-                Some(format!("{} -> {proposed}", picture_of(&accepted).display()))
-            }
+        if self.pictures().is_none() {
+            return Some(proposed.to_string());
         }
+        let accepted = picture_of(&self.folder.file(&self.name, Side::Accepted));
+        Some(format!("{} -> {proposed}", accepted.display()))
     }
 
     /// Returns both pictures, if a picture changed.

@@ -10,17 +10,13 @@ use fab_base::digest;
 use serde::Serialize;
 use serde_json::json;
 
-/// The kind of change of a group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
-    /// Changed prompt texts.
     Edit,
-    /// Changed scenes.
     Scene,
     /// Changed pictures, and snapshots that changed between picture and text.
     Picture,
-    /// New snapshots.
     New,
 }
 
@@ -29,9 +25,7 @@ pub enum Kind {
 pub struct Group {
     /// The first eight characters of a hash of the change.
     pub id: String,
-    /// The kind of change.
     pub kind: Kind,
-    /// The causes, in order and without duplicates.
     #[serde(rename = "cause")]
     pub causes: Vec<Cause>,
     /// The edits: one for texts, all of a scene, none for pictures and new snapshots.
@@ -46,9 +40,7 @@ pub struct Group {
 /// Estimated tokens of prompt texts, with all of their edits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Tokens {
-    /// As they were accepted.
     pub before: u64,
-    /// As they are proposed.
     pub after: u64,
 }
 
@@ -64,9 +56,8 @@ pub fn group(pending: &[Pending]) -> Vec<Group> {
         };
         for part in parts {
             let id = id(one, kind, part);
-            let known = groups.iter().position(|group| group.id == id);
-            let at = known.unwrap_or(groups.len());
-            if known.is_none() {
+            let at = groups.iter().position(|group| group.id == id);
+            let at = at.unwrap_or_else(|| {
                 groups.push(Group {
                     id,
                     kind,
@@ -75,7 +66,8 @@ pub fn group(pending: &[Pending]) -> Vec<Group> {
                     members: Vec::new(),
                     tokens: None,
                 });
-            }
+                groups.len() - 1
+            });
             groups[at].add(number, one, part);
         }
     }
@@ -84,7 +76,6 @@ pub fn group(pending: &[Pending]) -> Vec<Group> {
 }
 
 impl Group {
-    /// Adds a snapshot with some of its edits.
     fn add(&mut self, number: usize, one: &Pending, edits: &[Edit]) {
         self.members.push(number);
         for cause in edits.iter().flat_map(|edit| &edit.causes) {

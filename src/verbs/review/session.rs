@@ -22,8 +22,6 @@ const PROMPT: &str = "[a]ccept [r]eject [s]kip [A]ccept all left [q]uit [?] ";
 const END_OF_INPUT: char = '\u{4}';
 
 /// Shows each group in turn and applies the decisions.
-///
-/// Fails if there is no terminal, or if a folder cannot be changed.
 pub fn run(mut decisions: Decisions<'_>, io: &Io) -> Result<Exit, Failure> {
     let ended = go_through(&mut decisions, io);
     decisions.outcome().report(io);
@@ -63,7 +61,6 @@ fn go_through(decisions: &mut Decisions<'_>, io: &Io) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// Decides about groups, and applies what that settles.
 fn decide(
     decisions: &mut Decisions<'_>,
     groups: Range<usize>,
@@ -74,9 +71,9 @@ fn decide(
         decisions.decide(group, decision);
     }
     decisions.apply()?;
-    match decisions.outcome().waiting.len() {
-        0 => {}
-        count => io.data(&decide::waiting(count)),
+    let n_waiting = decisions.outcome().waiting.len();
+    if n_waiting > 0 {
+        io.data(&decide::waiting(n_waiting));
     }
     Ok(())
 }

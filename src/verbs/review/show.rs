@@ -14,12 +14,9 @@ use similar::{ChangeTag, TextDiff};
 /// Causes and names of snapshots that are listed; `--json` lists all.
 const LISTED: usize = 8;
 
-/// Returns a group as lines for the terminal.
 pub fn group(group: &Group, pending: &[Pending], color: Color) -> String {
-    let mut page = Page {
-        color,
-        lines: Vec::new(),
-    };
+    let lines = Vec::new();
+    let mut page = Page { color, lines };
     let members = || group.members.iter().map(|at| &pending[*at]);
     let bold = page.style().bold();
     page.line(&format!("{} {}", group.id, head(group, pending)), &bold);
@@ -45,9 +42,8 @@ pub fn group(group: &Group, pending: &[Pending], color: Color) -> String {
     if let Some(tokens) = group.tokens {
         let change = tokens.after as i64 - tokens.before as i64;
         let questions = counted(group.members.len(), "question");
-        page.plain(&format!(
-            "tokens of whole texts (estimated): {change:+} over {questions}"
-        ));
+        let of = "tokens of whole texts (estimated)";
+        page.plain(&format!("{of}: {change:+} over {questions}"));
     }
     page.lines.join("\n")
 }
@@ -69,7 +65,6 @@ fn head(group: &Group, pending: &[Pending]) -> String {
     }
 }
 
-/// Formats a cause: component, file and line.
 fn place(cause: &Cause) -> String {
     match (&cause.file, cause.line) {
         (Some(file), Some(line)) => format!("{} {file}:{line}", cause.component),
@@ -77,7 +72,6 @@ fn place(cause: &Cause) -> String {
     }
 }
 
-/// Lines under construction.
 struct Page {
     color: Color,
     lines: Vec<String>,
@@ -93,12 +87,10 @@ impl Page {
         self.line(text, &Style::new());
     }
 
-    /// Adds a line of one style.
     fn line(&mut self, text: &str, style: &Style) {
         self.lines.push(style.apply_to(shown(text)).to_string());
     }
 
-    /// Adds the first lines of a list, and how many more there are.
     fn list(&mut self, indent: &str, items: impl Iterator<Item = String>) {
         let items: Vec<String> = items.collect();
         for item in items.iter().take(LISTED) {
@@ -117,17 +109,12 @@ impl Page {
             self.line(&format!("  {line}"), &faint);
         }
         let [old, new] = [&edit.removed, &edit.added].map(|lines| {
-            lines
-                .iter()
-                .map(|line| shown(line) + "\n")
-                .collect::<String>()
+            let lines = lines.iter().map(|line| shown(line) + "\n");
+            lines.collect::<String>()
         });
         let diff = TextDiff::from_lines(&old, &new);
-        let changes = diff
-            .ops()
-            .iter()
-            .flat_map(|op| diff.iter_inline_changes(op));
-        for change in changes {
+        let changes = diff.ops().iter();
+        for change in changes.flat_map(|op| diff.iter_inline_changes(op)) {
             let (sign, style) = match change.tag() {
                 ChangeTag::Delete => ("- ", self.style().red()),
                 ChangeTag::Insert => ("+ ", self.style().green()),

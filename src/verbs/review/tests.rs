@@ -4,7 +4,7 @@
 use super::find::Pending;
 use super::groups::{self, Group, Kind};
 use super::show;
-use crate::snapshots::{Contents, Folder, Info, Name, Origin, Snapshot};
+use crate::snapshots::{Contents, Folder, Info, Origin, Snapshot};
 use fab_compiler::diag::Color;
 use std::path::PathBuf;
 use std::rc::Rc;
@@ -29,7 +29,7 @@ fn pending(before: &str, after: &str) -> Pending {
     let proposed = snapshot(after);
     Pending {
         folder: Rc::new(Folder::open("nowhere").unwrap()),
-        name: Name("half.describe@start".to_owned()),
+        name: "half.describe@start".to_owned(),
         path: PathBuf::from("snapshots/half.describe@start.snap.new"),
         file: None,
         accepted: Some(snapshot(before)),

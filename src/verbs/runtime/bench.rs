@@ -3,7 +3,6 @@
 //! `fab_bench` defines suites, runs them and computes their figures. This module finds files, compiles tasks, and
 //! prints and writes tables.
 
-mod on_arm;
 mod prepare;
 mod report;
 mod suites;
@@ -25,15 +24,16 @@ use crate::verbs::runtime::setting::policies::Deciding;
 use crate::verbs::runtime::setting::worlds::{self, WorldChoice};
 use clap::{Args, ValueHint};
 use fab_agent::rollout::FirstQuestion;
+use fab_arm::settings::{DriverKind, Settings};
 use fab_bench::on_arm::{Cloths, OnArm};
-use fab_bench::play::{self, Phase, Played, Results, StopReason};
+use fab_bench::play::{self, Played, Results, StopReason};
+use fab_bench::suite::Suite;
 use fab_bench::{Answers, Bench, Entry, OtherWorld, first_questions_of, rows};
-use fab_model::calls::Budget;
 use fab_program::Program;
 use fab_providers::catalogue::Profile;
 use fab_providers::estimate::Estimate;
 use fab_providers::remote::settings::Parameter;
-use fab_world::{About, ExternalWorld, World};
+use fab_world::{About, ExternalWorld, SimulatedWorld, World};
 use prepare::{DecidingBy, named_by};
 use report::BenchReport;
 use std::collections::BTreeMap;
@@ -45,7 +45,9 @@ use std::time::Instant;
 /// The most rollouts in parallel.
 const MAX_JOBS: i64 = 256;
 
-/// Arguments of `bench`.
+/// The least rollouts in parallel if providers are asked.
+const JOBS_WITH_PROVIDERS: usize = 8;
+
 #[derive(Args)]
 pub struct BenchArguments {
     /// A suite of tasks/suites by its name, or the path of a .toml file.
@@ -100,56 +102,43 @@ pub struct BenchArguments {
     pub json: bool,
 }
 
-/// One part of the starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// The number of this part, from 1.
     pub part: u32,
-    /// The number of parts.
     pub of: u32,
 }
 
-/// Parses `--shard`.
 fn shard(text: &str) -> Result<Shard, String> {
     let parts = text.split_once('/');
     let parts = parts.and_then(|(part, of)| Some((part.parse().ok()?, of.parse().ok()?)));
-    match parts {
-        Some((part, of)) if 1 <= part && part <= of => Ok(Shard { part, of }),
-        _ => Err("write a part and how many there are, such as 1/3, 2/3 and 3/3".to_owned()),
-    }
+    let shard = parts.map(|(part, of)| Shard { part, of });
+    let shard = shard.filter(|it| (1..=it.of).contains(&it.part));
+    shard.ok_or_else(|| "write a part and how many there are, such as 1/3, 2/3 and 3/3".to_owned())
 }
 
-/// Runs a suite and reports it.
 pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
     let begun = Instant::now();
     arguments.arm.check_world(&arguments.world)?;
     let found = suites::find(&arguments.suite)?;
     let mut suite = suites::narrowed(found.suite, arguments.variant.as_deref());
-    suite.structured &= !arguments
-        .model
-        .reach
-        .omitted()
-        .any(|it| it == Parameter::Schema);
+    let mut omitted = arguments.model.reach.omitted();
+    suite.structured &= !omitted.any(|it| it == Parameter::Schema);
     if suite.vary.is_some() && arguments.world != WorldChoice::Sim {
         return Err(Failure::environment(format!(
             "the suite varies its worlds (`[vary]`), which only the bundled simulator can, not `--world {}`: leave the option out, or run a suite without that table",
             arguments.world
         )));
     }
-    let arm = on_arm::check(arguments, &suite, io)?;
-    let has_operator = arguments.operator
-        || arm
-            .as_ref()
-            .is_some_and(|arm| setting::arm::has_operator(&arguments.arm, &arm.settings, io));
+    let arm = match arguments.world {
+        WorldChoice::Arm => Some(check_arm(arguments, &suite, io)?),
+        _ => None,
+    };
+    let asks_operator = |(_, _, settings): &(Cloths, About, Settings)| {
+        setting::arm::has_operator(&arguments.arm, settings, io)
+    };
+    let has_operator = arguments.operator || arm.as_ref().is_some_and(asks_operator);
     let interrupt = io.interrupt()?;
-    let deciding = prepare::deciding(
-        &suite,
-        &arguments.policy,
-        &arguments.model,
-        arguments.spend.purpose(),
-        &interrupt,
-        io,
-    )?;
+    let deciding = prepare::deciding(&suite, arguments, &interrupt, io)?;
     let mut answering = deciding.values().filter_map(Deciding::answering);
     if !arguments.share_answers && answering.any(Answering::shares_answers) {
         return Err(Failure::environment(
@@ -157,10 +146,13 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         ));
     }
     let budget = models::budget(&arguments.spend, &interrupt);
+    let cores = thread::available_parallelism().map_or(1, NonZero::get);
     let threads = match arguments.jobs {
         _ if arguments.operator => 1,
         Some(jobs) => usize::from(jobs),
-        None => usual_jobs(&deciding),
+        // Most of the time is spent waiting for a provider.
+        None if asks_a_provider(&deciding) => cores.max(JOBS_WITH_PROVIDERS),
+        None => cores,
     };
     let prepared = prepare::prepare(&suite, &found.folder, arguments, io)?;
     let out = if arguments.spend.estimate {
@@ -171,32 +163,23 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
     let cache = setting::cache_or_beside(&out, io);
     let entries = prepare::entries(&suite, &prepared, &deciding, arguments, &interrupt, io)?;
     let make_arm_world = |program: &Program, folder: &Path| {
-        setting::arm::world(
-            program,
-            &arguments.arm,
-            ArmMode::Execute,
-            Some(&folder.to_owned()),
-            io,
-        )
+        let (arm, folder) = (&arguments.arm, folder.to_owned());
+        setting::arm::world(program, arm, ArmMode::Execute, Some(&folder), io)
     };
     let make_look = |program: &Program| setting::arm::look(program, &arguments.arm);
     let world_command = match &arguments.world {
         WorldChoice::Program(command) => Some(command),
         WorldChoice::Sim | WorldChoice::Arm => None,
     };
-    for command in deciding
-        .values()
-        .filter_map(Deciding::command)
-        .chain(world_command)
-    {
+    let commands = deciding.values().filter_map(Deciding::command);
+    for command in commands.chain(world_command) {
         io.talk(&format!("each rollout that asks for it starts `{command}`"));
     }
     let make_elsewhere;
     let elsewhere = match world_command.zip(prepared.first()) {
         Some((command, first)) => {
-            let camera = &first.task.program.camera;
-            let picker = first.task.program.picker;
-            let world = ExternalWorld::start(command, camera, picker, None, &interrupt)?;
+            let Program { camera, picker, .. } = &first.task.program;
+            let world = ExternalWorld::start(command, camera, *picker, None, &interrupt)?;
             if !world.hello().particles {
                 Cloths::ByHand.check(&suite)?;
             }
@@ -223,20 +206,22 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         suite: &suite,
         tasks: prepared.into_iter().map(|it| it.task).collect(),
         entries,
-        make_world: &setting::varied_world,
-        arm: arm.map(|arm| OnArm {
-            about: arm.about,
-            cloths: arm.cloths,
+        make_world: &|program, values| {
+            let world = SimulatedWorld::of(program)?;
+            Ok(Box::new(world.varied(values, &program.camera)))
+        },
+        arm: arm.map(|(cloths, about, _)| OnArm {
+            about,
+            cloths,
             make_world: &make_arm_world,
             make_look: &make_look,
         }),
         elsewhere,
         out: out.clone(),
         threads,
-        answers: if arguments.share_answers {
-            Answers::Shared
-        } else {
-            Answers::PerStart
+        answers: match arguments.share_answers {
+            true => Answers::Shared,
+            false => Answers::PerStart,
         },
         cache: &cache,
         budget: &budget,
@@ -244,12 +229,10 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         interrupt: &interrupt,
         listen: &|run, event| events.write(run, event),
     };
-    let asks = asks_a_provider(&deciding) || arguments.spend.estimate;
-    let questions = if asks {
-        first_questions_of(&bench)?
-    } else {
-        Vec::new()
-    };
+    let mut questions = Vec::new();
+    if asks_a_provider(&deciding) || arguments.spend.estimate {
+        questions = first_questions_of(&bench)?;
+    }
     for (entry, questions) in bench.entries.iter().zip(&questions) {
         if let Some(answering) = answering_of(&deciding, entry) {
             answering.check(questions)?;
@@ -259,8 +242,9 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         return Ok(foresee(&bench, &questions, &deciding, arguments, io));
     }
     io.talk(&report::plan(&found.name, &bench, arguments.shard));
-    let results = play::play(&bench, &|phase, done, of| {
-        show(phase, done, of, &budget, io)
+    let results = play::play(&bench, &|what, done, of| {
+        let spent = so_far(&budget.spent());
+        io.progress(&format!("{done} of {of} {what}{spent}"));
     });
     io.progress("");
     let results = results?;
@@ -268,21 +252,31 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
     let wall_s = begun.elapsed().as_secs_f64();
     let report = BenchReport::new(&found.name, &bench, &results, &rows, wall_s);
     report.write(&out)?;
-    events.result(arguments.json, &report)?;
+    events.result(arguments.json, &report.document, || report.text())?;
     io.talk(&report.summary());
     Ok(exit_of(&results))
 }
 
-/// Returns the default number of parallel rollouts: one per core, or more if most of the time is spent waiting for a
-/// provider.
-fn usual_jobs(deciding: &DecidingBy) -> usize {
-    const WITH_PROVIDERS: usize = 8;
-    let cores = thread::available_parallelism().map_or(1, NonZero::get);
-    if asks_a_provider(deciding) {
-        cores.max(WITH_PROVIDERS)
-    } else {
-        cores
+/// Checks first of all that the arm can run the suite; returns who lays cloths on its table, its world, and its settings.
+fn check_arm(
+    arguments: &BenchArguments,
+    suite: &Suite,
+    io: &Io,
+) -> Result<(Cloths, About, Settings), Failure> {
+    if let Some(jobs) = arguments.jobs.filter(|jobs| *jobs != 1) {
+        return Err(Failure::usage(format!(
+            "`--jobs {jobs}` is for the simulator: an arm carries rollouts out one at a time"
+        )));
     }
+    let robot = arguments.arm.robot();
+    let cloths = match Settings::load(robot)?.driver {
+        DriverKind::Simulated => Cloths::Simulated,
+        DriverKind::Kinova | DriverKind::Trajectory | DriverKind::Ros2 => Cloths::ByHand,
+    };
+    cloths.check(suite)?;
+    let settings = setting::arm::check(&arguments.arm, ArmMode::Execute, io)?;
+    let about = fab_arm::world::about(robot).map_err(Failure::environment)?;
+    Ok((cloths, about, settings))
 }
 
 fn asks_a_provider(deciding: &DecidingBy) -> bool {
@@ -295,7 +289,6 @@ fn answering_of<'d>(deciding: &'d DecidingBy, entry: &Entry<'_>) -> Option<&'d A
     deciding.get(&named_by(entry.method))?.answering()
 }
 
-/// Reports what the suite would ask and cost.
 fn foresee(
     bench: &Bench<'_>,
     questions: &[Vec<FirstQuestion>],
@@ -313,22 +306,16 @@ fn foresee(
         let program = entry.programs.values().next()?;
         let answering = answering_of(deciding, entry)?;
         let starts = bench.tasks[entry.task].starts.len() as u64;
-        Some(estimate::estimate(
-            &Asking {
-                program,
-                questions,
-                answering,
-                horizon: bench
-                    .suite
-                    .horizons
-                    .last()
-                    .copied()
-                    .unwrap_or(program.horizon),
-                rollouts: starts * u64::from(entry.repeats),
-                fresh: &shared.add(bench, entry, questions, answering),
-            },
-            io,
-        ))
+        let horizon = bench.suite.horizons.last().copied();
+        let asking = Asking {
+            program,
+            questions,
+            answering,
+            horizon: horizon.unwrap_or(program.horizon),
+            rollouts: starts * u64::from(entry.repeats),
+            fresh: &shared.add(bench, entry, questions, answering),
+        };
+        Some(estimate::estimate(&asking, io))
     });
     estimate::say(&Estimate::total(parts), arguments.json, io);
     Exit::Done
@@ -357,49 +344,32 @@ impl SharedQuestions {
             let model = answering.profile(request.role).map(Profile::title);
             let key = (entry.task, model.unwrap_or_default(), request.key());
             let before = self.repeats.entry(key).or_default();
-            let shared = if self.is_kept {
-                entry.repeats.min(*before)
-            } else {
-                0
-            };
+            if !self.is_kept {
+                *before = 0;
+            }
+            all_shared = all_shared.min(*before);
             *before = entry.repeats.max(*before);
-            all_shared = all_shared.min(shared);
             // A varied world may look the same at first, and differs after the first action.
-            let shared = match entry.variation.name() {
-                None => all_shared,
-                Some(_) => 0,
-            };
+            let is_varied = entry.variation.name().is_some();
+            let shared = if is_varied { 0 } else { all_shared };
             starts * u64::from(entry.repeats - shared)
         });
         fresh.collect()
     }
 }
 
-fn show(phase: Phase, done: usize, of: usize, budget: &Budget, io: &Io) {
-    let what = match phase {
-        Phase::Starts => "starts laid",
-        Phase::Experts => "expert ends known",
-        Phase::Rollouts => "rollouts finished",
-    };
-    let spent = so_far(&budget.spent());
-    io.progress(&format!("{done} of {of} {what}{spent}"));
-}
-
-/// A suite succeeds when its rollouts have ended, whatever their outcomes; the environment failed only if no rollout
-/// could be played.
+/// A suite succeeds when its rollouts have ended, however they did; only if none could be played, the environment failed.
 fn exit_of(results: &Results) -> Exit {
-    match results.stopped {
-        Some(StopReason::Interrupted) => return Exit::Interrupted,
-        Some(StopReason::Capped) => return Exit::Unreached,
-        // The same exit code as for the rollout that ended like this.
-        Some(StopReason::Arm) => return Exit::Environment,
-        None if !results.cut_off.is_empty() => return Exit::Unreached,
-        None => {}
-    }
     let has_failed =
         |it: &Played| exit_of_rollout(it.rollout.report.outcome, None, None) == Exit::Environment;
-    if !results.rollouts.is_empty() && results.rollouts.iter().all(has_failed) {
-        return Exit::Environment;
+    let all_failed = !results.rollouts.is_empty() && results.rollouts.iter().all(has_failed);
+    match results.stopped {
+        Some(StopReason::Interrupted) => Exit::Interrupted,
+        Some(StopReason::Capped) => Exit::Unreached,
+        // The same exit code as for the rollout that ended like this.
+        Some(StopReason::Arm) => Exit::Environment,
+        None if !results.cut_off.is_empty() => Exit::Unreached,
+        None if all_failed => Exit::Environment,
+        None => Exit::Done,
     }
-    Exit::Done
 }

@@ -11,7 +11,7 @@ use crate::sources::{self, TaskArguments};
 use crate::verbs::runtime::run::say_pictures;
 use crate::verbs::runtime::setting::worlds::{self, WorldChoice};
 use crate::verbs::runtime::setting::{self, StartArguments};
-use crate::verbs::runtime::sim::parallel::{ThreadArguments, threads};
+use crate::verbs::runtime::sim::{ThreadArguments, threads};
 use clap::{Args, ValueHint};
 use fab_agent::best::{self, Aim, BestError, Limits, Measure, Search, unless_stopped};
 use fab_agent::examples::Examples;

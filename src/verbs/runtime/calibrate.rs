@@ -4,7 +4,6 @@
 //! Out: the calibration file, its picture, a drawing of the errors, and their summary. Nothing is lost: an existing
 //! file is kept under another name.
 
-mod backup;
 pub mod report;
 mod typing;
 
@@ -15,7 +14,7 @@ use crate::verbs::runtime::setting::{self, catalogue};
 use clap::{Args, ValueHint};
 use fab_agent::arm_sight::draw_errors;
 use fab_arm::calibration::{
-    Calibration, LIMIT_MM, Pair, Refusal, SeenTags, Terms, ToolReader, place_at_rest, read_pairs,
+    Calibration, LIMIT_MM, Pair, Terms, ToolReader, place_at_rest, read_pairs,
 };
 use fab_arm::directory::{PictureSelection, last_picture};
 use fab_arm::rgbd::Intrinsics;
@@ -23,9 +22,10 @@ use fab_arm::settings::{CameraSource, Settings};
 use fab_arm::world;
 use fab_picture::png;
 use image::RgbImage;
+use std::fs::File;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-/// How to state points.
 const POINTS: &str = "\
 Points are lines `u,v,x,y,z`: a pixel of the camera's own picture, then the tool's position in metres in the arm's \
 base frame when the fingertips touch what the pixel shows. If the picture shows printed AprilTags (family 36h11), the middle of \
@@ -36,7 +36,6 @@ from the arm, once it is at rest with its hand straight down.
 
 Exit codes: 0 written, 2 refused or a file cannot be used, 64 wrong usage.";
 
-/// Arguments of `calibrate`.
 #[derive(Args)]
 #[command(after_help = POINTS)]
 pub struct CalibrateArguments {
@@ -74,55 +73,47 @@ pub struct CalibrateArguments {
     pub json: bool,
 }
 
-/// Parses `4x4`, columns and rows.
 fn columns_and_rows(text: &str) -> Result<[u32; 2], String> {
     setting::two_counts(text)
         .filter(|sides| sides.iter().all(|side| (2..=20).contains(side)))
         .ok_or_else(|| "write columns and rows, such as `4x4`; each 2 to 20".to_owned())
 }
 
-/// Calibrates from points of a file, typed points, or points to which a person guides the arm by hand or with the vendor's
-/// joystick; fabc reads its position and never moves it.
+/// Calibrates from points of a file, typed ones, or ones to which a person guides the arm; fabc never moves it.
 pub fn run(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
-    if !arguments.jog {
-        return run_with(arguments, None, io);
+    let mut tool: Option<Box<ToolReader<'_>>> = None;
+    if arguments.jog {
+        if arguments.pairs.is_some() && !arguments.more {
+            return Err(Failure::usage(
+                "`--pairs` alone takes its points from the file, and `--jog` from the arm; with `--more` those of the arm follow",
+            ));
+        }
+        let nobody = "nobody can guide it to a point; type points, or give them with `--pairs`";
+        let settings = connect::settings_of_real(&arguments.robot, nobody)?;
+        let port = connect::port(&settings, settings.camera.timeout_s);
+        let mut port = port.map_err(Failure::environment)?;
+        let stale_s = settings.tolerance.stale_s;
+        // Then only pixels are typed.
+        tool = Some(Box::new(move || place_at_rest(port.as_mut(), stale_s)));
     }
-    if arguments.pairs.is_some() && !arguments.more {
-        return Err(Failure::usage(
-            "`--pairs` alone takes its points from the file, and `--jog` from the arm; with `--more` those of the arm follow",
-        ));
-    }
-    let nobody = "nobody can guide it to a point; type points, or give them with `--pairs`";
-    let settings = connect::settings_of_real(&arguments.robot, nobody)?;
-    let port = connect::port(&settings, settings.camera.timeout_s);
-    let mut port = port.map_err(Failure::environment)?;
-    let stale_s = settings.tolerance.stale_s;
-    let tool = move || place_at_rest(port.as_mut(), stale_s);
-    run_with(arguments, Some(Box::new(tool)), io)
-}
-
-/// Calibrates; with `tool`, only pixels are typed, and the tool's position is read from the arm at each.
-fn run_with(
-    arguments: &CalibrateArguments,
-    tool: Option<Box<ToolReader<'_>>>,
-    io: &Io,
-) -> Result<Exit, Failure> {
     let settings = Settings::load(&arguments.robot)?;
-    let (seen, told) = match seen(arguments, &settings)? {
-        Some(seen) => (Some(seen.rgb), seen.intrinsics),
-        None => (None, None),
-    };
-    let size_px = size_px(&settings, seen.as_ref())?;
+    let (seen, told) = seen(arguments, &settings)?.unzip();
+    let stated_px = settings.camera.intrinsics.as_ref().map(|it| it.size_px);
+    let shown_px = seen.as_ref().map(|seen| [seen.width(), seen.height()]);
+    let size_px = shown_px.or(stated_px).ok_or_else(|| {
+        Failure::usage(
+            "the size of the camera's picture is not known: give a picture with `--image PNG`, or state \
+             `camera.intrinsics` in the settings",
+        )
+    })?;
     let limit_mm = arguments.limit.unwrap_or(LIMIT_MM);
     let mut terms = Terms::of(&settings, size_px, limit_mm);
     // Intrinsics in the settings were chosen by the user, so they override the camera's own.
-    terms.intrinsics = terms.intrinsics.or(told);
+    terms.intrinsics = terms.intrinsics.or(told.flatten());
     // Before anybody touches points in vain.
     terms.check()?;
-    let path = match &arguments.out {
-        Some(path) => path.clone(),
-        None => beside(&arguments.robot, &settings.calibration),
-    };
+    let named = || beside(&arguments.robot, &settings.calibration);
+    let path = arguments.out.clone().unwrap_or_else(named);
     let pairs = pairs(arguments, &terms, tool, &path, seen.as_ref(), io)?;
     let day = catalogue::today(io).to_string();
     let reference = seen.as_ref().map(image::imageops::grayscale);
@@ -131,43 +122,36 @@ fn run_with(
         Ok(calibration) => Some(&calibration.fit),
         Err(refusal) => refusal.fit.as_deref(),
     };
-    let drawn = match seen {
-        Some(mut seen) => {
-            draw_errors(&mut seen, &pairs, fit)?;
-            let drawn = path.with_extension("points.png");
-            write_file(&drawn, &png::encode(&seen))?;
-            Some(drawn)
-        }
-        None => None,
-    };
-    let calibration = made.map_err(|refusal| refused(&refusal, drawn.as_deref()))?;
-    let earlier = backup::copy(&path)?;
-    backup::copy(&Calibration::picture_beside(&path))?;
+    let mut drawn = None;
+    if let Some(mut seen) = seen {
+        draw_errors(&mut seen, &pairs, fit)?;
+        let file = drawn.insert(path.with_extension("points.png"));
+        write_file(file, &png::encode(&seen))?;
+    }
+    let calibration = made.map_err(|refusal| {
+        let shown = drawn.iter();
+        let shown = shown.map(|drawn| format!("\n`{}` shows the points", drawn.display()));
+        let shown: String = shown.collect();
+        Failure::environment(format!(
+            "the points are refused and no calibration is written\n{refusal}{shown}"
+        ))
+    })?;
+    let earlier = keep_copy(&path)?;
+    keep_copy(&Calibration::picture_beside(&path))?;
     calibration.save(&path)?;
     report::say_doubts(&calibration, io);
-    let reference = calibration.reference.as_ref();
+    let picture = { calibration.reference.as_ref() }.map(|_| Calibration::picture_beside(&path));
     let written = report::Written {
-        file: &path,
-        reference: reference.map(|_| Calibration::picture_beside(&path)),
-        drawn: drawn.as_deref(),
-        earlier: earlier.as_deref(),
+        file: path,
+        reference: picture,
+        drawn,
+        earlier,
     };
     let calibrated = report::Calibrated::of(&calibration, &settings, written);
     io.result(arguments.json, &calibrated);
     Ok(Exit::Done)
 }
 
-fn refused(refusal: &Refusal, drawn: Option<&Path>) -> Failure {
-    let shown = match drawn {
-        Some(drawn) => format!("\n`{}` shows the points", drawn.display()),
-        None => String::new(),
-    };
-    Failure::environment(format!(
-        "the points are refused and no calibration is written\n{refusal}{shown}"
-    ))
-}
-
-/// Returns the points of the file and the typed ones.
 fn pairs(
     arguments: &CalibrateArguments,
     terms: &Terms,
@@ -182,12 +166,15 @@ fn pairs(
     };
     // It matters only to points that name a tag.
     let tags = tags.as_deref().map_err(String::as_str);
-    let given = match &arguments.pairs {
-        Some(file) => read(file, tags)?,
-        None => Vec::new(),
-    };
-    if arguments.pairs.is_some() && !arguments.more {
-        return Ok(given);
+    let mut given = Vec::new();
+    if let Some(file) = &arguments.pairs {
+        given = read_pairs(file, tags).map_err(|why| {
+            let file = file.display();
+            Failure::environment(format!("the points in `{file}` cannot be used: {why}"))
+        })?;
+        if !arguments.more {
+            return Ok(given);
+        }
     }
     let asked = typing::TypingSetup {
         grid: arguments.grid,
@@ -198,79 +185,72 @@ fn pairs(
     io.read(|stdin| typing::type_points(terms, given, tool, &asked, stdin, io))
 }
 
-fn read(file: &Path, tags: SeenTags<'_>) -> Result<Vec<Pair>, Failure> {
-    read_pairs(file, tags).map_err(|why| {
-        let file = file.display();
-        Failure::environment(format!("the points in `{file}` cannot be used: {why}"))
-    })
-}
-
-/// A picture of the table, and the camera's intrinsics if it reports them.
-struct TablePicture {
-    rgb: RgbImage,
-    intrinsics: Option<Intrinsics>,
-}
-
-/// Returns the camera's own picture: the one given or taken now, the newest of the camera's folder, or that of a
-/// simulated table.
+/// Returns the camera's picture: one given or taken now, the newest of its folder, or that of a simulated table. With
+/// it come the camera's intrinsics, if it reports them.
 fn seen(
     arguments: &CalibrateArguments,
     settings: &Settings,
-) -> Result<Option<TablePicture>, Failure> {
-    let plain = |rgb| TablePicture {
-        rgb,
-        intrinsics: None,
-    };
+) -> Result<Option<(RgbImage, Option<Intrinsics>)>, Failure> {
     if arguments.image.is_none() && settings.camera.source == CameraSource::Simulated {
-        let table = world::simulated_table(settings)?;
-        return Ok(Some(plain(table)));
+        return Ok(Some((world::simulated_table(settings)?, None)));
     }
     if arguments.shoot {
         let timeout_s = settings.camera.timeout_s;
-        let camera = connect::camera(
-            settings,
-            &arguments.robot,
-            PictureSelection::Fresh { timeout_s },
-        );
+        let fresh = PictureSelection::Fresh { timeout_s };
+        let camera = connect::camera(settings, &arguments.robot, fresh);
         let shot = camera.map_err(Failure::environment)?.shoot()?;
-        return Ok(Some(TablePicture {
-            rgb: shot.rgb,
-            intrinsics: shot.intrinsics,
-        }));
+        return Ok(Some((shot.rgb, shot.intrinsics)));
     }
-    let path = match (
-        &arguments.image,
-        settings.camera.source,
-        &settings.camera.folder,
-    ) {
+    let camera = &settings.camera;
+    let path = match (&arguments.image, camera.source, &camera.folder) {
         (Some(path), _, _) => Some(path.clone()),
         (None, CameraSource::Directory, Some(folder)) => {
             let folder = beside(&arguments.robot, folder);
             last_picture(&folder).map_err(|why| {
-                Failure::environment(format!(
-                    "cannot read the folder `{}`: {why}",
-                    folder.display()
-                ))
+                let folder = folder.display();
+                Failure::environment(format!("cannot read the folder `{folder}`: {why}"))
             })?
         }
         _ => None,
     };
-    let seen = path.map(|path| png::load(&path).map(plain)).transpose();
-    seen.map_err(Failure::environment)
-}
-
-fn size_px(settings: &Settings, seen: Option<&RgbImage>) -> Result<[u32; 2], Failure> {
-    let stated = settings.camera.intrinsics.as_ref().map(|it| it.size_px);
-    let shown = seen.map(|seen| [seen.width(), seen.height()]);
-    shown.or(stated).ok_or_else(|| {
-        Failure::usage(
-            "the size of the camera's picture is not known: give a picture with `--image PNG`, or state \
-             `camera.intrinsics` in the settings",
-        )
-    })
+    let seen = path.map(|path| png::load(&path)).transpose();
+    let seen = seen.map_err(Failure::environment)?;
+    Ok(seen.map(|rgb| (rgb, None)))
 }
 
 /// Resolves a path that a settings file names, relative to it.
 fn beside(robot: &Path, named: &Path) -> PathBuf {
     robot.parent().unwrap_or(Path::new("")).join(named)
+}
+
+const MAX_BACKUPS: u32 = 9999;
+
+/// Copies a file to the first free `FILE.before-N`; returns that name, or `None` if there is no file.
+fn keep_copy(path: &Path) -> Result<Option<PathBuf>, Failure> {
+    copied(path).map_err(|error| {
+        Failure::environment(format!(
+            "cannot keep a copy of `{}`, so it is not replaced: {error}",
+            path.display()
+        ))
+    })
+}
+
+fn copied(path: &Path) -> io::Result<Option<PathBuf>> {
+    let mut old = match File::open(path) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        old => old?,
+    };
+    for number in 1..=MAX_BACKUPS {
+        let earlier = path.with_added_extension(format!("before-{number}"));
+        match File::create_new(&earlier) {
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+            file => {
+                let mut file = file?;
+                io::copy(&mut old, &mut file)?;
+                file.sync_all()?;
+                return Ok(Some(earlier));
+            }
+        }
+    }
+    Err(ErrorKind::AlreadyExists.into())
 }

@@ -2,16 +2,15 @@
 
 use crate::exit::Failure;
 use crate::io::Io;
-use crate::report::Report;
 use clap::{Args, ValueHint};
 use fab_agent::rollout::event::{Event, Line};
+use serde::Serialize;
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-/// Where events go.
 #[derive(Args, Clone, Debug, Default)]
 pub struct EventArguments {
     /// Write each event of a rollout to FILE as it happens, one line of JSON each; `-` is stdout, and the report then goes
@@ -20,7 +19,6 @@ pub struct EventArguments {
     pub events: Option<PathBuf>,
 }
 
-/// Writes events.
 pub struct EventLog<'io> {
     io: &'io Io,
     begun: Instant,
@@ -38,10 +36,10 @@ enum Destination {
 impl EventArguments {
     /// Returns the same with a path that is valid in every folder.
     pub fn absolute(&self) -> Result<EventArguments, Failure> {
-        let events = match &self.events {
-            Some(path) if path != Path::new("-") => Some(std::path::absolute(path)?),
-            other => other.clone(),
-        };
+        let mut events = self.events.clone();
+        if let Some(path) = events.as_mut().filter(|path| *path != Path::new("-")) {
+            *path = std::path::absolute(&path)?;
+        }
         Ok(EventArguments { events })
     }
 
@@ -49,12 +47,14 @@ impl EventArguments {
     pub fn open<'io>(&self, json: bool, io: &'io Io) -> Result<EventLog<'io>, Failure> {
         let to = match &self.events {
             None => Destination::Nowhere,
-            Some(path) if path == Path::new("-") && json => {
-                return Err(Failure::usage(
-                    "`--events -` and `--json` both write to stdout: give `--events FILE`",
-                ));
+            Some(path) if path == Path::new("-") => {
+                if json {
+                    let why =
+                        "`--events -` and `--json` both write to stdout: give `--events FILE`";
+                    return Err(Failure::usage(why));
+                }
+                Destination::Stdout
             }
-            Some(path) if path == Path::new("-") => Destination::Stdout,
             Some(path) => Destination::File {
                 file: File::create(path).map_err(|error| Failure::unwritable(path, error))?,
                 path: path.clone(),
@@ -90,10 +90,15 @@ impl EventLog<'_> {
     }
 
     /// Prints a result, on stderr if stdout has the events; fails if an event could not be written.
-    pub fn result(&self, json: bool, result: &impl Report) -> Result<(), Failure> {
+    pub fn result(
+        &self,
+        json: bool,
+        document: &impl Serialize,
+        text: impl FnOnce() -> String,
+    ) -> Result<(), Failure> {
         match &self.to {
-            Destination::Stdout => self.io.talk(&result.text()),
-            _ => self.io.result(json, result),
+            Destination::Stdout => self.io.talk(&text()),
+            _ => self.io.either(json, document, text),
         }
         let mut failed = self.failed.lock().unwrap_or_else(PoisonError::into_inner);
         match (&self.to, failed.take()) {

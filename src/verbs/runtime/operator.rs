@@ -10,7 +10,6 @@ use fab_agent::operator::Operator;
 use fab_agent::record::Report;
 use std::path::Path;
 
-/// Asks on the terminal.
 pub struct TerminalOperator<'io>(pub &'io Io);
 
 impl Operator for TerminalOperator<'_> {
@@ -19,16 +18,11 @@ impl Operator for TerminalOperator<'_> {
         io.progress("");
         // A person who held a key while the arm moved may still hold it; from here on answers are lines.
         terminal::restore();
+        let (task, outcome, steps) = (&report.task, report.outcome.name(), report.steps);
+        let why = report.stopped.iter().map(|why| format!(" ({why})"));
+        let (why, folder) = (why.collect::<String>(), folder.display());
         io.talk(&format!(
-            "{} has ended: {} after {} actions{}, in `{}`",
-            report.task,
-            report.outcome.name(),
-            report.steps,
-            report
-                .stopped
-                .as_ref()
-                .map_or(String::new(), |why| format!(" ({why})")),
-            folder.display()
+            "{task} has ended: {outcome} after {steps} actions{why}, in `{folder}`"
         ));
         let judgement = asked(&mut || terminal::typed_line(io), &mut |text| io.talk(text));
         if judgement.is_none() {

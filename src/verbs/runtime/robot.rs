@@ -16,7 +16,6 @@ use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use clap::Args;
 
-/// What `recover` does not do.
 const BY_HAND: &str = "\
 This command does not move the arm. Bring the arm to rest by hand or with the vendor's tools, take the cloth out of \
 its fingers, then state what you did, with --how or when asked. Caution: `home` in the vendor's driver opens the \
@@ -24,7 +23,6 @@ hand and drops what it holds.
 
 Exit codes: 0 the arm is clear, 2 no recovery was stated, and nothing was changed.";
 
-/// What `enable` does not do.
 const LET_GO: &str = "\
 A stopped arm stays stopped until this command enables it; no other command does. The arm does not move: to verify \
 that it accepts motion, fabc re-sends its current pose. Whatever the gripper holds, and the state that a run left, \
@@ -32,7 +30,6 @@ are unchanged: see `fabc robot recover`. A simulated arm ends with its program, 
 
 Exit codes: 0 enabled, 2 no reason was given or enabling could not be verified, 64 wrong usage.";
 
-/// Arguments of `robot`.
 #[derive(Args)]
 pub struct RobotArguments {
     /// What to do.
@@ -56,7 +53,6 @@ crate::verbs::verbs! {
     Watchdog(watchdog::WatchdogArguments),
 }
 
-/// Runs a subcommand of `robot`.
 pub fn run(arguments: &RobotArguments, io: &Io) -> Result<Exit, Failure> {
     arguments.verb.run(io)
 }

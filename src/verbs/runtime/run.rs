@@ -25,9 +25,10 @@ use fab_agent::outcome::Outcome;
 use fab_agent::policy::MakePolicy;
 use fab_agent::rollout::{self, Job, RunError};
 use fab_agent::subgoals::{Origin, SubgoalSet};
-use fab_arm::settings::DriverKind;
+use fab_arm::settings::{DriverKind, Settings};
 use fab_model::calls::ledger;
-use fab_world::WorldError;
+use fab_world::film::Recorder;
+use fab_world::{SimulatedWorld, World, WorldError};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -35,7 +36,6 @@ use std::sync::OnceLock;
 use planned::PlannedRun;
 use report::{Progress, RunReport};
 
-/// Arguments of `run`.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
 pub struct RunArguments {
     #[command(flatten)]
@@ -84,20 +84,17 @@ pub const RUN_FILE: &str = "run.json";
 /// How a run was started, so that it can be resumed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Begun {
-    /// The folder in which the command was run.
     pub directory: PathBuf,
     pub arguments: RunArguments,
 }
 
 /// The folder for a rollout's record.
 pub enum Destination<'a> {
-    /// A new folder.
     New,
     /// The folder of a rollout that was cut off or stopped.
     Existing(&'a Path),
 }
 
-/// Runs one rollout and reports it.
 pub fn run(arguments: &RunArguments, io: &Io) -> Result<Exit, Failure> {
     arguments.arm.check_world(&arguments.world)?;
     arguments.video.check(&arguments.world)?;
@@ -117,39 +114,33 @@ pub fn play(
     let interrupt = io.interrupt()?;
     let purpose = arguments.spend.purpose();
     let deciding = Deciding::of(&arguments.policy, &arguments.model, purpose, &interrupt, io)?;
-    let moving = if arguments.plan_only {
-        ArmMode::PlanOnly
-    } else {
-        ArmMode::Execute
-    };
-    let arm = match &arguments.world {
-        WorldChoice::Arm => Some(setting::arm::check(&arguments.arm, moving, io)?),
-        _ if arguments.plan_only => {
-            return Err(Failure::usage(
-                "`--plan-only` plans for an arm: give `--world arm` and its settings, `--robot FILE`".to_owned(),
-            ));
-        }
-        _ => None,
-    };
+    let mut arm = None;
+    let moving = [ArmMode::Execute, ArmMode::PlanOnly][usize::from(arguments.plan_only)];
+    if arguments.world == WorldChoice::Arm {
+        arm = Some(setting::arm::check(&arguments.arm, moving, io)?);
+    } else if arguments.plan_only {
+        return Err(Failure::usage(
+            "`--plan-only` plans for an arm: give `--world arm` and its settings, `--robot FILE`",
+        ));
+    }
     let first = match &arguments.world {
         WorldChoice::Program(command) => worlds::external(command, &program, None, &interrupt),
         _ => setting::world(&program),
     }?;
-    if let Destination::Existing(_) = destination {
-        worlds::check_repeats(first.as_ref())?;
+    if matches!(destination, Destination::Existing(_)) && !first.repeats() {
+        return Err(Failure::environment(format!(
+            "the world `{}` says that it cannot lay a start again exactly, so no rollout in it can be resumed: begin a new run",
+            first.name()
+        )));
     }
     let start = match &arm {
         Some(settings) if settings.driver != DriverKind::Simulated => {
             setting::arm::start(&program, arguments.start.start.as_ref())?
         }
-        _ => setting::start(
-            &program,
-            &beside,
-            &arguments.start,
-            first.as_ref(),
-            &interrupt,
-            io,
-        )?,
+        _ => {
+            let (options, world) = (&arguments.start, first.as_ref());
+            setting::start(&program, &beside, options, world, &interrupt, io)?
+        }
     };
     // A world that is a program is started again for the rollout, since a robot exists only once.
     drop(first);
@@ -171,7 +162,13 @@ pub fn play(
     // The film; the run folder, where it is written, is made later.
     let film = OnceLock::new();
     let make_world = || match &arguments.world {
-        WorldChoice::Sim => setting::filmed_world(&program, film.get()),
+        WorldChoice::Sim => {
+            let world = SimulatedWorld::of(&program)?;
+            Ok(Box::new(match film.get() {
+                Some(recorder) => world.with_recorder(Recorder::clone(recorder)),
+                None => world,
+            }) as Box<dyn World>)
+        }
         WorldChoice::Arm => {
             setting::arm::world(&program, &arguments.arm, moving, journal.get(), io)
         }
@@ -184,17 +181,13 @@ pub fn play(
         WorldChoice::Arm => setting::arm::look(&program, &arguments.arm),
         _ => setting::world(&program),
     };
-    let has_operator = arguments.operator
-        || arm
-            .as_ref()
-            .is_some_and(|settings| setting::arm::has_operator(&arguments.arm, settings, io));
+    let asks_operator =
+        |settings: &Settings| setting::arm::has_operator(&arguments.arm, settings, io);
+    let has_operator = arguments.operator || arm.as_ref().is_some_and(asks_operator);
     say_pictures(&subgoals, &examples, &arguments.task.file, io);
     let policy = policies::in_words(&deciding.make().description());
-    io.talk(&format!(
-        "{}: start {}, {policy}",
-        program.title(),
-        start.name
-    ));
+    let title = program.title();
+    io.talk(&format!("{title}: start {}, {policy}", start.name));
     let budget = models::budget(&arguments.spend, &interrupt);
     let terminal = TerminalOperator(io);
     let job = Job {
@@ -215,17 +208,15 @@ pub fn play(
         start_number: None,
     };
     if let Some(answering) = deciding.answering() {
-        let asks = answering.asks_a_provider() || arguments.spend.estimate;
-        let questions = if asks {
+        let mut questions = Vec::new();
+        if answering.asks_a_provider() || arguments.spend.estimate {
             // An estimate neither lays a cloth nor connects to anything.
             let look = Job {
                 make_world: &make_look,
                 ..job
             };
-            rollout::first_questions(&look, answering.models())?
-        } else {
-            Vec::new()
-        };
+            questions = rollout::first_questions(&look, answering.models())?;
+        }
         answering.check(&questions)?;
         if arguments.spend.estimate {
             let asking = Asking {
@@ -240,8 +231,7 @@ pub fn play(
             return Ok(Exit::Done);
         }
     }
-    let prepared = deciding.make().prepare(&program);
-    prepared?;
+    deciding.make().prepare(&program)?;
     let events = arguments.events.open(arguments.json, io)?;
     let folder = match (&destination, &arguments.out) {
         (Destination::Existing(path), _) => RunFolder::reopen(path),
@@ -258,11 +248,17 @@ pub fn play(
     let noted = ledger::read(folder.path())?;
     let spent = noted.spent;
     budget.restore(&spent);
-    keep_beginning(&folder, arguments, &destination)?;
     let earlier = folder.earlier_steps();
     if let Destination::Existing(_) = destination {
         let so_far = report::so_far(&spent);
         io.talk(&format!("resuming after step {earlier}{so_far}"));
+    } else {
+        let begun = Begun {
+            directory: std::env::current_dir()?,
+            arguments: arguments.clone(),
+        };
+        let kept = folder.keep(RUN_FILE, &serde_json::to_vec_pretty(&begun)?);
+        kept.map_err(Failure::environment)?;
     }
     let run = folder.path().to_owned();
     let mut progress = Progress::after(earlier, io);
@@ -285,41 +281,14 @@ pub fn play(
     })?;
     let judged = report.operator.as_ref().map(|judgement| judgement.reached);
     let exit = exit_of(report.outcome, report.goal_reached, judged);
-    match &arm {
-        Some(settings) if arguments.plan_only => {
-            events.result(arguments.json, &PlannedRun::of(report, settings)?)?;
-        }
-        _ => {
-            let goal = program.goal.as_ref();
-            events.result(
-                arguments.json,
-                &RunReport {
-                    report,
-                    goal,
-                    video,
-                },
-            )?;
-        }
+    if let Some(settings) = arm.filter(|_| arguments.plan_only) {
+        let planned = PlannedRun::of(report)?;
+        events.result(arguments.json, &planned, || planned.text(&settings))?;
+    } else {
+        let ended = RunReport { report, video };
+        events.result(arguments.json, &ended, || ended.text(program.goal.as_ref()))?;
     }
     Ok(exit)
-}
-
-/// Records how the run was started.
-fn keep_beginning(
-    folder: &RunFolder,
-    arguments: &RunArguments,
-    destination: &Destination<'_>,
-) -> Result<(), Failure> {
-    if let Destination::Existing(_) = destination {
-        return Ok(());
-    }
-    let begun = Begun {
-        directory: std::env::current_dir()?,
-        arguments: arguments.clone(),
-    };
-    let text = serde_json::to_vec_pretty(&begun)?;
-    let kept = folder.keep(RUN_FILE, &text);
-    kept.map(drop).map_err(Failure::environment)
 }
 
 /// Reports the origin of subgoal pictures if it is unusual, and pictures that were changed to be shown.
@@ -327,22 +296,20 @@ pub fn say_pictures(subgoals: &SubgoalSet, examples: &Examples, file: &str, io: 
     for note in subgoals.notes.iter().chain(&examples.notes) {
         io.talk(&format!("note: {note}"));
     }
-    match subgoals.origin {
-        Origin::Author | Origin::Pinned | Origin::Absent => {}
-        Origin::PinnedByOther => io.talk(&format!(
-            "note: the pinned subgoal pictures were drawn with other simulator parameters, colours or manners; `fabc subgoals {file}` draws them again"
-        )),
-        Origin::Drawn => io.talk(&format!(
-            "no subgoal pictures are pinned: drawn for this run; `fabc subgoals {file}` pins them"
-        )),
-        Origin::DrawnAnew => io.talk(&format!(
-            "warning: the pinned subgoal pictures are not all there as they were drawn, or show another fold, cloth or camera: drawn anew for this run; `fabc subgoals {file}` pins them"
-        )),
-    }
+    let note = match subgoals.origin {
+        Origin::Author | Origin::Pinned | Origin::Absent => return,
+        Origin::PinnedByOther => {
+            "note: the pinned subgoal pictures were drawn with other simulator parameters, colours or manners; {} draws them again"
+        }
+        Origin::Drawn => "no subgoal pictures are pinned: drawn for this run; {} pins them",
+        Origin::DrawnAnew => {
+            "warning: the pinned subgoal pictures are not all there as they were drawn, or show another fold, cloth or camera: drawn anew for this run; {} pins them"
+        }
+    };
+    io.talk(&note.replace("{}", &format!("`fabc subgoals {file}`")));
 }
 
-/// Returns the exit code for an outcome; `goal_reached` is `None` without a goal, `judged` without an operator's
-/// answer.
+/// Returns the exit code for an outcome; `goal_reached` is `None` without a goal, `judged` without an operator.
 pub fn exit_of(outcome: Outcome, goal_reached: Option<bool>, judged: Option<bool>) -> Exit {
     match outcome {
         // A person who saw the cloth overrides the measure.

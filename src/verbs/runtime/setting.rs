@@ -20,9 +20,7 @@ use fab_base::files;
 use fab_base::interrupt::Interrupt;
 use fab_program::exact::written;
 use fab_program::{ClothStart, Program, STATED_SPACING_MM};
-use fab_world::film::Recorder;
 use fab_world::start::{Grid, Start, StartFrame, Up};
-use fab_world::vary::AxisValues;
 use fab_world::{SimulatedWorld, World, WorldError, crumple};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -52,21 +50,8 @@ pub struct FrameArguments {
 /// The seed of a crumpled cloth if the command line gives none.
 const DEFAULT_SEED: u64 = 0;
 
-/// Makes a simulated world for a program.
 pub fn world(program: &Program) -> Result<Box<dyn World>, WorldError> {
     Ok(Box::new(SimulatedWorld::of(program)?))
-}
-
-/// Makes a simulated world for a program, filmed if there is a recorder.
-pub fn filmed_world(
-    program: &Program,
-    recorder: Option<&Recorder>,
-) -> Result<Box<dyn World>, WorldError> {
-    let Some(recorder) = recorder else {
-        return world(program);
-    };
-    let world = SimulatedWorld::of(program)?;
-    Ok(Box::new(world.with_recorder(recorder.clone())))
 }
 
 /// Finds or draws the pictures of a task's subgoals; `folder` holds the task's file.
@@ -122,11 +107,6 @@ pub fn start(
     Ok(start)
 }
 
-fn may_be_stated(spacing_mm: f64) -> bool {
-    let [least, most] = STATED_SPACING_MM;
-    (least..=most).contains(&spacing_mm)
-}
-
 /// Refuses a start whose particles are not as far apart as those of the task's cloth, from which the task counts lengths.
 pub fn check_spacing(start: &str, spacing_m: f64, program: &Program) -> Result<(), Failure> {
     let declared_m = program.cloth.spacing_m;
@@ -134,8 +114,9 @@ pub fn check_spacing(start: &str, spacing_m: f64, program: &Program) -> Result<(
         return Ok(());
     }
     let [found, wanted] = [spacing_m, declared_m].map(|metres| written(metres * 1000.0, 3));
+    let [least, most] = STATED_SPACING_MM;
     let state = match program.cloth.material {
-        Some(_) if may_be_stated(spacing_m * 1000.0) => {
+        Some(_) if (least..=most).contains(&(spacing_m * 1000.0)) => {
             format!("; the task would state `spacing: {found}mm`")
         }
         _ => String::new(),
@@ -143,12 +124,6 @@ pub fn check_spacing(start: &str, spacing_m: f64, program: &Program) -> Result<(
     Err(Failure::environment(format!(
         "the particles of the start {start} are {found} mm apart, and those of the task's cloth {wanted} mm{state}"
     )))
-}
-
-/// Makes a simulated world that differs from a program's own in some values.
-pub fn varied_world(program: &Program, values: &AxisValues) -> Result<Box<dyn World>, WorldError> {
-    let world = SimulatedWorld::of(program)?;
-    Ok(Box::new(world.varied(values, &program.camera)))
 }
 
 /// Returns the task for the cloth of a start; compiles it again if that cloth has another grid.
@@ -162,7 +137,8 @@ pub fn fitted(
     if grid == [declared.cloth.dimx, declared.cloth.dimy] {
         return Ok(declared.clone());
     }
-    sources::compile_task_for(task, grid, io)
+    let programs = sources::compile_tasks_for(&task.file, task.task.as_deref(), grid, io)?;
+    sources::chosen(programs, task)
 }
 
 fn crumpled(

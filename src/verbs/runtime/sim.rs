@@ -13,18 +13,18 @@ mod time;
 
 mod demonstrations;
 mod files;
-pub mod parallel;
-mod usage;
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use clap::Args;
+use fab_base::parallel::in_parallel;
 use fab_sim::Grid;
+use std::num::NonZero;
+use std::thread;
 
 /// The most threads that a verb starts.
 const MAX_THREADS: i64 = 256;
 
-/// Arguments of `sim`.
 #[derive(Args)]
 pub struct SimArguments {
     /// What to do.
@@ -54,7 +54,6 @@ crate::verbs::verbs! {
 /// Distance between neighbours in a flat cloth unless stated otherwise, metres (protocol, section 1).
 const SPACING_M: f64 = 0.00625;
 
-/// Runs one of the subcommands.
 pub fn run(arguments: &SimArguments, io: &Io) -> Result<Exit, Failure> {
     arguments.verb.run(io)
 }
@@ -64,10 +63,40 @@ fn square(size: u32) -> Result<Grid, Failure> {
     grid([size; 2], &format!("--size {size}"))
 }
 
-/// Returns a grid of the usual spacing.
-///
-/// - `stated`: the option that states it, for the message.
+/// Returns a grid of the usual spacing; `stated` is the option that states it, for the message.
 fn grid([dimx, dimy]: [u32; 2], stated: &str) -> Result<Grid, Failure> {
     Grid::new(dimx as usize, dimy as usize, SPACING_M as f32)
         .map_err(|error| Failure::usage(format!("`{stated}`: {error}")))
+}
+
+/// How many cloths are simulated side by side.
+#[derive(Args)]
+pub struct ThreadArguments {
+    /// Cloths simulated side by side; default: one per core.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MAX_THREADS))]
+    pub threads: Option<u16>,
+}
+
+/// Returns the number of threads asked for, or one per core.
+pub fn threads(arguments: &ThreadArguments) -> usize {
+    arguments.threads.map_or_else(
+        || thread::available_parallelism().map_or(1, NonZero::get),
+        usize::from,
+    )
+}
+
+/// Simulates `count` cloths, with a line of progress; the first failure or an interrupt ends all.
+pub fn each<T: Send>(
+    count: usize,
+    arguments: &ThreadArguments,
+    what: &str,
+    io: &Io,
+    simulate: impl Fn(usize) -> Result<T, Failure> + Sync,
+) -> Result<Vec<T>, Failure> {
+    let show = |done: usize| io.progress(&format!("{done} of {count} {what}"));
+    show(0);
+    let simulate = |index| simulate(index).map(Some);
+    let results = in_parallel(count, threads(arguments), simulate, show);
+    io.progress("");
+    Ok(results?.into_iter().flatten().collect())
 }

@@ -9,7 +9,6 @@ use fab_world::film::{self, Film, FilmPlan, Recorder};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::path::{Path, PathBuf};
 
-/// Name of the video in a run folder.
 pub const VIDEO_FILE: &str = "video.gif";
 
 /// Whether a run is filmed, and how.
@@ -31,7 +30,6 @@ fn given<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Option<PathBuf>>, 
 }
 
 impl VideoArguments {
-    /// Tells whether there is to be none.
     pub fn is_absent(&self) -> bool {
         *self == VideoArguments::default()
     }
@@ -46,8 +44,8 @@ impl VideoArguments {
                 "`--video` films the bundled simulator's cloth, and `--world {world}` has none; use `--world sim`, or leave `--video` out"
             )));
         }
-        file.as_deref()
-            .map_or(Ok(()), |path| check_file("--video", path))
+        let path = file.as_deref();
+        path.map_or(Ok(()), |path| check_file("--video", path))
     }
 
     /// Prepares the film of a run; `None` if it is not filmed.
@@ -67,18 +65,16 @@ impl VideoArguments {
 
 /// Refuses a file that is no GIF by its name, or whose folder is missing, before anything moves.
 pub fn check_file(option: &str, path: &Path) -> Result<(), Failure> {
-    let shown = path.display();
     setting::check_ending(option, path, "gif")?;
-    let folder = path
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty());
-    match folder {
-        Some(folder) if !folder.is_dir() => Err(Failure::environment(format!(
-            "cannot write `{shown}`: there is no folder `{}`",
-            folder.display()
-        ))),
-        _ => Ok(()),
+    let folder = Path::new(".").join(path.parent().unwrap_or(path));
+    if folder.is_dir() {
+        return Ok(());
     }
+    let folder = path.parent().unwrap_or(path).display();
+    Err(Failure::environment(format!(
+        "cannot write `{}`: there is no folder `{folder}`",
+        path.display()
+    )))
 }
 
 /// Ends the film of a run; a fault is told on stderr, since the run itself is whole without a film.

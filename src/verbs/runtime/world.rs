@@ -2,7 +2,6 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::report::Report;
 use crate::verbs::runtime::setting::worlds::WorldChoice;
 use clap::{Args, Subcommand};
 use fab_base::wording::counted;
@@ -10,10 +9,9 @@ use fab_program::Picker;
 use fab_world::conformance::{Conformance, PROMISES, Violation, camera};
 use fab_world::serve::serve;
 use fab_world::{ExternalWorld, SimulatedWorld, World, WorldError};
-use serde::Serialize;
+use serde_json::json;
 use std::io::BufReader;
 
-/// Arguments of `world`.
 #[derive(Args)]
 pub struct WorldArguments {
     /// What to do.
@@ -30,7 +28,6 @@ pub enum WorldVerb {
     Serve,
 }
 
-/// Arguments of `world check`.
 #[derive(Args)]
 pub struct WorldCheckArguments {
     /// The world: `exec:"CMD ARG..."`, or `sim` to see what is promised.
@@ -41,12 +38,11 @@ pub struct WorldCheckArguments {
     pub json: bool,
 }
 
-/// Runs one of the subcommands.
 pub fn run(arguments: &WorldArguments, io: &Io) -> Result<Exit, Failure> {
     match &arguments.verb {
         WorldVerb::Check(arguments) => check(arguments, io),
         WorldVerb::Serve => {
-            serve(BufReader::new(io.input()), &mut io.output())?;
+            serve(BufReader::new(std::io::stdin()), &mut std::io::stdout())?;
             Ok(Exit::Done)
         }
     }
@@ -56,27 +52,20 @@ pub fn run(arguments: &WorldArguments, io: &Io) -> Result<Exit, Failure> {
 fn check(arguments: &WorldCheckArguments, io: &Io) -> Result<Exit, Failure> {
     let interrupt = io.interrupt()?;
     let make = || -> Result<Box<dyn World>, WorldError> {
-        Ok(match &arguments.world {
-            WorldChoice::Program(command) => Box::new(ExternalWorld::start(
-                command,
-                &camera(),
-                Picker::default(),
-                None,
-                &interrupt,
-            )?),
-            _ => Box::new(SimulatedWorld::new(&camera(), Picker::default())?),
-        })
+        let (camera, picker) = (camera(), Picker::default());
+        if let WorldChoice::Program(command) = &arguments.world {
+            let world = ExternalWorld::start(command, &camera, picker, None, &interrupt);
+            return Ok(Box::new(world?));
+        }
+        Ok(Box::new(SimulatedWorld::new(&camera, picker)?))
     };
     if arguments.world == WorldChoice::Arm {
         return Err(Failure::usage(
             "an arm is checked by `fabc robot check`; `fabc world check` is for `exec:\"CMD ARG...\"`",
         ));
     }
-    let mut checked = CheckedWorld {
-        world: make()?.name().to_owned(),
-        promises: Vec::new(),
-        broken: 0,
-    };
+    let name = make()?.name().to_owned();
+    let (mut promises, mut broken) = (Vec::new(), 0);
     for promise in PROMISES {
         let (state, why) = match promise.check(&make) {
             Ok(Conformance::Whole) => ("kept", None),
@@ -84,49 +73,24 @@ fn check(arguments: &WorldCheckArguments, io: &Io) -> Result<Exit, Failure> {
             Err(Violation::World(WorldError::Interrupted)) if interrupt.is_raised() => {
                 return Err(Failure::interrupted());
             }
-            Err(broken) => {
-                checked.broken += 1;
-                ("broken", Some(broken.to_string()))
+            Err(violation) => {
+                broken += 1;
+                ("broken", Some(violation.to_string()))
             }
         };
         if !arguments.json {
             let why = why.as_ref().map_or(String::new(), |why| format!(": {why}"));
             io.data(&format!("{state:<12}{}{why}", promise.name));
         }
-        checked.promises.push(CheckedPromise {
-            promise: promise.name,
-            state,
-            why,
-        });
+        promises.push(json!({ "promise": promise.name, "state": state, "why": why }));
     }
-    io.result(arguments.json, &checked);
-    Ok(match checked.broken {
+    let document = json!({ "world": name, "promises": promises, "broken": broken });
+    io.either(arguments.json, &document, || match broken {
+        0 => format!("`{name}` breaks no promise"),
+        n => format!("`{name}` breaks {}", counted(n, "promise")),
+    });
+    Ok(match broken {
         0 => Exit::Done,
         _ => Exit::Unreached,
     })
-}
-
-/// Which promises a world keeps.
-#[derive(Serialize)]
-struct CheckedWorld {
-    world: String,
-    promises: Vec<CheckedPromise>,
-    broken: usize,
-}
-
-#[derive(Serialize)]
-struct CheckedPromise {
-    promise: &'static str,
-    state: &'static str,
-    why: Option<String>,
-}
-
-impl Report for CheckedWorld {
-    /// Each promise was printed when it was checked.
-    fn text(&self) -> String {
-        match self.broken {
-            0 => format!("`{}` breaks no promise", self.world),
-            n => format!("`{}` breaks {}", self.world, counted(n, "promise")),
-        }
-    }
 }

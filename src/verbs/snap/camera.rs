@@ -3,34 +3,28 @@
 //! Simulation is lazy: if scenes and pictures are pinned, no cloth is laid. The authoring tool has no camera; it renders
 //! texts for scenes that are pinned, and cannot draw.
 
-use super::scene::{Moment, PinnedScene};
+use super::expected::Page;
+use super::scene::PinnedScene;
 use crate::exit::Failure;
 use crate::io::Io;
 use fab_program::{Picture, Program, Stage};
-use std::path::Path;
 
+#[cfg(feature = "runtime")]
+pub use crate::verbs::render::camera::Seen;
 #[cfg(feature = "runtime")]
 use {
     super::scene::PinnedAction,
     crate::sources::TaskArguments,
-    crate::verbs::render::camera::{Seen, fitted_to_start},
+    crate::verbs::render::camera::fitted_to_start,
     crate::verbs::runtime::setting::{FrameArguments, StartArguments},
     fab_base::interrupt::Interrupt,
     fab_picture::png,
     fab_program::scene::SceneView,
-    std::cell::OnceCell,
 };
 
-/// A camera over the cloth of one program at one moment.
-pub struct Camera<'p> {
-    program: &'p Program,
-    moment: &'p Moment,
-    /// Holds the program's file.
-    folder: &'p Path,
-    io: &'p Io,
-    #[cfg(feature = "runtime")]
-    seen: OnceCell<Seen>,
-}
+/// The authoring tool sees nothing.
+#[cfg(not(feature = "runtime"))]
+pub type Seen = ();
 
 /// The start that the task declares.
 #[cfg(feature = "runtime")]
@@ -57,9 +51,9 @@ pub fn fitted(file: &str, programs: Vec<Program>, io: &Io) -> Result<Vec<Program
 }
 
 #[cfg(feature = "runtime")]
-impl Camera<'_> {
+impl Page<'_> {
     /// Returns what the camera sees.
-    pub fn scene(&self, seen_of: String) -> Result<PinnedScene, Failure> {
+    pub fn look(&self, seen_of: String) -> Result<PinnedScene, Failure> {
         let seen = &self.seen()?.scene;
         let names = || self.program.keypoints.iter().map(|it| it.name.clone());
         let points = names().filter_map(|name| Some((name.clone(), seen.scene.points(&name)?)));
@@ -80,7 +74,7 @@ impl Camera<'_> {
     }
 
     /// Draws a picture as it is sent to a model that works in the camera's pixels.
-    pub fn picture(&self, picture: &Picture) -> Result<Option<Vec<u8>>, Failure> {
+    pub fn draw(&self, picture: &Picture) -> Result<Option<Vec<u8>>, Failure> {
         let pictures = &self.seen()?.pictures;
         let drawn = match picture {
             Picture::Subgoal { which, arrow } => {
@@ -100,39 +94,14 @@ impl Camera<'_> {
             start: self.moment.start.map(|seed| seed.to_string()),
             ..AS_DECLARED
         };
-        let (program, step) = (self.program, self.moment.step);
+        let (program, folder, step) = (self.program, self.source.folder, self.moment.step);
         let interrupt = Interrupt::default();
-        let seen = Seen::at(
-            program,
-            program,
-            self.folder,
-            &start,
-            step,
-            &interrupt,
-            self.io,
-        )?;
+        let seen = Seen::at(program, program, folder, &start, step, &interrupt, self.io)?;
         Ok(self.seen.get_or_init(|| seen))
     }
 }
 
-impl<'p> Camera<'p> {
-    /// Makes a camera for a program; `folder` holds its file.
-    pub fn of(
-        program: &'p Program,
-        moment: &'p Moment,
-        folder: &'p Path,
-        io: &'p Io,
-    ) -> Camera<'p> {
-        Camera {
-            program,
-            moment,
-            folder,
-            io,
-            #[cfg(feature = "runtime")]
-            seen: OnceCell::new(),
-        }
-    }
-
+impl Page<'_> {
     /// Returns whether this build can tell the text of a stage: the authoring tool cannot read demonstrations.
     pub fn can_tell(&self, stage: &Stage) -> bool {
         let mut demos = self.program.demos.iter();
@@ -148,16 +117,14 @@ impl<'p> Camera<'p> {
     }
 }
 
-/// Returns the programs unchanged: the authoring tool lays no cloth.
 #[cfg(not(feature = "runtime"))]
 pub fn fitted(_file: &str, programs: Vec<Program>, _io: &Io) -> Result<Vec<Program>, Failure> {
     Ok(programs)
 }
 
 #[cfg(not(feature = "runtime"))]
-impl Camera<'_> {
-    /// Fails: there is no camera.
-    pub fn scene(&self, _seen_of: String) -> Result<PinnedScene, Failure> {
+impl Page<'_> {
+    pub fn look(&self, _seen_of: String) -> Result<PinnedScene, Failure> {
         Err(Failure::environment(format!(
             "the scene `{}` of `{}` is not pinned, or is of another cloth, camera or keypoints; this build of fabc has no camera to see it anew",
             self.moment.name,
@@ -165,8 +132,7 @@ impl Camera<'_> {
         )))
     }
 
-    /// Returns `None`: this build cannot draw.
-    pub fn picture(&self, _: &Picture) -> Result<Option<Vec<u8>>, Failure> {
+    pub fn draw(&self, _: &Picture) -> Result<Option<Vec<u8>>, Failure> {
         self.io.talk(&format!(
             "note: a picture of `{}` may have changed, and this build of fabc cannot draw",
             self.program.title()

@@ -3,7 +3,7 @@
 //! A variant shares the scenes and pictures of its task in which it would see and draw the same.
 
 use super::SnapArguments;
-use super::camera::Camera;
+use super::camera::Seen;
 use super::plan::{Expected, Plan};
 use super::scene::{Moment, PinnedScene, USUAL, hashes_of_pictures, short_hash};
 use crate::exit::Failure;
@@ -12,36 +12,35 @@ use crate::snapshots::{Contents, Info, Name, Origin, Side, Snapshot};
 use crate::verbs::render::page::ShownStage;
 use crate::verbs::render::title;
 use fab_program::render::PromptPicture;
-use fab_program::tokens;
-use fab_program::{Picture, Program, Stage};
+use fab_program::{Picture, Program, Stage, tokens};
 use serde_json::json;
+use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// The last part of the name of a scene's snapshot.
 const POINTS: &str = "points";
 
-/// A file of tasks.
 pub struct Source<'f> {
     /// Its name, as snapshots record it.
     pub name: &'f str,
-    /// Holds the file.
     pub folder: &'f Path,
 }
 
 /// A program at one moment.
-struct Page<'p> {
-    program: &'p Program,
-    moment: &'p Moment,
-    source: &'p Source<'p>,
+pub struct Page<'p> {
+    pub program: &'p Program,
+    pub moment: &'p Moment,
+    pub source: &'p Source<'p>,
+    pub io: &'p Io,
+    /// What the camera sees, once somebody looked.
+    pub seen: OnceCell<Seen>,
     plan: &'p Plan,
-    camera: Camera<'p>,
 }
 
 /// What a task's variants may share with it at one moment.
 #[derive(Default)]
 struct Shared {
-    /// The task's own scene.
     scene: Option<PinnedScene>,
     /// Hashes of what the task's own pictures are drawn from, by what they show.
     pictures: BTreeMap<String, String>,
@@ -65,8 +64,9 @@ pub fn of_file(
                     program,
                     moment,
                     source,
+                    io,
+                    seen: OnceCell::new(),
                     plan,
-                    camera: Camera::of(program, moment, source.folder, io),
                 };
                 let scene = page.scene(&mut shared, &mut found)?;
                 for stage in &program.stages {
@@ -89,7 +89,7 @@ fn moments(
     let mut moments: BTreeSet<Moment> = programs.iter().flat_map(Moment::of).collect();
     let (start, end) = (format!("{}@", task.task), format!(".{POINTS}"));
     for name in plan.folder.accepted.union(&plan.folder.pending) {
-        let scene = name.0.strip_prefix(&start);
+        let scene = name.strip_prefix(&start);
         let scene = scene.and_then(|scene| scene.strip_suffix(&end));
         if let Some(scene) = scene.filter(|scene| !USUAL.contains(scene))
             && let Some(known) = known_scenes(name, plan)?.first()
@@ -101,9 +101,10 @@ fn moments(
         return Ok(moments);
     };
     if wanted.step > task.horizon {
+        let Program { task, horizon, .. } = task;
         return Err(Failure::usage(format!(
-            "`{}` has {} steps; there is no step {} to pin",
-            task.task, task.horizon, wanted.step
+            "`{task}` has {horizon} steps; there is no step {} to pin",
+            wanted.step
         )));
     }
     // Another start or step replaces what was pinned under this name, as a change to review.
@@ -112,10 +113,8 @@ fn moments(
     Ok(moments)
 }
 
-/// Reads the scenes pinned under a name: the pending one, which is newer, then the accepted one.
-///
-/// Fails if a readable snapshot is not a valid scene, since somebody edited it.
-fn known_scenes(name: &Name, plan: &Plan) -> Result<Vec<PinnedScene>, Failure> {
+/// Reads the scenes pinned under a name: the pending one, which is newer, then the accepted one; both must be valid.
+fn known_scenes(name: &str, plan: &Plan) -> Result<Vec<PinnedScene>, Failure> {
     let pending = plan.pending(name).map(|it| (it, Side::Pending));
     let accepted = plan.accepted(name).map(|it| (it, Side::Accepted));
     let known = pending.into_iter().chain(accepted);
@@ -133,8 +132,7 @@ fn known_scenes(name: &Name, plan: &Plan) -> Result<Vec<PinnedScene>, Failure> {
 }
 
 impl Page<'_> {
-    /// Returns a scene: the task's, if a variant would see the same; the accepted or pending one, if it still fits this
-    /// program; otherwise a new one from the camera.
+    /// Returns the task's scene if a variant would see the same, or one that is pinned and still fits, or a new one.
     fn scene(
         &self,
         shared: &mut Shared,
@@ -153,7 +151,7 @@ impl Page<'_> {
         };
         let scene = match known.find(fits) {
             Some(known) => known,
-            None => self.camera.scene(seen_of)?,
+            None => self.look(seen_of)?,
         };
         let contents = Contents::Text(scene.text().trim_end().to_owned());
         let taken = self.snapshot("the points seen in", self.info(), contents);
@@ -164,14 +162,13 @@ impl Page<'_> {
         Ok(scene)
     }
 
-    /// Returns the text of a stage.
     fn stage(&self, stage: &Stage, scene: &PinnedScene) -> Result<Expected, Failure> {
         let name = self.name(Some(&stage.name), None);
-        if !self.camera.can_tell(stage) {
+        if !self.can_tell(stage) {
             return Ok((name, None));
         }
-        let (program, folder) = (self.program, self.source.folder);
-        let (last, step) = (scene.last(program), self.moment.step);
+        let (program, folder, step) = (self.program, self.source.folder, self.moment.step);
+        let last = scene.last(program);
         let shown =
             ShownStage::without_camera(program, folder, stage, Some(scene), last.as_ref(), step)?;
         let tokens = shown.texts().map(|said| tokens::of_text(&said.text));
@@ -226,7 +223,7 @@ impl Page<'_> {
         if let Some(known) = known {
             return Ok((name, Some(known.clone())));
         }
-        let taken = self.camera.picture(picture)?.map(|png| {
+        let taken = self.draw(picture)?.map(|png| {
             let info = Info {
                 bytes: Some(short_hash(&png)),
                 ..info
@@ -244,10 +241,9 @@ impl Page<'_> {
 
     /// Returns `TASK.STAGE@SCENE`, `TASK.VARIANT.STAGE@SCENE`, or `TASK@SCENE.PART`.
     fn name(&self, stage: Option<&str>, part: Option<&str>) -> Name {
-        let stage = stage.map_or(String::new(), |stage| format!(".{stage}"));
-        let part = part.map_or(String::new(), |part| format!(".{part}"));
+        let [stage, part] = [stage, part].map(|it| it.map_or(String::new(), |it| format!(".{it}")));
         let title = self.program.title().replace('/', ".");
-        Name(format!("{title}{stage}@{}{part}", self.moment.name))
+        format!("{title}{stage}@{}{part}", self.moment.name)
     }
 
     fn info(&self) -> Info {
@@ -282,8 +278,7 @@ impl Page<'_> {
     }
 }
 
-/// Returns whether a picture was drawn from the same inputs, and still has the bytes that were drawn. Bytes that were
-/// swapped, as by a bad merge, have not.
+/// Returns whether a picture was drawn from the same inputs, and still has these bytes: a bad merge may swap them.
 fn is_drawn_from(snapshot: &Snapshot, wanted: &Info) -> bool {
     match (&snapshot.metadata.info, &snapshot.contents) {
         (Some(info), Contents::Picture(png)) => {

@@ -2,7 +2,7 @@
 
 use crate::exit::Failure;
 use crate::io::Io;
-use crate::snapshots::{FOLDER, Folder, Name, Side, Snapshot};
+use crate::snapshots::{self, FOLDER, Folder, Name, Side, Snapshot};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -10,7 +10,6 @@ use std::path::{Path, PathBuf};
 /// A snapshot that should exist, and what it should hold; `None` if this build cannot tell.
 pub type Expected = (Name, Option<Snapshot>);
 
-/// The snapshots beside some tasks.
 pub struct Plan {
     /// The folder that holds the tasks.
     tasks: PathBuf,
@@ -24,10 +23,8 @@ pub struct Plan {
     sources: BTreeSet<String>,
 }
 
-/// The state of one snapshot.
 #[derive(Serialize)]
 pub struct SnapshotState {
-    /// Its name.
     #[serde(rename = "id")]
     pub name: Name,
     /// The accepted file, whether or not it exists.
@@ -49,7 +46,6 @@ pub enum State {
     Unseen,
     /// Its contents differ, or it cannot be read.
     Changed,
-    /// It does not exist.
     New,
     /// It exists, but nothing declares it any more.
     Orphaned,
@@ -62,7 +58,7 @@ impl Plan {
         let accepted = folder.accepted.iter().map(|name| {
             let accepted = folder.read(name, Side::Accepted);
             let accepted = accepted.unwrap_or_else(|why| {
-                if name.is_ours() {
+                if snapshots::is_ours(name) {
                     io.talk(&format!("note: {why}; it counts as changed"));
                 }
                 None
@@ -97,13 +93,11 @@ impl Plan {
         Ok(())
     }
 
-    /// Returns an accepted snapshot that can be read.
-    pub fn accepted(&self, name: &Name) -> Option<&Snapshot> {
+    pub fn accepted(&self, name: &str) -> Option<&Snapshot> {
         self.accepted.get(name)?.as_ref()
     }
 
-    /// Returns a pending snapshot that can be read.
-    pub fn pending(&self, name: &Name) -> Option<&Snapshot> {
+    pub fn pending(&self, name: &str) -> Option<&Snapshot> {
         self.pending.get(name)
     }
 
@@ -127,7 +121,7 @@ impl Plan {
     }
 
     /// Compares the accepted snapshot with what it should hold.
-    fn compared(&self, name: &Name, taken: Option<&Snapshot>) -> State {
+    fn compared(&self, name: &str, taken: Option<&Snapshot>) -> State {
         match (self.accepted.get(name), taken) {
             (_, None) => State::Unseen,
             (None, _) => State::New,
@@ -138,8 +132,7 @@ impl Plan {
         }
     }
 
-    /// Returns the snapshots of `fabc` that are not expected, with their sources. Those of other tools, such as of a test
-    /// suite, have no source or details.
+    /// Returns the snapshots that are not expected, with their sources; those of other tools have neither source nor details.
     fn undeclared<'s>(
         &self,
         snapshots: impl Iterator<Item = (&'s Name, &'s Snapshot)>,
@@ -151,9 +144,7 @@ impl Plan {
         })
     }
 
-    /// Writes differences as pending, removes pending snapshots that are not needed, and orphans if asked to.
-    ///
-    /// Updates in `states` which are pending.
+    /// Writes differences as pending, removes what need not be pending, and orphans if asked to; updates what is pending.
     pub fn write(&self, states: &mut [SnapshotState], prunes: bool) -> Result<(), Failure> {
         for found in states {
             let name = &found.name;

@@ -5,15 +5,13 @@
 
 use crate::sources;
 use fab_base::digest;
-use fab_program::Proposal;
 use fab_program::facts::ExecutedAction;
 use fab_program::scene::SceneView;
-use fab_program::{PixelPoint, Program, Subgoals, Value, pins_folder};
+use fab_program::{PixelPoint, Program, Proposal, Subgoals, Value, pins_folder};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// A pinned scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PinnedScene {
@@ -21,11 +19,8 @@ pub struct PinnedScene {
     pub seen_of: String,
     /// The start of the cloth: a seed, or `None` for the task's own.
     pub start: Option<u64>,
-    /// The step, from 1.
     pub step: u32,
-    /// The previous action.
     pub last: Option<PinnedAction>,
-    /// The points, by keypoint.
     pub points: BTreeMap<String, Vec<PixelPoint>>,
     /// The number of pixels of each mask.
     pub areas: BTreeMap<String, f64>,
@@ -35,25 +30,20 @@ pub struct PinnedScene {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PinnedAction {
-    /// The fields of its answer.
     pub fields: BTreeMap<String, Value>,
-    /// The pixel that was picked.
     pub pick: PixelPoint,
-    /// The pixel where it was placed.
     pub place: PixelPoint,
 }
 
 /// Names of the scenes that are pinned by default.
 pub const USUAL: [&str; 2] = ["start", "later"];
 
-/// Identifies a scene.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Moment {
     /// Its name in the snapshots.
     pub name: String,
     /// The start of the cloth: a seed, or `None` for the task's own.
     pub start: Option<u64>,
-    /// The step, from 1.
     pub step: u32,
 }
 
@@ -97,10 +87,10 @@ impl PinnedScene {
     /// Parses a scene; the error says what is wrong with the text.
     pub fn parse(text: &str) -> Result<PinnedScene, String> {
         let scene: PinnedScene = serde_json::from_str(text).map_err(|error| error.to_string())?;
-        match scene.step {
-            0 => Err("its `step` is 0, and steps are counted from 1".to_owned()),
-            _ => Ok(scene),
+        if scene.step == 0 {
+            return Err("its `step` is 0, and steps are counted from 1".to_owned());
         }
+        Ok(scene)
     }
 
     /// Formats the scene, one line per keypoint.
@@ -116,7 +106,6 @@ impl PinnedScene {
         )
     }
 
-    /// Returns the scene's moment.
     pub fn moment(&self, name: &str) -> Moment {
         Moment {
             name: name.to_owned(),
@@ -128,12 +117,12 @@ impl PinnedScene {
     /// Returns the previous action, with its fields in the program's order.
     pub fn last(&self, program: &Program) -> Option<ExecutedAction> {
         let last = self.last.as_ref()?;
-        let names = program.actions.iter().map(|field| &field.name);
-        let fields = names
-            .filter_map(|name| Some((name.clone(), last.fields.get(name)?.clone())))
-            .collect();
+        let names = program.actions.iter().map(|field| field.name.clone());
+        let fields = names.filter_map(|name| last.fields.get(&name).cloned().map(|it| (name, it)));
         Some(ExecutedAction {
-            proposal: Proposal { fields },
+            proposal: Proposal {
+                fields: fields.collect(),
+            },
             pick: last.pick,
             place: last.place,
         })
@@ -145,9 +134,8 @@ fn block(map: &BTreeMap<String, impl Serialize>) -> String {
     if map.is_empty() {
         return "{}".to_owned();
     }
-    let lines = map
-        .iter()
-        .map(|(key, value)| format!("    {}: {}", json(key), json(value)));
+    let lines = map.iter();
+    let lines = lines.map(|(key, value)| format!("    {}: {}", json(key), json(value)));
     format!("{{\n{}\n  }}", lines.collect::<Vec<String>>().join(",\n"))
 }
 
@@ -169,28 +157,21 @@ impl SceneView for PinnedScene {
     }
 }
 
-/// Returns hashes of the subgoal pictures beside the task, in order: the author's, or the pinned ones. One that cannot be
-/// read has none: drawing it says why, or draws it anew.
+/// Returns hashes of the subgoal pictures beside the task that can be read, in order: the author's, or the pinned ones.
 pub fn hashes_of_pictures(program: &Program, folder: &Path) -> Vec<String> {
     let files: Vec<PathBuf> = match &program.subgoals {
         None => Vec::new(),
-        Some(Subgoals::Images { images }) => {
-            let images = images.iter();
-            images
-                .map(|image| PathBuf::from(&image.file.path))
-                .collect()
-        }
+        Some(Subgoals::Images { images }) => images
+            .iter()
+            .map(|image| PathBuf::from(&image.file.path))
+            .collect(),
         Some(Subgoals::Demonstrate { folds }) => {
-            let own = pins_folder(&program.title());
-            let pins = if folder.join(&own).exists() {
-                own
-            } else {
-                pins_folder(&program.task)
-            };
-            let numbers = 0..=folds.len();
-            numbers
-                .map(|number| Path::new(&pins).join(format!("{number}.png")))
-                .collect()
+            let mut pins = PathBuf::from(pins_folder(&program.title()));
+            if !folder.join(&pins).exists() {
+                pins = PathBuf::from(pins_folder(&program.task));
+            }
+            let names = (0..=folds.len()).map(|number| format!("{number}.png"));
+            names.map(|name| pins.join(name)).collect()
         }
     };
     let hash = |path: &PathBuf| {

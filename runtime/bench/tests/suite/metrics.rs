@@ -1,5 +1,5 @@
 //! Tests that the tables of metrics and of axes in `docs/bench.md` match the rows.
-use fab_bench::metric::{Better, METRICS, Metric};
+use fab_bench::metric::{METRICS, Metric};
 use fab_world::vary::{AXES, Axis};
 use std::path::Path;
 
@@ -8,11 +8,7 @@ const WRITE: &str = "FABC_WRITE_DOCS=1 cargo test -p fab-bench --test suite metr
 fn metrics() -> String {
     let mut table = "| metric | unit | better | what it is |\n|---|---|---|---|\n".to_owned();
     for row in METRICS {
-        let better = match row.better {
-            Better::Higher => "higher",
-            Better::Lower => "lower",
-        };
-        let (name, unit, about) = (row.name, row.unit.name(), row.about);
+        let (name, unit, better, about) = (row.name, row.unit, row.better, row.about);
         table.push_str(&format!("| `{name}` | {unit} | {better} | {about} |\n"));
     }
     table

@@ -3,7 +3,13 @@ use fab_bench::statistics;
 use fab_bench::statistics::{Clusters, Statistic, Summary};
 use proptest::prelude::*;
 use serde::Deserialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Every start is a cluster of its own.
+fn single(n_starts: usize) -> Clusters {
+    let starts: Vec<_> = (0..n_starts).map(|start| BTreeSet::from([start])).collect();
+    Clusters::joined(&starts)
+}
 
 #[derive(Deserialize)]
 struct Fixture {
@@ -43,11 +49,11 @@ struct Gap {
 }
 
 fn summary(statistic: Statistic, by_start: &[Vec<f64>]) -> Option<Summary> {
-    statistics::summary(statistic, by_start, &Clusters::single(by_start.len()))
+    statistics::summary(statistic, by_start, &single(by_start.len()))
 }
 
 fn gap(statistic: Statistic, a: &[Vec<f64>], b: &[Vec<f64>]) -> Option<Summary> {
-    statistics::gap(statistic, a, b, &Clusters::single(a.len()))
+    statistics::gap(statistic, a, b, &single(a.len()))
 }
 
 fn fixture() -> Fixture {

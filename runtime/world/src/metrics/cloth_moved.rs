@@ -44,12 +44,8 @@ pub fn cloth_moved(
     after: &[[f32; 3]],
     executed: &Executed,
 ) -> Option<ClothMoved> {
-    let are_finite = before
-        .iter()
-        .chain(after)
-        .flatten()
-        .all(|it| it.is_finite());
-    if before.len() != after.len() || !are_finite {
+    let mut numbers = before.iter().chain(after).flatten();
+    if before.len() != after.len() || !numbers.all(|it| it.is_finite()) {
         return None;
     }
     let ways = || {

@@ -60,15 +60,6 @@ pub(super) struct Description {
     pub outline: Option<Outline>,
 }
 
-impl From<StartFrame> for Description {
-    fn from(frame: StartFrame) -> Description {
-        Description {
-            frame,
-            outline: None,
-        }
-    }
-}
-
 /// Why a start file cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum StartError {
@@ -80,56 +71,13 @@ pub enum StartError {
         /// The system's error.
         why: String,
     },
-    /// The file is not a `.npy` file of floating-point numbers.
-    #[error(
-        "the start `{path}` is not a usable .npy file: {why}; expected float32 or float64 of shape (particles, 3), or (particles, 4) with the inverse mass"
-    )]
-    NotPositions {
+    /// Its contents are no cloth on a table.
+    #[error("the start `{path}` {why}")]
+    Unusable {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// What is wrong, and what would be right; completes the sentence.
         why: String,
-    },
-    /// The array has another number of particles than the grid.
-    #[error(
-        "the start `{path}` has {found} particles; a grid of {dimx} by {dimy} has {}",
-        u64::from(*dimx) * u64::from(*dimy)
-    )]
-    Count {
-        /// The file.
-        path: PathBuf,
-        /// The number of particles found.
-        found: usize,
-        /// Particles along the cloth's own x that are expected.
-        dimx: u32,
-        /// Particles along its other side that are expected.
-        dimy: u32,
-    },
-    /// Neighbours lie together or apart as in another unit, or on one point.
-    #[error(
-        "neighbouring particles of the start `{path}` mostly lie {:.2} mm apart, and {:.2} mm in the flat cloth: the positions are at another scale, or of another grid",
-        usual_m * 1000.0,
-        rest_m * 1000.0
-    )]
-    Scale {
-        /// The file.
-        path: PathBuf,
-        /// Median distance of neighbours, metres.
-        usual_m: f64,
-        /// Their distance in the flat cloth, metres.
-        rest_m: f64,
-    },
-    /// A coordinate is NaN or infinite.
-    #[error(
-        "the start `{path}` has the coordinate {value} at particle {particle}; every coordinate must be a finite number of metres"
-    )]
-    NotFinite {
-        /// The file.
-        path: PathBuf,
-        /// Index of the particle.
-        particle: usize,
-        /// The value found.
-        value: f64,
     },
     /// Nothing states the up axis or the arrangement of the particles.
     #[error(
@@ -153,37 +101,50 @@ pub enum StartError {
 
 pub(super) fn load(path: &Path, stated: Option<StartFrame>) -> Result<Start, StartError> {
     let path = &state_in(path)?;
-    let read = read_positions(path)?;
+    let unreadable = |why: String| StartError::Unreadable {
+        path: path.to_owned(),
+        why,
+    };
+    let unusable = |why: String| StartError::Unusable {
+        path: path.to_owned(),
+        why,
+    };
+    let bytes = files::read(path, MAX_BYTES).map_err(unreadable)?;
+    let read = npy::decode_positions(&bytes).map_err(|why| {
+        unusable(format!(
+            "is not a usable .npy file: {why}; expected float32 or float64 of shape (particles, 3), or (particles, 4) with the inverse mass"
+        ))
+    })?;
     let Description { frame, outline } = match stated {
-        Some(frame) => frame.into(),
+        Some(frame) => Description {
+            frame,
+            outline: None,
+        },
         None => find_description(path)?,
     };
     let grid = frame.grid;
-    let wanted = u64::from(grid.dimx) * u64::from(grid.dimy);
+    let (dimx, dimy) = (grid.dimx, grid.dimy);
+    let wanted = u64::from(dimx) * u64::from(dimy);
     if read.len() as u64 != wanted {
-        return Err(StartError::Count {
-            path: path.to_owned(),
-            found: read.len(),
-            dimx: grid.dimx,
-            dimy: grid.dimy,
-        });
+        let found = read.len();
+        return Err(unusable(format!(
+            "has {found} particles; a grid of {dimx} by {dimy} has {wanted}"
+        )));
     }
     let mut numbers = read.iter().flatten();
     if let Some(at) = numbers.position(|value| !value.is_finite()) {
-        return Err(StartError::NotFinite {
-            path: path.to_owned(),
-            particle: at / 3,
-            value: read[at / 3][at % 3],
-        });
+        let (particle, value) = (at / 3, read[at / 3][at % 3]);
+        return Err(unusable(format!(
+            "has the coordinate {value} at particle {particle}; every coordinate must be a finite number of metres"
+        )));
     }
-    let usual_m = usual_spacing_m(&read, &grid, outline.as_ref());
-    let [least, most] = SCALE;
-    if usual_m.is_some_and(|usual_m| !(least..=most).contains(&(usual_m / grid.spacing_m))) {
-        return Err(StartError::Scale {
-            path: path.to_owned(),
-            usual_m: usual_m.unwrap_or_default(),
-            rest_m: grid.spacing_m,
-        });
+    if let Some(usual_m) = usual_spacing_m(&read, &grid, outline.as_ref())
+        && !(SCALE[0]..=SCALE[1]).contains(&(usual_m / grid.spacing_m))
+    {
+        let [usual_mm, rest_mm] = [usual_m, grid.spacing_m].map(|metres| metres * 1000.0);
+        return Err(unusable(format!(
+            "is at another scale, or of another grid: its neighbouring particles mostly lie {usual_mm:.2} mm apart, and {rest_mm:.2} mm in the flat cloth"
+        )));
     }
     let world = read.into_iter().map(|[x, y, z]| match frame.up {
         Up::Y => [x as f32, -z as f32, y as f32],
@@ -242,17 +203,6 @@ fn state_in(path: &Path) -> Result<PathBuf, StartError> {
     }
 }
 
-fn read_positions(path: &Path) -> Result<Vec<[f64; 3]>, StartError> {
-    let bytes = files::read(path, MAX_BYTES).map_err(|why| StartError::Unreadable {
-        path: path.to_owned(),
-        why,
-    })?;
-    npy::decode_positions(&bytes).map_err(|why| StartError::NotPositions {
-        path: path.to_owned(),
-        why,
-    })
-}
-
 fn find_description(path: &Path) -> Result<Description, StartError> {
     let beside = path.with_extension("json");
     // All states of a run are of the cloth that it began with.
@@ -265,22 +215,25 @@ fn find_description(path: &Path) -> Result<Description, StartError> {
             path: file.clone(),
             why,
         };
-        let described: Description =
-            serde_json::from_value(read_json(&file)?).map_err(|error| wrong(error.to_string()))?;
-        check_grid(described.frame, &file)?;
+        let described: Description = files::read_json(&file, MAX_BYTES).map_err(wrong)?;
+        check_grid(&described.frame.grid).map_err(wrong)?;
         if let Some(outline) = &described.outline {
             outline.check(&described.frame.grid).map_err(wrong)?;
         }
         return Ok(described);
     }
-    let mut folder = path.parent().map(Path::to_owned);
-    for _ in 0..MANIFEST_LEVELS {
-        let Some(here) = folder else { break };
-        let manifest = here.join("manifest.json");
-        if manifest.is_file() {
-            return frame_in_manifest(&manifest, path).map(Description::from);
-        }
-        folder = here.parent().map(Path::to_owned);
+    let above = path.ancestors().skip(1).take(MANIFEST_LEVELS);
+    let mut manifests = above.map(|folder| folder.join("manifest.json"));
+    if let Some(manifest) = manifests.find(|manifest| manifest.is_file()) {
+        let frame = frame_in_manifest(&manifest, path);
+        let frame = frame.map_err(|why| StartError::Description {
+            path: manifest,
+            why,
+        })?;
+        return Ok(Description {
+            frame,
+            outline: None,
+        });
     }
     Err(StartError::FrameUnknown {
         path: path.to_owned(),
@@ -288,83 +241,62 @@ fn find_description(path: &Path) -> Result<Description, StartError> {
     })
 }
 
-/// Finds the entry for this file in a recorded data set. Its paths are relative to the manifest's grandparent folder;
-/// recorded data is y-up with 6.25 mm spacing.
-fn frame_in_manifest(manifest: &Path, start: &Path) -> Result<StartFrame, StartError> {
-    let wrong = |why: String| StartError::Description {
-        path: manifest.to_owned(),
-        why,
-    };
-    let value = read_json(manifest)?;
-    let root = manifest
-        .parent()
-        .and_then(Path::parent)
-        .unwrap_or(Path::new(""));
-    let target = start
-        .canonicalize()
-        .map_err(|error| wrong(error.to_string()))?;
-    let entries = value
-        .get("entries")
-        .or_else(|| value.get("states"))
-        .and_then(|entries| entries.as_array());
-    for entry in entries.into_iter().flatten() {
-        let text = |key: &str| entry.get(key).and_then(|value| value.as_str());
-        let candidate = match (text("dir"), text("pos")) {
-            (Some(folder), _) => root
-                .join(folder)
-                .join(target.file_name().unwrap_or_default()),
-            (None, Some(file)) => root.join(file),
-            (None, None) => continue,
-        };
-        if candidate
-            .canonicalize()
-            .is_ok_and(|candidate| candidate == target)
-        {
-            let number = |key: &str| {
-                entry
-                    .get(key)
-                    .or_else(|| value.get(key))
-                    .and_then(|value| value.as_f64())
-            };
-            let count = |key: &str| u32::try_from(entry.get(key)?.as_u64()?).ok();
-            let (Some(dimx), Some(dimy), Some(spacing_m)) =
-                (count("dimx"), count("dimy"), number("spacing_m"))
-            else {
-                let why =
-                    "the start's entry lacks dimx, dimy or spacing_m, or one of them is not valid";
-                return Err(wrong(why.to_owned()));
-            };
-            let grid = Grid {
-                dimx,
-                dimy,
-                spacing_m,
-            };
-            return check_grid(StartFrame { grid, up: Up::Y }, manifest);
-        }
-    }
-    Err(wrong(format!("it has no entry for `{}`", start.display())))
+/// The states of a recorded data set.
+#[derive(Deserialize)]
+struct Manifest {
+    #[serde(alias = "states")]
+    entries: Vec<RecordedState>,
+    spacing_m: Option<f64>,
 }
 
-fn check_grid(frame: StartFrame, described_in: &Path) -> Result<StartFrame, StartError> {
+/// A recorded state: the folder of its files, or the file of its positions.
+#[derive(Deserialize)]
+struct RecordedState {
+    dir: Option<PathBuf>,
+    pos: Option<PathBuf>,
+    dimx: u32,
+    dimy: u32,
+    spacing_m: Option<f64>,
+}
+
+/// Finds the entry for this file in a recorded data set. Its paths are relative to the manifest's grandparent folder;
+/// recorded data is y-up.
+fn frame_in_manifest(manifest: &Path, start: &Path) -> Result<StartFrame, String> {
+    let listed: Manifest = files::read_json(manifest, MAX_BYTES)?;
+    let root = manifest.ancestors().nth(2).unwrap_or(Path::new(""));
+    let target = start.canonicalize().map_err(|error| error.to_string())?;
+    let file = target.file_name().unwrap_or_default();
+    let is_target = |entry: &&RecordedState| {
+        let path = match (&entry.dir, &entry.pos) {
+            (Some(folder), _) => root.join(folder).join(file),
+            (None, Some(file)) => root.join(file),
+            (None, None) => return false,
+        };
+        path.canonicalize().is_ok_and(|path| path == target)
+    };
+    let Some(entry) = listed.entries.iter().find(is_target) else {
+        return Err(format!("it has no entry for `{}`", start.display()));
+    };
+    let spacing_m = entry.spacing_m.or(listed.spacing_m);
+    let grid = Grid {
+        dimx: entry.dimx,
+        dimy: entry.dimy,
+        spacing_m: spacing_m.ok_or("the start's entry lacks `spacing_m`")?,
+    };
+    check_grid(&grid)?;
+    Ok(StartFrame { grid, up: Up::Y })
+}
+
+fn check_grid(grid: &Grid) -> Result<(), String> {
     let Grid {
         dimx,
         dimy,
         spacing_m,
-    } = frame.grid;
-    if dimx < 2 || dimy < 2 || !(spacing_m.is_finite() && spacing_m > 0.0) {
-        return Err(StartError::Description {
-            path: described_in.to_owned(),
-            why: format!(
-                "a grid of {dimx} by {dimy} particles {spacing_m} m apart; both counts must be at least 2 and the spacing above 0"
-            ),
-        });
+    } = grid;
+    if *dimx >= 2 && *dimy >= 2 && spacing_m.is_finite() && *spacing_m > 0.0 {
+        return Ok(());
     }
-    Ok(frame)
-}
-
-fn read_json(path: &Path) -> Result<serde_json::Value, StartError> {
-    files::read_json(path, MAX_BYTES).map_err(|why| StartError::Description {
-        path: path.to_owned(),
-        why,
-    })
+    Err(format!(
+        "a grid of {dimx} by {dimy} particles {spacing_m} m apart; both counts must be at least 2 and the spacing above 0"
+    ))
 }

@@ -4,7 +4,7 @@ use crate::exit::Failure;
 use crate::io::Io;
 use crate::verbs::runtime::bench::{BenchArguments, Shard};
 use crate::verbs::runtime::setting;
-use crate::verbs::runtime::setting::model_arguments::{ModelArguments, PolicyArguments, Purpose};
+use crate::verbs::runtime::setting::model_arguments::{ModelArguments, Purpose};
 use crate::verbs::runtime::setting::models::Answering;
 use crate::verbs::runtime::setting::policies::Deciding;
 use crate::{shipped, sources};
@@ -22,7 +22,6 @@ use std::path::{Path, PathBuf};
 
 /// A task with all its variants, for its own cloth and for the cloths of its starts.
 pub struct Prepared {
-    /// The task and its starts.
     pub task: Task,
     folder: PathBuf,
     file: String,
@@ -35,20 +34,18 @@ pub struct Prepared {
 /// The policy of each method, keyed by the policy and model that the method names; `None` means the command line's.
 pub type DecidingBy = BTreeMap<[Option<String>; 2], Deciding>;
 
-/// Returns the key of a method's policy.
 pub fn named_by(method: &Method) -> [Option<String>; 2] {
     [method.policy.clone(), method.model.clone()]
 }
 
-/// Finds every policy and model that a suite needs.
 pub fn deciding(
     suite: &Suite,
-    policy: &PolicyArguments,
-    models: &ModelArguments,
-    purpose: Purpose,
+    arguments: &BenchArguments,
     interrupt: &Interrupt,
     io: &Io,
 ) -> Result<DecidingBy, Failure> {
+    let (policy, models) = (&arguments.policy, &arguments.model);
+    let purpose = arguments.spend.purpose();
     let mut deciding = DecidingBy::new();
     for method in &suite.methods {
         let key = named_by(method);
@@ -99,23 +96,19 @@ pub fn prepare(
             )));
         };
         let program = program.clone();
-        let points = match &arguments.starts {
-            None => starts::generated(suite.starts_of(&program.task), &program.cloth),
-            Some(recorded) => {
-                let points = starts::recorded(recorded, &program.task);
-                let points = points?;
-                for point in &points {
-                    let start = format!("{} of `{}`", point.number, recorded.display());
-                    setting::check_spacing(&start, point.cloth.spacing_m, &program)?;
-                }
-                points
+        let mut points = starts::generated(suite.starts_of(&program.task), &program.cloth);
+        if let Some(recorded) = &arguments.starts {
+            points = starts::recorded(recorded, &program.task)?;
+            for point in &points {
+                let start = format!("{} of `{}`", point.number, recorded.display());
+                setting::check_spacing(&start, point.cloth.spacing_m, &program)?;
             }
-        };
+        }
         let points = chosen(points, arguments.limit, arguments.shard);
+        let name = program.task.clone();
         if points.is_empty() {
             io.talk(&format!(
-                "`{}` is left out: there is no start for it here",
-                program.task
+                "`{name}` is left out: there is no start for it here"
             ));
             continue;
         }
@@ -131,7 +124,7 @@ pub fn prepare(
         }
         tasks.push(Prepared {
             task: Task {
-                name: program.task.clone(),
+                name,
                 program,
                 starts: points,
             },
@@ -177,7 +170,14 @@ pub fn entries<'a>(
     for (number, prepared) in prepared.iter().enumerate() {
         for method in &suite.methods {
             let Some(shown) = variant_of(&prepared.declared, method) else {
-                refuse_or_say(prepared, method, arguments, io)?;
+                if !method.optional {
+                    return Err(no_variant(prepared, method, arguments));
+                }
+                let variant = method.variant.as_deref().unwrap_or_default();
+                io.talk(&format!(
+                    "`{}` has no variant `{variant}`: its row `{}` is left out",
+                    prepared.task.name, method.name
+                ));
                 continue;
             };
             let mut world = setting::world(shown)?;
@@ -198,7 +198,7 @@ pub fn entries<'a>(
                 io.talk(&format!("{error}: its row `{}` is left out", method.name));
                 continue;
             }
-            let examples = Examples::load(shown, &prepared.folder);
+            let repeats = arguments.repeats.or(method.repeats);
             let own = Entry {
                 task: number,
                 method,
@@ -208,13 +208,11 @@ pub fn entries<'a>(
                 models: deciding.answering().map(Answering::models),
                 programs: programs.collect(),
                 subgoals,
-                examples: examples?,
+                examples: Examples::load(shown, &prepared.folder)?,
                 varies: policy.varies(),
-                repeats: if policy.varies() {
-                    let repeats = arguments.repeats.or(method.repeats);
-                    repeats.unwrap_or(suite.repeats)
-                } else {
-                    1
+                repeats: match policy.varies() {
+                    true => repeats.unwrap_or(suite.repeats),
+                    false => 1,
                 },
             };
             entries.push(own.clone());
@@ -233,35 +231,19 @@ pub fn entries<'a>(
 }
 
 fn variant_of<'p>(programs: &'p [Program], method: &Method) -> Option<&'p Program> {
-    programs
-        .iter()
-        .find(|program| program.variant == method.variant)
+    let mut programs = programs.iter();
+    programs.find(|program| program.variant == method.variant)
 }
 
-fn refuse_or_say(
-    prepared: &Prepared,
-    method: &Method,
-    arguments: &BenchArguments,
-    io: &Io,
-) -> Result<(), Failure> {
+fn no_variant(prepared: &Prepared, method: &Method, arguments: &BenchArguments) -> Failure {
     let variant = method.variant.as_deref().unwrap_or_default();
-    if method.optional {
-        io.talk(&format!(
-            "`{}` has no variant `{variant}`: its row `{}` is left out",
-            prepared.task.name, method.name
-        ));
-        return Ok(());
+    let names = prepared.declared.iter();
+    let names = quoted(names.filter_map(|program| program.variant.as_deref()));
+    let names = if names.is_empty() { "none" } else { &names };
+    let file = &prepared.file;
+    let why = format!("`{file}` has no variant `{variant}`; there is {names}");
+    match arguments.variant {
+        Some(_) => Failure::usage(why),
+        None => Failure::environment(why),
     }
-    let names = { prepared.declared.iter() }.filter_map(|program| program.variant.as_deref());
-    let names = Some(quoted(names)).filter(|names| !names.is_empty());
-    let names = names.unwrap_or("none".to_owned());
-    let why = format!(
-        "`{}` has no variant `{variant}`; there is {names}",
-        prepared.file
-    );
-    Err(if arguments.variant.is_some() {
-        Failure::usage(why)
-    } else {
-        Failure::environment(why)
-    })
 }

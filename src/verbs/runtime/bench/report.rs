@@ -2,69 +2,39 @@
 
 use crate::exit::Failure;
 use crate::io::write_file;
-use crate::report::Report;
 use crate::verbs::runtime::bench::Shard;
+use crate::verbs::runtime::run::report::calls;
 use crate::verbs::runtime::setting::policies;
 use fab_agent::outcome::Outcome;
 use fab_base::wording::{counted, quoted};
-use fab_bench::on_arm::ArmStop;
-use fab_bench::play::{self, Results, StopReason};
+use fab_bench::play::{Results, StopReason};
 use fab_bench::rows::Row;
-use fab_bench::vary::Vary;
 use fab_bench::{Answers, Bench, statistics, table};
-use fab_model::calls;
-use serde::Serialize;
+use serde_json::{Value, json};
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// A suite that was run.
-#[derive(Serialize)]
 pub struct BenchReport<'a> {
-    suite: &'a str,
-    /// Total wall time, seconds.
-    wall_s: f64,
-    params: &'a str,
-    vary: &'a Option<Vary>,
-    answers: Answers,
-    structured: bool,
-    out: &'a Path,
-    interrupted: bool,
-    capped: bool,
-    arm_left: &'a Option<ArmStop>,
-    cut_off: &'a [PathBuf],
-    calls: calls::Spent,
-    rollouts: Counts,
-    spent: play::Spent,
-    /// Mean over all actions.
-    planning_s: Option<f64>,
-    rows: &'a [Row],
-    #[serde(skip)]
+    /// The result as JSON.
+    pub document: Value,
+    name: &'a str,
     bench: &'a Bench<'a>,
-    #[serde(skip)]
     results: &'a Results,
-}
-
-/// How many rollouts there are.
-#[derive(Serialize)]
-struct Counts {
-    planned: usize,
-    finished: usize,
-    found: usize,
+    rows: &'a [Row],
+    wall_s: f64,
+    /// Seconds of planning, mean over all actions.
+    planning_s: Option<f64>,
 }
 
 /// Describes what a suite is about to do.
 pub fn plan(name: &str, bench: &Bench<'_>, shard: Option<Shard>) -> String {
-    let rollouts: usize = bench
-        .entries
-        .iter()
-        .map(|entry| bench.tasks[entry.task].starts.len() * entry.repeats as usize)
-        .sum();
-    let policies: BTreeSet<String> = bench
-        .entries
-        .iter()
-        .map(|entry| policies::in_words(&entry.policy))
-        .collect();
-    let policies: Vec<String> = policies.into_iter().collect();
+    let starts_of = |task: usize| bench.tasks[task].starts.len();
+    let entries = bench.entries.iter();
+    let rollouts = entries.map(|entry| starts_of(entry.task) * entry.repeats as usize);
+    let rollouts = counted(rollouts.sum(), "rollout");
+    let policies = bench.entries.iter();
+    let policies = policies.map(|entry| policies::in_words(&entry.policy));
+    let policies: Vec<_> = policies.collect::<BTreeSet<_>>().into_iter().collect();
     let part = shard.map_or(String::new(), |Shard { part, of }| {
         format!(", part {part} of {of} of the starts")
     });
@@ -80,8 +50,7 @@ pub fn plan(name: &str, bench: &Bench<'_>, shard: Option<Shard>) -> String {
         ),
     };
     format!(
-        "{name}: {} in `{}`{part}{varied}, {} at a time; {shared}{}",
-        counted(rollouts, "rollout"),
+        "{name}: {rollouts} in `{}`{part}{varied}, {} at a time; {shared}{}",
         bench.out.display(),
         bench.side_by_side(),
         policies.join(", ")
@@ -89,9 +58,14 @@ pub fn plan(name: &str, bench: &Bench<'_>, shard: Option<Shard>) -> String {
 }
 
 impl<'a> BenchReport<'a> {
-    /// Summarises a suite's results.
-    ///
-    /// - `rows`: the figures.
+    pub fn text(&self) -> String {
+        if self.rows.is_empty() {
+            return "no rollout has finished: there is nothing to tabulate".to_owned();
+        }
+        table::text(self.bench.suite, self.rows)
+    }
+
+    /// Summarises a suite's results; `wall_s` counts seconds since the command began.
     pub fn new(
         name: &'a str,
         bench: &'a Bench<'a>,
@@ -101,50 +75,54 @@ impl<'a> BenchReport<'a> {
     ) -> BenchReport<'a> {
         let steps = { results.rollouts.iter() }.flat_map(|played| &played.rollout.steps);
         let planning: Vec<f64> = steps.filter_map(|step| step.spent.planning_s).collect();
+        let planning_s = statistics::mean(&planning);
+        let rollouts = json!({
+            "planned": results.planned,
+            "finished": results.rollouts.len(),
+            "found": results.found,
+        });
+        let document = json!({
+            "suite": name,
+            "wall_s": wall_s,
+            "params": results.params,
+            "vary": bench.suite.vary,
+            "answers": bench.answers,
+            "structured": bench.suite.structured,
+            "out": bench.out,
+            "interrupted": results.stopped == Some(StopReason::Interrupted),
+            "capped": results.stopped == Some(StopReason::Capped),
+            "arm_left": results.arm_stop,
+            "cut_off": results.cut_off,
+            "calls": bench.budget.spent(),
+            "rollouts": rollouts,
+            "spent": results.spent,
+            "planning_s": planning_s,
+            "rows": rows,
+        });
         BenchReport {
-            suite: name,
-            wall_s,
-            params: &results.params,
-            vary: &bench.suite.vary,
-            answers: bench.answers,
-            structured: bench.suite.structured,
-            out: &bench.out,
-            interrupted: results.stopped == Some(StopReason::Interrupted),
-            capped: results.stopped == Some(StopReason::Capped),
-            arm_left: &results.arm_stop,
-            cut_off: &results.cut_off,
-            calls: bench.budget.spent(),
-            rollouts: Counts {
-                planned: results.planned,
-                finished: results.rollouts.len(),
-                found: results.found,
-            },
-            spent: results.spent,
-            planning_s: statistics::mean(&planning),
-            rows,
+            document,
+            name,
             bench,
             results,
+            rows,
+            wall_s,
+            planning_s,
         }
     }
 
-    /// Writes table.csv, table.json and table.md.
     pub fn write(&self, out: &Path) -> Result<(), Failure> {
-        let json = serde_json::to_string_pretty(self)?;
-        let files = [
+        let json = serde_json::to_string_pretty(&self.document)?;
+        let markdown = table::markdown(self.name, self.bench.suite, self.rows);
+        for (name, text) in [
             ("table.csv", table::csv(self.rows)),
             ("table.json", json + "\n"),
-            (
-                "table.md",
-                table::markdown(self.suite, self.bench.suite, self.rows),
-            ),
-        ];
-        for (name, text) in files {
+            ("table.md", markdown),
+        ] {
             write_file(&out.join(name), text.as_bytes())?;
         }
         Ok(())
     }
 
-    /// Reports time and cost.
     pub fn summary(&self) -> String {
         let spent = &self.results.spent;
         let mut lines = Vec::new();
@@ -168,14 +146,9 @@ impl<'a> BenchReport<'a> {
         lines.extend(self.failed());
         lines.extend(self.cut_off());
         lines.extend(self.arm_stop());
-        let calls = &self.calls;
-        if calls.calls > 0 {
-            lines.push(format!(
-                "calls: {}, {}, {}",
-                calls.calls,
-                calls.tokens_in_words(),
-                calls.in_words()
-            ));
+        let spent_on_calls = self.bench.budget.spent();
+        if spent_on_calls.calls > 0 {
+            lines.push(calls(&spent_on_calls));
         }
         lines.push(format!(
             "starts {:.1} s, rollouts {:.1} s, in all {:.1} s",
@@ -196,23 +169,17 @@ impl<'a> BenchReport<'a> {
 
     /// Reports why rollouts failed: for each kind of failure, the count and the first message.
     fn failed(&self) -> Vec<String> {
-        let failures = [
-            Outcome::ModelFailed,
-            Outcome::PolicyFailed,
-            Outcome::WorldFailed,
-        ];
+        use Outcome::{ModelFailed, PolicyFailed, WorldFailed};
         let line = |outcome: Outcome| {
             let rollouts = self.results.rollouts.iter();
             let reports = rollouts.map(|played| &played.rollout.report);
             let failed: Vec<_> = reports.filter(|it| it.outcome == outcome).collect();
             let why = failed.first()?.stopped.as_deref().unwrap_or_default();
-            Some(format!(
-                "warning: {} ended `{}`; the first: {why}",
-                counted(failed.len(), "rollout"),
-                outcome.name()
-            ))
+            let (count, name) = (counted(failed.len(), "rollout"), outcome.name());
+            Some(format!("warning: {count} ended `{name}`; the first: {why}"))
         };
-        failures.into_iter().filter_map(line).collect()
+        let failures = [ModelFailed, PolicyFailed, WorldFailed].into_iter();
+        failures.filter_map(line).collect()
     }
 
     /// Names the rollouts on an arm that will not be resumed.
@@ -231,25 +198,15 @@ impl<'a> BenchReport<'a> {
     fn arm_stop(&self) -> Option<String> {
         let stop = self.results.arm_stop.as_ref()?;
         let folder = stop.folder.display();
-        Some(match stop.is_clear {
-            true => format!(
-                "no further rollout was begun after `{folder}`, in which the arm or the camera failed: {}; the arm is at rest",
-                stop.why
-            ),
-            false => format!(
-                "the arm was left in the middle of a motion, and no further rollout was begun: {}; look after it, and say so by `fabc robot recover {folder}`",
-                stop.why
-            ),
-        })
-    }
-}
-
-impl Report for BenchReport<'_> {
-    fn text(&self) -> String {
-        if self.rows.is_empty() {
-            "no rollout has finished: there is nothing to tabulate".to_owned()
+        let why = &stop.why;
+        Some(if stop.is_clear {
+            format!(
+                "no further rollout was begun after `{folder}`, in which the arm or the camera failed: {why}; the arm is at rest"
+            )
         } else {
-            table::text(self.bench.suite, self.rows)
-        }
+            format!(
+                "the arm was left in the middle of a motion, and no further rollout was begun: {why}; look after it, and say so by `fabc robot recover {folder}`"
+            )
+        })
     }
 }

@@ -11,7 +11,6 @@ use std::path::{Path, PathBuf};
 /// The folder of the shipped suites, relative to the working folder.
 const FOLDER: &str = "tasks/suites";
 
-/// A suite that was found.
 pub struct SuiteFile {
     /// The file's name without its extension.
     pub name: String,
@@ -48,7 +47,6 @@ pub fn find(wanted: &str) -> Result<SuiteFile, Failure> {
     })
 }
 
-/// Lists the shipped suites.
 fn there() -> String {
     let files = fs::read_dir(FOLDER).into_iter().flatten().flatten();
     let names = files.filter_map(|file| file.file_name().into_string().ok());

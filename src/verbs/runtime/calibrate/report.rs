@@ -7,22 +7,19 @@ use fab_arm::calibration::{Accuracy, Calibration, METHOD, Pair, tilt_deg};
 use fab_arm::settings::Settings;
 use fab_base::table::{Align, aligned};
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-/// The files that were written.
 #[derive(Serialize)]
-pub struct Written<'a> {
-    /// The calibration file.
-    pub file: &'a Path,
-    /// Its reference picture.
+pub struct Written {
+    pub file: PathBuf,
+    /// The picture by which a moved camera is noticed.
     pub reference: Option<PathBuf>,
     /// The drawing of the errors.
-    pub drawn: Option<&'a Path>,
-    /// The backup of the previous file.
-    pub earlier: Option<&'a Path>,
+    pub drawn: Option<PathBuf>,
+    /// The backup of the previous calibration.
+    pub earlier: Option<PathBuf>,
 }
 
-/// A calibration that was written.
 #[derive(Serialize)]
 pub struct Calibrated<'a> {
     method: &'static str,
@@ -37,7 +34,7 @@ pub struct Calibrated<'a> {
     tilt_deg: f64,
     marks: usize,
     #[serde(flatten)]
-    written: Written<'a>,
+    written: Written,
 }
 
 /// Warns on stderr of what a person should check, even though the calibration was accepted.
@@ -64,8 +61,7 @@ pub fn say_doubts(calibration: &Calibration, io: &Io) {
 }
 
 impl<'a> Calibrated<'a> {
-    /// Summarises a calibration.
-    pub fn of(made: &'a Calibration, settings: &Settings, written: Written<'a>) -> Calibrated<'a> {
+    pub fn of(made: &'a Calibration, settings: &Settings, written: Written) -> Calibrated<'a> {
         let [x, y, _] = settings.table.center_m;
         Calibrated {
             method: METHOD,
@@ -86,22 +82,13 @@ impl Report for Calibrated<'_> {
     fn text(&self) -> String {
         let accuracy = self.accuracy;
         let errors = accuracy.residual_mm.iter().zip(&accuracy.left_out_mm);
-        let titles = [
-            "point",
-            "column",
-            "row",
-            "x",
-            "y",
-            "z",
-            "error, mm",
-            "by the others, mm",
-        ];
-        let mut table = vec![titles.map(str::to_owned)];
+        let titles = "point|column|row|x|y|z|error, mm|by the others, mm";
+        let mut table = vec![titles.split('|').map(str::to_owned).collect()];
         for ((point, (error, left_out)), number) in self.points.iter().zip(errors).zip(1..) {
             let [u, v] = point.pixel.map(|at| format!("{at:.1}"));
             let [x, y, z] = point.base_m.map(|at| format!("{at:.4}"));
             let [error, left_out] = [error, left_out].map(|mm| format!("{mm:.1}"));
-            table.push([number.to_string(), u, v, x, y, z, error, left_out]);
+            table.push(vec![number.to_string(), u, v, x, y, z, error, left_out]);
         }
         let mut lines = aligned(&[Align::Right; 8], &table);
         lines.push(format!(
@@ -137,9 +124,8 @@ impl Report for Calibrated<'_> {
             drawn,
             earlier,
         } = &self.written;
-        lines.extend(earlier.map(|file| format!("kept: {}", file.display())));
-        let files = [Some(*file), reference.as_deref(), *drawn];
-        let files = files.into_iter().flatten();
+        lines.extend({ earlier.iter() }.map(|file| format!("kept: {}", file.display())));
+        let files = [file].into_iter().chain(reference).chain(drawn);
         lines.extend(files.map(|file| format!("written: {}", file.display())));
         lines.join("\n")
     }

@@ -3,7 +3,7 @@
 //! In: lines, and with an arm, its tool's position at each. Out: the points, and on stderr how well each fits the
 //! earlier ones. The points are saved to a file after every line, so that an interrupted session loses none.
 
-use super::backup;
+use super::keep_copy;
 use crate::exit::Failure;
 use crate::io::{Io, write_file};
 use fab_arm::calibration::{
@@ -14,20 +14,15 @@ use fab_program::PixelPoint;
 use fab_vision::{DrawnLayer, DrawnShape, draw_layers};
 use image::RgbImage;
 use std::io::{BufRead, Read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// The longest line that is read, bytes.
 const MAX_LINE: u64 = 1000;
 
-/// The setup of a typing session.
 pub struct TypingSetup<'a> {
     /// Columns and rows of the grid of points to touch.
     pub grid: Option<[u32; 2]>,
-    /// The calibration file.
     pub path: &'a Path,
-    /// The camera's own picture.
     pub seen: Option<&'a RgbImage>,
-    /// The printed tags that it shows.
     pub tags: SeenTags<'a>,
 }
 
@@ -53,7 +48,12 @@ pub fn type_points(
     ));
     let mut is_first = true;
     loop {
-        ask(&session, &targets, io);
+        let n = session.pairs().len();
+        if let Some([u, v]) = targets.get(n) {
+            let (next, n_all) = (n + 1, targets.len());
+            let place = format!("best near the pixel {u}, {v}:");
+            io.talk(&format!("point {next} of {n_all}, {place}"));
+        }
         let mut line = String::new();
         if Read::take(&mut *lines, MAX_LINE).read_line(&mut line)? == 0 {
             break;
@@ -61,11 +61,16 @@ pub fn type_points(
         match session.line(&line) {
             LineOutcome::Added(message) | LineOutcome::Undone(message) => {
                 if std::mem::take(&mut is_first)
-                    && let Some(earlier) = backup::copy(&saved_in)?
+                    && let Some(earlier) = keep_copy(&saved_in)?
                 {
-                    say_earlier(&earlier, io);
+                    let earlier = earlier.display();
+                    io.talk(&format!(
+                        "note: the points of an earlier session are in `{earlier}`"
+                    ));
                 }
-                save(&saved_in, session.pairs())?;
+                let points = session.pairs().iter();
+                let points: String = points.map(|pair| csv_line(pair) + "\n").collect();
+                write_file(&saved_in, format!("u,v,x,y,z\n{points}").as_bytes())?;
                 io.talk(&message);
             }
             LineOutcome::Unchanged(message) if message.is_empty() => {}
@@ -77,39 +82,12 @@ pub fn type_points(
     Ok(session.pairs().to_vec())
 }
 
-fn say_earlier(earlier: &Path, io: &Io) {
-    io.talk(&format!(
-        "note: the points of an earlier session are in `{}`",
-        earlier.display()
-    ));
-}
-
-fn save(path: &Path, pairs: &[Pair]) -> Result<(), Failure> {
-    let lines: String = pairs.iter().map(|pair| csv_line(pair) + "\n").collect();
-    write_file(path, format!("u,v,x,y,z\n{lines}").as_bytes())
-}
-
-/// Names the next place of the grid.
-fn ask(session: &Session<'_>, targets: &[[f64; 2]], io: &Io) {
-    let n = session.pairs().len();
-    if let Some([u, v]) = targets.get(n) {
-        let n_all = targets.len();
-        io.talk(&format!(
-            "point {} of {n_all}, best near the pixel {u}, {v}:",
-            n + 1
-        ));
-    }
-}
-
-/// Draws the suggested points into the camera's picture.
 fn show(targets: &[[f64; 2]], setup: &TypingSetup<'_>, io: &Io) -> Result<(), Failure> {
     let (Some(seen), false) = (setup.seen, targets.is_empty()) else {
         return Ok(());
     };
-    let at: Vec<PixelPoint> = targets
-        .iter()
-        .map(|[u, v]| PixelPoint::new(*u as i32, *v as i32))
-        .collect();
+    let pixel = |[u, v]: &[f64; 2]| PixelPoint::new(*u as i32, *v as i32);
+    let at: Vec<_> = targets.iter().map(pixel).collect();
     let dots = DrawnShape::Dots {
         at: at.clone(),
         radius_px: 3,
@@ -118,12 +96,10 @@ fn show(targets: &[[f64; 2]], setup: &TypingSetup<'_>, io: &Io) -> Result<(), Fa
     let layers = [([255, 220, 0], dots), ([255; 3], numbers)];
     let layers = layers.map(|(rgb, shape)| DrawnLayer { rgb, shape });
     let drawn = draw_layers(seen, &layers)?;
-    let path: PathBuf = setup.path.with_extension("grid.png");
+    let path = setup.path.with_extension("grid.png");
     write_file(&path, &png::encode(&drawn))?;
-    io.talk(&format!(
-        "`{}` shows where points are best touched",
-        path.display()
-    ));
+    let path = path.display();
+    io.talk(&format!("`{path}` shows where points are best touched"));
     Ok(())
 }
 

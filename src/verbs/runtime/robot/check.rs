@@ -5,7 +5,6 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::report::Report;
 use clap::{Args, ValueHint};
 use fab_arm::calibration::{Accuracy, Calibration, METHOD};
 use fab_arm::guard::{Guard, Surface};
@@ -13,9 +12,9 @@ use fab_arm::kinematics::reach::{Reach, Turn};
 use fab_arm::settings::{CameraSource, Settings};
 use nalgebra::Point3;
 use serde::Serialize;
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// Arguments of `robot check`.
 #[derive(Args)]
 pub struct RobotCheckArguments {
     /// The arm's settings.
@@ -38,55 +37,48 @@ struct NamedPose {
     why_not: Option<String>,
 }
 
-/// Why a calibration cannot be used, and what to do.
-struct Unusable {
-    why: String,
-    next: String,
-}
-
-/// An arm's settings, and what is wrong with what they name.
-#[derive(Serialize)]
 struct Inspection {
-    #[serde(skip)]
     settings: Settings,
-    name: String,
-    model: String,
-    calibration: CheckedCalibration,
+    calibration: Result<MadeCalibration, String>,
     reach: Vec<NamedPose>,
-    /// What prevents a run.
-    #[serde(skip)]
     faults: Vec<String>,
     /// What to do: about each fault, else to plan.
     next: Vec<String>,
-    exit: u8,
 }
 
 #[derive(Serialize)]
-#[serde(untagged)]
-enum CheckedCalibration {
-    Usable {
-        usable: bool,
-        made_on: String,
-        method: &'static str,
-        camera: String,
-        #[serde(flatten)]
-        accuracy: Box<Accuracy>,
-    },
-    Unusable {
-        usable: bool,
-        why: String,
-    },
+struct MadeCalibration {
+    usable: bool,
+    made_on: String,
+    method: &'static str,
+    camera: String,
+    #[serde(flatten)]
+    accuracy: Accuracy,
 }
 
-/// Checks the settings and everything that they name.
 pub fn run(arguments: &RobotCheckArguments, io: &Io) -> Result<Exit, Failure> {
     let inspection = inspect(&arguments.robot)?;
-    io.result(arguments.json, &inspection);
-    if inspection.faults.is_empty() {
-        return Ok(Exit::Done);
+    let exit = match inspection.faults.as_slice() {
+        [] => Exit::Done,
+        _ => Exit::Environment,
+    };
+    let settings = &inspection.settings;
+    let document = json!({
+        "name": settings.name,
+        "model": settings.model,
+        "calibration": match &inspection.calibration {
+            Ok(made) => json!(made),
+            Err(why) => json!({"usable": false, "why": why}),
+        },
+        "reach": inspection.reach,
+        "next": inspection.next,
+        "exit": exit.code(),
+    });
+    io.either(arguments.json, &document, || inspection.text());
+    if exit != Exit::Done {
+        io.talk("error: this arm cannot be used as it is set up");
     }
-    io.talk("error: this arm cannot be used as it is set up");
-    Ok(Exit::Environment)
+    Ok(exit)
 }
 
 /// Returns the settings of an arm with which a plan or a run may begin; fails as `robot check` does, with what to do next.
@@ -107,21 +99,11 @@ fn inspect(robot: &Path) -> Result<Inspection, Failure> {
     let settings = Settings::load(robot)?;
     let (reach, file) = (places(&settings), robot.display());
     let (mut faults, mut next) = (Vec::new(), Vec::new());
-    let calibration = match calibration(robot, &settings) {
-        Ok((made, compared)) => CheckedCalibration::Usable {
-            usable: true,
-            made_on: made.made_on,
-            method: METHOD,
-            camera: made.terms.camera,
-            accuracy: Box::new(compared),
-        },
-        Err(Unusable { why, next: cure }) => {
-            faults.push(format!("the calibration cannot be used: {why}"));
-            next.push(cure);
-            let usable = false;
-            CheckedCalibration::Unusable { usable, why }
-        }
-    };
+    let calibration = calibration(robot, &settings).map_err(|[why, cure]| {
+        faults.push(format!("the calibration cannot be used: {why}"));
+        next.push(cure);
+        why
+    });
     for place in &reach {
         let ([x, y, z], name) = (place.at_m, place.name);
         if let (Some(key), Some(why)) = (place.needed, &place.why_not) {
@@ -133,22 +115,16 @@ fn inspect(robot: &Path) -> Result<Inspection, Failure> {
             ));
         }
     }
-    let mut exit = Exit::Environment;
     if faults.is_empty() {
-        exit = Exit::Done;
-        next.push(format!(
-            "`fabc run TASK --world arm --robot {file} --plan-only`"
-        ));
+        let plan = format!("`fabc run TASK --world arm --robot {file} --plan-only`");
+        next.push(plan);
     }
     Ok(Inspection {
-        name: settings.name.clone(),
-        model: settings.model.clone(),
         settings,
         calibration,
         reach,
         faults,
         next,
-        exit: exit.code(),
     })
 }
 
@@ -159,119 +135,108 @@ fn places(settings: &Settings) -> Vec<NamedPose> {
     let [x, y, z] = settings.table.center_m;
     let ([left, low, _], [right, high, _]) = (settings.workspace.min_m, settings.workspace.max_m);
     let motion = &settings.motion;
-    let over_table = [
+    let over_table = &[
         motion.pre_pick_m,
         motion.lift_m,
         motion.retreat_m,
         motion.travel_m,
-    ];
-    let place = |name, at_m: [f64; 3], above_m: &[f64]| NamedPose {
-        name,
-        needed: None,
-        at_m,
-        why_not: reach
-            .check(&Point3::from(at_m), above_m)
-            .err()
-            .map(|why| why.to_string()),
-    };
-    let top_m = over_table.into_iter().fold(0.0, f64::max);
+    ][..];
+    let rest_m = settings.workspace.rest_m;
     // The corners are those of the workspace, so only the other places are checked against it.
-    let in_box = |place: NamedPose, key, above_m: f64| {
-        let [x, y, z] = place.at_m;
-        let ends = [z, z + above_m].map(|z| Point3::new(x, y, z));
-        let mut why = ends.iter().filter_map(|end| guard.goal(end).err());
+    let places = [
+        (
+            "middle of the table",
+            [x, y, z],
+            over_table,
+            Some("table.center_m"),
+        ),
+        ("rest", rest_m, &[], Some("workspace.rest_m")),
+        ("corner, least x, least y", [left, low, z], over_table, None),
+        ("corner, least x, most y", [left, high, z], over_table, None),
+        ("corner, most x, least y", [right, low, z], over_table, None),
+        ("corner, most x, most y", [right, high, z], over_table, None),
+    ];
+    let checked = places.map(|(name, at_m, above_m, needed)| {
+        let out_of_reach = reach.check(&Point3::from(at_m), above_m).err();
+        let top_m = above_m.iter().copied().fold(0.0, f64::max);
+        let ends = [at_m[2], at_m[2] + top_m].map(|z| Point3::new(at_m[0], at_m[1], z));
+        let mut ends = ends.iter().filter(|_| needed.is_some());
+        let out_of_box = || ends.find_map(|end| guard.goal(end).err());
         NamedPose {
-            needed: Some(key),
-            why_not: place.why_not.clone().or_else(|| why.next()),
-            ..place
+            name,
+            needed,
+            at_m,
+            why_not: out_of_reach.map(|why| why.to_string()).or_else(out_of_box),
         }
-    };
-    let middle = place("middle of the table", [x, y, z], &over_table);
-    let rest = place("rest", settings.workspace.rest_m, &[]);
-    vec![
-        in_box(middle, "table.center_m", top_m),
-        in_box(rest, "workspace.rest_m", 0.0),
-        place("corner, least x, least y", [left, low, z], &over_table),
-        place("corner, least x, most y", [left, high, z], &over_table),
-        place("corner, most x, least y", [right, low, z], &over_table),
-        place("corner, most x, most y", [right, high, z], &over_table),
-    ]
+    });
+    checked.into()
 }
 
-/// Reads the calibration that the settings name, and compares it with them.
-fn calibration(robot: &Path, settings: &Settings) -> Result<(Calibration, Accuracy), Unusable> {
+/// Reads the calibration of the settings, and compares it with them; else returns why it is useless, and what to do.
+fn calibration(robot: &Path, settings: &Settings) -> Result<MadeCalibration, [String; 2]> {
     let beside = robot.parent().unwrap_or(Path::new(""));
     let path = beside.join(&settings.calibration);
     let is_simulated = settings.camera.source == CameraSource::Simulated;
-    let picture = match (is_simulated, settings.camera.source) {
-        (true, _) => "",
-        (_, CameraSource::Ros | CameraSource::Ros2) => " --shoot",
-        _ => " --image PNG",
+    let picture = match settings.camera.source {
+        CameraSource::Simulated => "",
+        CameraSource::Ros | CameraSource::Ros2 => " --shoot",
+        CameraSource::Directory => " --image PNG",
     };
     let calibrate = format!(
         "touch points and calibrate: `fabc calibrate --robot {} --grid 4x4{picture}`",
         robot.display()
     );
-    let unusable = |why: String, next: &str| Unusable {
-        why,
-        next: next.to_owned(),
-    };
-    let made = Calibration::load(&path).map_err(|error| unusable(error.to_string(), &calibrate))?;
+    let made = Calibration::load(&path);
+    let made = made.map_err(|error| [error.to_string(), calibrate.clone()])?;
     let compared = made.check_settings(settings).map_err(|refusal| {
-        let next = format!(
-            "correct what is said of it in `{}`; else {calibrate}",
-            robot.display()
-        );
-        unusable(format!("it does not fit these settings: {refusal}"), &next)
+        let file = robot.display();
+        [
+            format!("it does not fit these settings: {refusal}"),
+            format!("correct what is said of it in `{file}`; else {calibrate}"),
+        ]
     })?;
     // A simulated camera cannot be moved.
     if made.reference.is_none() && !is_simulated {
         let why = "it has no picture, so that a moved camera could not be noticed";
-        return Err(unusable(why.to_owned(), &calibrate));
+        return Err([why.to_owned(), calibrate]);
     }
-    Ok((made, compared))
+    Ok(MadeCalibration {
+        usable: true,
+        made_on: made.made_on,
+        method: METHOD,
+        camera: made.terms.camera,
+        accuracy: compared,
+    })
 }
 
-impl Report for Inspection {
+impl Inspection {
     fn text(&self) -> String {
-        let mut lines = vec![format!(
-            "settings     {}, {}: can be used",
-            self.name, self.model
-        )];
+        let (name, model) = (&self.settings.name, &self.settings.model);
+        let mut lines = vec![format!("settings     {name}, {model}: can be used")];
         match &self.calibration {
-            CheckedCalibration::Usable {
-                made_on,
-                method,
-                camera,
-                accuracy,
-                ..
-            } => {
-                let left_out_mm = accuracy.left_out_rms_mm;
+            Ok(made) => {
+                let (made_on, method, camera) = (&made.made_on, made.method, &made.camera);
+                let left_out_mm = made.accuracy.left_out_rms_mm;
                 lines.push(format!(
                     "calibration  of {made_on}, {method}, camera {camera}: can be used; a point left out is {left_out_mm:.1} mm off"
                 ));
-                lines.extend(accuracy.corners.iter().map(|corner| {
-                    let [x, y, _] = corner.at_m;
+                lines.extend(made.accuracy.corners.iter().map(|corner| {
+                    let ([x, y, _], above_mm) = (corner.at_m, corner.above_mm.abs());
                     let side = if corner.above_mm < 0.0 { "below" } else { "above" };
                     format!(
-                        "corner       ({x:.3}, {y:.3}): {:.1} mm {side} the table's middle, known to {:.1} mm",
-                        corner.above_mm.abs(),
+                        "corner       ({x:.3}, {y:.3}): {above_mm:.1} mm {side} the table's middle, known to {:.1} mm",
                         corner.error_mm
                     )
                 }));
             }
-            CheckedCalibration::Unusable { why, .. } => {
-                lines.push(format!("calibration  cannot be used: {why}"));
-            }
+            Err(why) => lines.push(format!("calibration  cannot be used: {why}")),
         }
         lines.extend(self.reach.iter().map(|place| {
             let [x, y, z] = place.at_m;
             let why = place.why_not.as_ref();
             let result = why.map_or("reached".to_owned(), |why| format!("out of reach: {why}"));
-            format!(
-                "reach        {} ({x:.3}, {y:.3}, {z:.3}): {result}",
-                place.name
-            )
+            let name = place.name;
+            format!("reach        {name} ({x:.3}, {y:.3}, {z:.3}): {result}")
         }));
         lines.extend(self.next.iter().map(|next| format!("next         {next}")));
         lines.join("\n")

@@ -12,10 +12,7 @@ use fab_arm::rgbd::RgbdSource;
 use fab_arm::settings::{CameraSource, DriverKind, Settings};
 use std::path::Path;
 
-/// Loads the settings of a real arm; fails for one that this program simulates, and where this build has no connection
-/// to it.
-///
-/// - `why_real`: what cannot be done with a simulated arm, for the message.
+/// Loads the settings of an arm to which this build can connect; `why_real` says what a simulated one cannot do.
 pub fn settings_of_real(robot: &Path, why_real: &str) -> Result<Settings, Failure> {
     let settings = Settings::load(robot)?;
     if settings.driver == DriverKind::Simulated {
@@ -30,24 +27,26 @@ pub fn settings_of_real(robot: &Path, why_real: &str) -> Result<Settings, Failur
 
 /// Fails if this build has no connection to the arm of these settings.
 pub fn check_built(settings: &Settings, robot: &Path) -> Result<(), String> {
-    let (ros, feature, is_built) = match settings.driver {
-        DriverKind::Simulated => return Ok(()),
-        DriverKind::Kinova | DriverKind::Trajectory => ("ROS", "ros", cfg!(feature = "ros")),
-        DriverKind::Ros2 => ("ROS 2", "ros2", cfg!(feature = "ros2")),
-    };
-    if is_built {
-        return Ok(());
-    }
-    Err(format!(
-        "`{}` is of a real arm, and this fabc was built without {ros}: build it with `--features {feature}`",
-        robot.display()
-    ))
+    let why = lacks(settings.driver);
+    why.map_or(Ok(()), |[ros, feature]| {
+        Err(format!(
+            "`{}` is of a real arm, and this fabc was built without {ros}: build it with `--features {feature}`",
+            robot.display()
+        ))
+    })
 }
 
-/// Opens the camera over a real table.
-///
-/// - `robot`: the settings' file, beside which a folder of pictures lies.
-/// - `selection`: which picture of that folder to take.
+/// Returns the ROS that this build lacks for an arm, if it lacks one, and the feature that adds it.
+fn lacks(driver: DriverKind) -> Option<[&'static str; 2]> {
+    let (names, is_built) = match driver {
+        DriverKind::Simulated => return None,
+        DriverKind::Kinova | DriverKind::Trajectory => (["ROS", "ros"], cfg!(feature = "ros")),
+        DriverKind::Ros2 => (["ROS 2", "ros2"], cfg!(feature = "ros2")),
+    };
+    (!is_built).then_some(names)
+}
+
+/// Opens the camera over a real table; `robot` is the settings' file, beside which a folder of pictures lies.
 pub fn camera(
     settings: &Settings,
     robot: &Path,
@@ -61,23 +60,63 @@ pub fn camera(
             camera.intrinsics.clone(),
             selection,
         ))),
-        (CameraSource::Ros, _) => ros_camera(settings),
-        (CameraSource::Ros2, _) => ros2_camera(settings),
+        #[cfg(feature = "ros")]
+        (CameraSource::Ros, _) => {
+            let ros = settings.ros.as_ref().ok_or(NO_ROS)?;
+            let camera = fab_arm_ros::subscribe(ros, camera.timeout_s);
+            Ok(Box::new(camera.map_err(|error| error.to_string())?))
+        }
+        #[cfg(feature = "ros2")]
+        (CameraSource::Ros2, _) => {
+            let ros2 = settings.ros2.as_ref().ok_or(NO_ROS2)?;
+            let camera = fab_arm_ros2::subscribe(ros2, camera.timeout_s);
+            Ok(Box::new(camera.map_err(|error| error.to_string())?))
+        }
+        #[cfg(not(feature = "ros"))]
+        (CameraSource::Ros, _) => Err(camera_needs("ros")),
+        #[cfg(not(feature = "ros2"))]
+        (CameraSource::Ros2, _) => Err(camera_needs("ros2")),
         _ => Err(
             "a real arm needs the camera `ros` or `ros2`, or `directory` with a folder".to_owned(),
         ),
     }
 }
 
-/// Connects to the node of an arm.
-///
-/// - `timeout_s`: the longest to wait for it, seconds.
+#[cfg(not(all(feature = "ros", feature = "ros2")))]
+fn camera_needs(feature: &str) -> String {
+    format!("`source = \"{feature}\"` needs a fabc that was built with `--features {feature}`")
+}
+
+#[cfg(feature = "ros")]
+const NO_ROS: &str = "the settings have no `[ros]`";
+#[cfg(feature = "ros2")]
+const NO_ROS2: &str = "the settings have no `[ros2]`";
+
+/// Connects to the node of an arm within `timeout_s` seconds.
+#[cfg_attr(
+    not(any(feature = "ros", feature = "ros2")),
+    expect(unused_variables, reason = "without ROS there is nothing to wait for")
+)]
 pub fn port(settings: &Settings, timeout_s: f64) -> Result<Box<dyn Port>, String> {
-    match settings.driver {
-        DriverKind::Kinova | DriverKind::Trajectory => ros_port(settings, timeout_s),
-        DriverKind::Ros2 => ros2_port(settings, timeout_s),
-        DriverKind::Simulated => Err("an arm that this program simulates has no node".to_owned()),
+    if let Some([ros, feature]) = lacks(settings.driver) {
+        return Err(format!(
+            "this fabc was built without {ros}: build it with `--features {feature}`"
+        ));
     }
+    #[cfg(feature = "ros")]
+    if let DriverKind::Kinova | DriverKind::Trajectory = settings.driver {
+        let ros = settings.ros.as_ref().ok_or(NO_ROS)?;
+        let connected = fab_arm_ros::connect(ros, &settings.model, timeout_s);
+        return Ok(Box::new(connected.map_err(|error| error.to_string())?));
+    }
+    #[cfg(feature = "ros2")]
+    if settings.driver == DriverKind::Ros2 {
+        let ros2 = settings.ros2.as_ref().ok_or(NO_ROS2)?;
+        let (chain, n_fingers) = (settings.chain(), settings.fingers.count);
+        let connected = fab_arm_ros2::connect(ros2, chain, n_fingers, timeout_s);
+        return Ok(Box::new(connected.map_err(|error| error.to_string())?));
+    }
+    Err("an arm that this program simulates has no node".to_owned())
 }
 
 /// Connects to the node of an arm, and drives it as its settings say; `guard` checks every motion before it is sent.
@@ -88,65 +127,4 @@ pub fn arm(settings: &Settings, guard: Guard) -> Result<Box<dyn Arm>, String> {
         DriverKind::Kinova => PortArm::by_poses(port, guard, fingers, tolerance),
         _ => PortArm::by_trajectories(port, guard, fingers, tolerance),
     }))
-}
-
-#[cfg(feature = "ros")]
-fn ros_port(settings: &Settings, timeout_s: f64) -> Result<Box<dyn Port>, String> {
-    let ros = settings
-        .ros
-        .as_ref()
-        .ok_or("the settings have no `[ros]`")?;
-    let connected = fab_arm_ros::connect(ros, &settings.model, timeout_s);
-    Ok(Box::new(connected.map_err(|error| error.to_string())?))
-}
-
-#[cfg(feature = "ros")]
-fn ros_camera(settings: &Settings) -> Result<Box<dyn RgbdSource>, String> {
-    let ros = settings
-        .ros
-        .as_ref()
-        .ok_or("the settings have no `[ros]`")?;
-    let camera = fab_arm_ros::subscribe(ros, settings.camera.timeout_s);
-    Ok(Box::new(camera.map_err(|error| error.to_string())?))
-}
-
-#[cfg(not(feature = "ros"))]
-fn ros_port(_: &Settings, _: f64) -> Result<Box<dyn Port>, String> {
-    Err("this fabc was built without ROS: build it with `--features ros`".to_owned())
-}
-
-#[cfg(not(feature = "ros"))]
-fn ros_camera(_: &Settings) -> Result<Box<dyn RgbdSource>, String> {
-    Err("`source = \"ros\"` needs a fabc that was built with `--features ros`".to_owned())
-}
-
-#[cfg(feature = "ros2")]
-fn ros2_port(settings: &Settings, timeout_s: f64) -> Result<Box<dyn Port>, String> {
-    let ros2 = settings
-        .ros2
-        .as_ref()
-        .ok_or("the settings have no `[ros2]`")?;
-    let connected =
-        fab_arm_ros2::connect(ros2, settings.chain(), settings.fingers.count, timeout_s);
-    Ok(Box::new(connected.map_err(|error| error.to_string())?))
-}
-
-#[cfg(feature = "ros2")]
-fn ros2_camera(settings: &Settings) -> Result<Box<dyn RgbdSource>, String> {
-    let ros2 = settings
-        .ros2
-        .as_ref()
-        .ok_or("the settings have no `[ros2]`")?;
-    let camera = fab_arm_ros2::subscribe(ros2, settings.camera.timeout_s);
-    Ok(Box::new(camera.map_err(|error| error.to_string())?))
-}
-
-#[cfg(not(feature = "ros2"))]
-fn ros2_port(_: &Settings, _: f64) -> Result<Box<dyn Port>, String> {
-    Err("this fabc was built without ROS 2: build it with `--features ros2`".to_owned())
-}
-
-#[cfg(not(feature = "ros2"))]
-fn ros2_camera(_: &Settings) -> Result<Box<dyn RgbdSource>, String> {
-    Err("`source = \"ros2\"` needs a fabc that was built with `--features ros2`".to_owned())
 }

@@ -7,16 +7,14 @@ use super::recover::{NO_ANSWER, describe, given_or_typed};
 use super::{connect, preflight};
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::report::Report;
 use clap::{Args, ValueHint};
 use fab_arm::driver::Arm;
 use fab_arm::guard::Guard;
 use fab_arm::last_run::{self, Recovery};
 use fab_arm::log::{ARM_FILE, ArmLog, Entry};
-use serde::Serialize;
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// Arguments of `robot enable`.
 #[derive(Args)]
 pub struct EnableArguments {
     /// The arm's settings.
@@ -33,7 +31,6 @@ pub struct EnableArguments {
 const QUESTION: &str = "Once enabled, it moves on any command: is its way free, and a physical stop in reach? \
 Why it was stopped and may go, in a few words; nothing to leave it stopped:";
 
-/// Asks for a reason, and enables the arm.
 pub fn run(arguments: &EnableArguments, io: &Io) -> Result<Exit, Failure> {
     let robot = &arguments.robot;
     let nothing = "it ends with the program that moves it, and is never left stopped";
@@ -51,21 +48,11 @@ pub fn run(arguments: &EnableArguments, io: &Io) -> Result<Exit, Failure> {
     let guard = Guard::level(&settings);
     let mut arm = connect::arm(&settings, guard).map_err(Failure::environment)?;
     enable(arm.as_mut(), robot, &how)?;
-    io.result(arguments.json, &Enabled { enabled: true, how });
-    Ok(Exit::Done)
-}
-
-/// An arm that accepts motion again.
-#[derive(Serialize)]
-struct Enabled {
-    enabled: bool,
-    how: String,
-}
-
-impl Report for Enabled {
-    fn text(&self) -> String {
+    let document = json!({ "enabled": true, "how": how });
+    io.either(arguments.json, &document, || {
         "enabled: the arm accepts motion again".to_owned()
-    }
+    });
+    Ok(Exit::Done)
 }
 
 /// Enables an arm, and records it if its last run has a journal.
@@ -79,10 +66,8 @@ fn enable(arm: &mut dyn Arm, robot: &Path, how: &str) -> Result<(), Failure> {
     let Some(run) = run.filter(|run| run.join(ARM_FILE).is_file()) else {
         return Ok(());
     };
-    let entry = Entry::Enabled {
-        how: how.to_owned(),
-    };
-    let written = ArmLog::open(&run).and_then(|mut log| log.write(&entry));
+    let how = how.to_owned();
+    let written = ArmLog::open(&run).and_then(|mut log| log.write(&Entry::Enabled { how }));
     written.map_err(|error| {
         Failure::environment(format!(
             "the arm is let go, and that could not be noted: {error}"
@@ -92,16 +77,16 @@ fn enable(arm: &mut dyn Arm, robot: &Path, how: &str) -> Result<(), Failure> {
 
 /// Describes what the last run left unfinished: enabling the arm does not recover it.
 fn unfinished_note(robot: &Path) -> Option<String> {
-    match last_run::recovery(robot) {
-        Ok(Recovery::NotNeeded) => None,
+    Some(match last_run::recovery(robot) {
+        Ok(Recovery::NotNeeded) => return None,
         Ok(Recovery::Needed { state, .. }) => {
-            Some(format!("the last run left it so: {}", describe(&state)))
+            format!("the last run left it so: {}", describe(&state))
         }
-        Ok(Recovery::Unknown { why, .. }) => Some(format!(
-            "in what state the last run left it is not known: {why}"
-        )),
-        Err(error) => Some(error.to_string()),
-    }
+        Ok(Recovery::Unknown { why, .. }) => {
+            format!("in what state the last run left it is not known: {why}")
+        }
+        Err(error) => error.to_string(),
+    })
 }
 
 #[cfg(test)]

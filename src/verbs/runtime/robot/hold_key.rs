@@ -16,7 +16,6 @@ const FIRST_TIMEOUT: Duration = Duration::from_millis(750);
 /// How long after a press no repeat of it can come.
 const ALONE: Duration = Duration::from_millis(100);
 
-/// The hold-to-run key.
 const SPACE: u8 = b' ';
 
 /// Tracks the hold-to-run key.
@@ -27,7 +26,6 @@ pub struct HoldKey(Phase);
 enum Phase {
     /// The key counts as released only after a silence; the last byte, or the stall, was then.
     Draining(Instant),
-    /// It is up.
     Up,
     /// One byte came then; it may be the first of many that waited.
     Pressed(Instant),
@@ -35,14 +33,11 @@ enum Phase {
     Held(Instant),
 }
 
-/// The state of the key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KeyState {
-    /// It is held.
     Held,
     /// It was held until this update.
     Released,
-    /// It is not held, and was not before.
     Up,
 }
 
@@ -76,17 +71,15 @@ impl HoldKey {
             Phase::Held(until) => Phase::Held(until),
         };
         match self.0 {
-            Phase::Held(until) if now < until => KeyState::Held,
-            _ if was_held => {
-                // If the bytes come late rather than not at all, they must not count as a press.
-                self.0 = Phase::Draining(now);
-                KeyState::Released
-            }
-            Phase::Held(_) => {
-                self.0 = Phase::Draining(now);
-                KeyState::Up
-            }
-            _ => KeyState::Up,
+            Phase::Held(until) if now < until => return KeyState::Held,
+            // If the bytes come late rather than not at all, they must not count as a press.
+            Phase::Held(_) => self.0 = Phase::Draining(now),
+            _ => {}
+        }
+        if was_held {
+            KeyState::Released
+        } else {
+            KeyState::Up
         }
     }
 }
@@ -114,7 +107,6 @@ mod unix {
         }
     }
 
-    /// Discards what was typed up to now.
     pub fn discard_typed() {
         // If stdin is not a terminal, nobody typed anything.
         let _ = tcflush(stdin(), FlushArg::TCIFLUSH);
@@ -137,13 +129,11 @@ mod unix {
             let stdin = stdin();
             let before = tcgetattr(&stdin).map_err(|error| error.to_string())?;
             let mut flags = before.clone();
-            flags
-                .local_flags
-                .remove(LocalFlags::ICANON | LocalFlags::ECHO);
-            BEFORE
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner)
-                .get_or_insert(before);
+            let buffered = LocalFlags::ICANON | LocalFlags::ECHO;
+            flags.local_flags.remove(buffered);
+            let mut kept = BEFORE.lock().unwrap_or_else(PoisonError::into_inner);
+            kept.get_or_insert(before);
+            drop(kept);
             crate::io::at_exit(restore);
             tcsetattr(&stdin, SetArg::TCSANOW, &flags).map_err(|error| error.to_string())?;
             Ok(Keys)
@@ -152,12 +142,8 @@ mod unix {
         /// Returns what was typed since the last call, without waiting; nothing if the terminal is gone.
         pub fn typed(&mut self) -> Vec<u8> {
             let mut bytes = vec![0; 256];
-            let count = if has_input(0) {
-                nix::unistd::read(stdin(), &mut bytes).unwrap_or(0)
-            } else {
-                0
-            };
-            bytes.truncate(count);
+            let read = has_input(0).then(|| nix::unistd::read(stdin(), &mut bytes));
+            bytes.truncate(read.and_then(Result::ok).unwrap_or(0));
             bytes
         }
     }
@@ -169,36 +155,32 @@ mod unix {
     }
 }
 
-/// Keys, on a system that cannot watch them.
+/// What a system without such a terminal has in place of it: no keys, and a reader that waits for input itself.
 #[cfg(not(unix))]
-pub struct Keys;
+mod elsewhere {
+    pub struct Keys;
 
-#[cfg(not(unix))]
-impl Keys {
-    /// Always fails.
-    pub fn watch() -> Result<Keys, String> {
-        Err("this system has no terminal of that kind".to_owned())
+    impl Keys {
+        pub fn watch() -> Result<Keys, String> {
+            Err("this system has no terminal of that kind".to_owned())
+        }
+
+        pub fn typed(&mut self) -> Vec<u8> {
+            Vec::new()
+        }
     }
 
-    /// Returns nothing.
-    pub fn typed(&mut self) -> Vec<u8> {
-        Vec::new()
+    pub fn restore() {}
+
+    pub fn discard_typed() {}
+
+    pub fn has_input(_: u8) -> bool {
+        true
     }
 }
 
-/// Does nothing: no terminal was changed.
 #[cfg(not(unix))]
-pub fn restore() {}
-
-/// Does nothing: this system cannot discard typed input.
-#[cfg(not(unix))]
-pub fn discard_typed() {}
-
-/// Returns true: the reader waits for input itself.
-#[cfg(not(unix))]
-pub fn has_input(_: u8) -> bool {
-    true
-}
+pub use elsewhere::{Keys, discard_typed, has_input, restore};
 
 #[cfg(test)]
 mod tests;

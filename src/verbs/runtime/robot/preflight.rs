@@ -38,17 +38,16 @@ pub fn claim(robot: &Path) -> Result<(), String> {
 
 /// Reports how a run left the arm, if the arm needs recovery.
 pub fn report_run_state(run: &Path, io: &Io) {
-    match run_state(run) {
-        Ok(RunState::Clear) => {}
-        Ok(state) => io.talk(&format!(
-            "note: this is how the arm was left: {}; see to it, and say so with `fabc robot recover {}`",
+    let note = match run_state(run) {
+        Ok(RunState::Clear) => return,
+        Ok(state) => format!(
+            "this is how the arm was left: {}; see to it, and say so with `fabc robot recover {}`",
             describe(&state),
             run.display()
-        )),
-        Err(error) => io.talk(&format!(
-            "note: in what state the arm was left is not known: {error}"
-        )),
-    }
+        ),
+        Err(error) => format!("in what state the arm was left is not known: {error}"),
+    };
+    io.talk(&format!("note: {note}"));
 }
 
 /// Fails if the arm needs recovery after its last run.

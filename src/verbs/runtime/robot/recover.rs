@@ -6,14 +6,12 @@
 use super::terminal::line_of;
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::report::Report;
 use clap::{Args, ValueHint};
 use fab_arm::last_run::{self, Recovery};
 use fab_arm::log::{ARM_FILE, ArmLog, Entry, RunState, run_state};
-use serde::Serialize;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// Arguments of `robot recover`.
 #[derive(Args)]
 pub struct RecoverArguments {
     /// The run folder.
@@ -33,10 +31,8 @@ pub struct RecoverArguments {
 const BY_HAND: &str = "nothing is moved by this command: bring the arm to rest by hand, and take the cloth out of its fingers; \
 `home` of the vendor's driver opens the hand";
 
-/// The error if no description was given.
 pub(super) const NO_ANSWER: &str = "nobody said what was done";
 
-/// Reports the state, asks what was done, and records it.
 pub fn run(arguments: &RecoverArguments, io: &Io) -> Result<Exit, Failure> {
     match (&arguments.run, &arguments.robot) {
         (Some(run), _) => of_run(run, arguments, io),
@@ -47,59 +43,35 @@ pub fn run(arguments: &RecoverArguments, io: &Io) -> Result<Exit, Failure> {
     }
 }
 
-/// What is known of the arm, and what a person did about it.
-#[derive(Serialize)]
-struct Recovered {
-    #[serde(flatten)]
-    state: LastState,
-    recovered: Option<String>,
-}
-
-/// How the arm was left, as far as it is known.
-#[derive(Serialize)]
-#[serde(untagged)]
-enum LastState {
-    Known(RunState),
-    Unknown { left: &'static str, why: String },
-}
-
 fn of_run(folder: &Path, arguments: &RecoverArguments, io: &Io) -> Result<Exit, Failure> {
+    let shown = folder.display();
     if !folder.is_dir() {
-        return Err(Failure::environment(format!(
-            "there is no run folder `{}`",
-            folder.display()
-        )));
+        let why = format!("there is no run folder `{shown}`");
+        return Err(Failure::environment(why));
     }
     if !folder.join(ARM_FILE).is_file() {
         return Err(Failure::environment(format!(
-            "`{}` has no arm journal (`{ARM_FILE}`), so the state of the arm after it is unknown: name the folder of \
-             a run with `--world arm`, or the arm's settings with `--robot FILE`",
-            folder.display()
+            "`{shown}` has no arm journal (`{ARM_FILE}`), so the state of the arm after it is unknown: name the folder of \
+             a run with `--world arm`, or the arm's settings with `--robot FILE`"
         )));
     }
     let state = run_state(folder)?;
     if state == RunState::Clear {
-        return Ok(say(LastState::Known(state), None, arguments, io));
+        return Ok(say(json!(state), None, arguments, io));
     }
     let how = ask_what_was_done(&describe(&state), arguments, io)?;
-    let mut log = ArmLog::open(folder)?;
-    let entry = Entry::Recovered { how: how.clone() };
-    log.write(&entry)?;
-    Ok(say(LastState::Known(state), Some(how), arguments, io))
+    ArmLog::open(folder)?.write(&Entry::Recovered { how: how.clone() })?;
+    Ok(say(json!(state), Some(how), arguments, io))
 }
 
 /// Recovers an arm after its last run; if that run's journal is gone, the recovery is recorded beside the settings.
 fn of_arm(robot: &Path, arguments: &RecoverArguments, io: &Io) -> Result<Exit, Failure> {
     if !robot.is_file() {
-        return Err(Failure::environment(format!(
-            "there are no settings `{}`",
-            robot.display()
-        )));
+        let why = format!("there are no settings `{}`", robot.display());
+        return Err(Failure::environment(why));
     }
     let why = match last_run::recovery(robot)? {
-        Recovery::NotNeeded => {
-            return Ok(say(LastState::Known(RunState::Clear), None, arguments, io));
-        }
+        Recovery::NotNeeded => return Ok(say(json!(RunState::Clear), None, arguments, io)),
         Recovery::Needed { run, .. } => {
             io.talk(&format!("the last run is `{}`", run.display()));
             return of_run(&run, arguments, io);
@@ -109,28 +81,18 @@ fn of_arm(robot: &Path, arguments: &RecoverArguments, io: &Io) -> Result<Exit, F
     let state = format!("the state that the last run left the arm in is unknown: {why}");
     let how = ask_what_was_done(&state, arguments, io)?;
     last_run::record_recovery(robot, &how)?;
-    let left = "unknown";
-    Ok(say(
-        LastState::Unknown { left, why },
-        Some(how),
-        arguments,
-        io,
-    ))
+    let state = json!({ "left": "unknown", "why": why });
+    Ok(say(state, Some(how), arguments, io))
 }
 
-fn say(state: LastState, how: Option<String>, arguments: &RecoverArguments, io: &Io) -> Exit {
-    let recovered = how;
-    io.result(arguments.json, &Recovered { state, recovered });
+/// Reports how the arm was left, and what a person did about it.
+fn say(mut document: Value, how: Option<String>, arguments: &RecoverArguments, io: &Io) -> Exit {
+    document["recovered"] = json!(how);
+    io.either(arguments.json, &document, || match how {
+        None => "clear: no motion is open, and the hand holds nothing".to_owned(),
+        Some(how) => format!("noted: {how}"),
+    });
     Exit::Done
-}
-
-impl Report for Recovered {
-    fn text(&self) -> String {
-        match &self.recovered {
-            None => "clear: no motion is open, and the hand holds nothing".to_owned(),
-            Some(how) => format!("noted: {how}"),
-        }
-    }
 }
 
 /// Shows the state, and returns the description of what was done; fails without one.
@@ -153,18 +115,14 @@ fn ask_what_was_done(
 
 /// Returns the text that was given as an option, or is typed as an answer; may be empty.
 pub(super) fn given_or_typed(given: Option<&String>, question: &str, io: &Io) -> String {
-    match given {
-        Some(text) => text.trim().to_owned(),
-        None => {
-            io.talk(question);
-            // At the end of input the answer is empty.
-            let typed = io.read(line_of).unwrap_or_default();
-            typed.trim().to_owned()
-        }
-    }
+    let text = given.cloned().unwrap_or_else(|| {
+        io.talk(question);
+        // At the end of input the answer is empty.
+        io.read(line_of).unwrap_or_default()
+    });
+    text.trim().to_owned()
 }
 
-/// Describes how a run left the arm.
 pub(super) fn describe(state: &RunState) -> String {
     let RunState::NeedsRecovery {
         segment,
@@ -178,22 +136,17 @@ pub(super) fn describe(state: &RunState) -> String {
         return "clear".to_owned();
     };
     let segment = segment.text();
-    let progress = if *is_verified {
-        "was verified and is the last there is"
-    } else {
-        "was begun and not verified"
+    let progress = match is_verified {
+        true => "was verified and is the last there is",
+        false => "was begun and not verified",
     };
-    let mut text = format!("`{segment}` of action {action} {progress}");
-    if let Some([x, y, z]) = to_m {
-        text += &format!("; the tool was to go to {x:.3}, {y:.3}, {z:.3} m");
-    }
-    text += if *may_hold {
-        "; the hand may hold cloth"
-    } else {
-        "; the hand holds nothing"
+    let to = to_m.map_or(String::new(), |[x, y, z]| {
+        format!("; the tool was to go to {x:.3}, {y:.3}, {z:.3} m")
+    });
+    let holds = match may_hold {
+        true => "may hold cloth",
+        false => "holds nothing",
     };
-    if let Some(why) = why {
-        text += &format!("; halted: {why}");
-    }
-    text
+    let halted: String = why.iter().map(|why| format!("; halted: {why}")).collect();
+    format!("`{segment}` of action {action} {progress}{to}; the hand {holds}{halted}")
 }

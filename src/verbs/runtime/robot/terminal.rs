@@ -16,10 +16,8 @@ use serde::{Deserialize, Serialize};
 use std::io::{BufRead, Read};
 use std::time::{Duration, Instant};
 
-/// How often a question is repeated after an unintelligible answer.
 pub const ATTEMPTS: u32 = 10;
 
-/// The longest line that is read, bytes.
 pub const MAX_LINE: u64 = 4096;
 
 /// Interval at which an interrupt is checked while waiting for an answer, milliseconds.
@@ -43,22 +41,18 @@ pub enum Confirm {
     None,
 }
 
-/// Whether a key must be held while the arm moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HoldToRun {
-    /// The space bar.
     Space,
     /// None.
     Off,
 }
 
-/// A supervisor that asks on the terminal.
 pub struct TerminalSupervisor {
     confirm: Confirm,
     hold: HoldToRun,
     keys: Option<Keys>,
     hold_key: HoldKey,
-    /// When keys were polled last.
     polled: Option<Instant>,
     io: Io,
     /// Notes while the arm moves: a terminal that was halted takes none.
@@ -73,9 +67,7 @@ impl TerminalSupervisor {
             (Confirm::None, HoldToRun::Space) => Some("`--hold-to-run` waits for a key"),
             _ => Some("`--confirm` asks before the arm moves"),
         };
-        if let Some(needs) = needs
-            && !io.has_terminal_input()
-        {
+        if let Some(needs) = needs.filter(|_| !io.has_terminal_input()) {
             return Err(Failure::usage(format!(
                 "{needs}, but stdin is not a terminal; use `--confirm none` without `--hold-to-run`"
             )));
@@ -85,26 +77,20 @@ impl TerminalSupervisor {
                 Failure::usage(format!("`--hold-to-run` cannot see keys here: {why}"))
             })?;
         }
+        let notes = io.clone();
+        let say = move |note: String| {
+            notes.talk(&note);
+            Ok(())
+        };
         Ok(TerminalSupervisor {
             confirm,
             hold,
             keys: None,
             hold_key: HoldKey::after_stall(Instant::now()),
             polled: None,
-            notes: {
-                let io = io.clone();
-                Outbox::new(MAX_NOTES, move |note: String| {
-                    io.talk(&note);
-                    Ok(())
-                })
-            },
+            notes: Outbox::new(MAX_NOTES, say),
             io: io.clone(),
         })
-    }
-
-    /// Returns the terminal to line input, until motion needs the key again.
-    pub fn release_keys(&mut self) {
-        self.keys = None;
     }
 
     /// Says something without waiting for a terminal that does not take it.
@@ -113,7 +99,8 @@ impl TerminalSupervisor {
     }
 
     fn ask(&mut self, question: &str) -> bool {
-        self.release_keys();
+        // Line input, until motion needs the key again.
+        self.keys = None;
         let io = self.io.clone();
         io.progress("");
         hold_key::discard_typed();
@@ -132,12 +119,8 @@ pub fn restore() {
 
 impl Supervisor for TerminalSupervisor {
     fn confirm_cloth(&mut self, start: &Start) -> bool {
-        match self.confirm {
-            Confirm::None => true,
-            Confirm::Each | Confirm::Segment => {
-                self.ask(&format!("Lay the cloth: {}. Does it lie so?", start.name))
-            }
-        }
+        let question = format!("Lay the cloth: {}. Does it lie so?", start.name);
+        self.confirm == Confirm::None || self.ask(&question)
     }
 
     fn confirm(&mut self, request: MotionRequest<'_>) -> bool {
@@ -184,12 +167,10 @@ fn question(request: &MotionRequest<'_>) -> String {
     match request {
         MotionRequest::Action {
             number,
-            points: [pick, place],
+            points,
             segments,
         } => {
-            let at = |x: f64, y: f64, z: f64| format!("{x:.3}, {y:.3}, {z:.3} m");
-            let pick = at(pick.x, pick.y, pick.z);
-            let place = at(place.x, place.y, place.z);
+            let [pick, place] = points.map(|at| format!("{:.3}, {:.3}, {:.3} m", at.x, at.y, at.z));
             let segments: Vec<String> = segments.iter().map(describe).collect();
             let segments = segments.join("\n  ");
             format!("action {number}: pick at {pick}, place at {place}\n  {segments}\nMove?")
@@ -244,7 +225,6 @@ pub fn choose<T>(
     None
 }
 
-/// Understands y and n.
 pub fn yes_or_no(answer: &str) -> Option<bool> {
     match answer {
         "y" | "yes" => Some(true),

@@ -20,7 +20,6 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Arguments of `robot watchdog`.
 #[derive(Args)]
 pub struct WatchdogArguments {
     /// The arm's settings.
@@ -36,37 +35,31 @@ fn seconds(text: &str) -> Result<f64, String> {
     read.ok_or_else(|| "write seconds, 0.05 to 60".to_owned())
 }
 
-/// How often stopping is attempted.
 const ATTEMPTS: u32 = 5;
 /// What it says once it has stopped the arm.
 const STOPPED: &str = "stopped: a stop was requested, or the heartbeats ended";
-/// The most lines that wait to be handled.
 const MAX_WAITING: usize = 64;
-/// The longest line that is read, bytes.
 const MAX_LINE: u64 = 256;
 
-/// Stops the arm, in whatever state it is.
 type Stop = Box<dyn FnMut() -> Result<(), String>>;
 
-/// Watches until stdin ends.
 pub fn run(arguments: &WatchdogArguments, io: &Io) -> Result<Exit, Failure> {
     let settings = Settings::load(&arguments.robot)?;
     let mut stop = stopper(&settings).map_err(Failure::environment)?;
-    let lines = lines_of(io.input());
+    let lines = lines_of(std::io::stdin());
     io.data("ready");
     let timeout = Duration::from_secs_f64(arguments.timeout);
     let mut acknowledge = |line: &str| io.data(line);
     match keep_watch(&lines, timeout, &mut acknowledge, &mut stop) {
-        WatchEnd::AtRest => Ok(Exit::Done),
-        WatchEnd::Stopped => {
+        None => Ok(Exit::Done),
+        Some(Ok(())) => {
             io.data(STOPPED);
             Ok(Exit::Environment)
         }
-        WatchEnd::NotStopped(why) => {
+        Some(Err(why)) => {
             io.data(&format!("not stopped: {why}"));
-            Err(Failure::environment(format!(
-                "the arm could not be stopped: {why}"
-            )))
+            let why = format!("the arm could not be stopped: {why}");
+            Err(Failure::environment(why))
         }
     }
 }
@@ -92,14 +85,6 @@ fn stopper(settings: &Settings) -> Result<Stop, String> {
     }))
 }
 
-/// How a watch ended.
-#[derive(Debug, PartialEq)]
-enum WatchEnd {
-    AtRest,
-    Stopped,
-    NotStopped(String),
-}
-
 /// Reads lines in a thread of its own; the channel closes at their end.
 fn lines_of(source: impl Read + Send + 'static) -> Receiver<String> {
     let (send, lines) = sync_channel(MAX_WAITING);
@@ -117,13 +102,15 @@ fn lines_of(source: impl Read + Send + 'static) -> Receiver<String> {
     lines
 }
 
-/// Watches: stops the arm on `stop`, if no heartbeat comes for `timeout` after `watch`, or the lines end before `rest`.
+/// Stops the arm on `stop`, if no heartbeat comes for `timeout` after `watch`, or the lines end before `rest`.
+///
+/// Returns whether it could be stopped; `None` if there was no need.
 fn keep_watch(
     lines: &Receiver<String>,
     timeout: Duration,
     acknowledge: &mut dyn FnMut(&str),
     stop: &mut dyn FnMut() -> Result<(), String>,
-) -> WatchEnd {
+) -> Option<Result<(), String>> {
     let mut deadline: Option<Instant> = None;
     loop {
         let line = match deadline {
@@ -133,8 +120,8 @@ fn keep_watch(
         match (line.as_deref(), deadline) {
             (Ok("watch"), _) | (Ok("beat"), Some(_)) => deadline = Some(Instant::now() + timeout),
             (Ok("rest"), _) => deadline = None,
-            (Err(_), None) => return WatchEnd::AtRest,
-            (Ok("stop"), _) | (Err(_), Some(_)) => return stopped(stop),
+            (Err(_), None) => return None,
+            (Ok("stop"), _) | (Err(_), Some(_)) => return Some(stopped(stop)),
             // A heartbeat while it does not watch, or an unknown line.
             (Ok(_), _) => continue,
         }
@@ -144,15 +131,12 @@ fn keep_watch(
     }
 }
 
-fn stopped(stop: &mut dyn FnMut() -> Result<(), String>) -> WatchEnd {
-    let mut last = String::new();
-    for _ in 0..ATTEMPTS {
-        match stop() {
-            Ok(()) => return WatchEnd::Stopped,
-            Err(why) => last = why,
-        }
+fn stopped(stop: &mut dyn FnMut() -> Result<(), String>) -> Result<(), String> {
+    let mut last = stop();
+    for _ in 1..ATTEMPTS {
+        last = last.or_else(|_| stop());
     }
-    WatchEnd::NotStopped(last)
+    last
 }
 
 #[cfg(test)]

@@ -1,7 +1,6 @@
 //! The output of `fabc run --plan-only`: the plan of the first action, segment by segment.
 
 use crate::exit::Failure;
-use crate::report::Report;
 use fab_agent::rollout::Ended;
 use fab_arm::plan::Plan;
 use fab_arm::settings::{DriverKind, Settings};
@@ -10,44 +9,28 @@ use fab_base::table::{Align, aligned};
 use serde::Serialize;
 use std::path::Path;
 
-/// The outcome, and the plan if there is one.
 #[derive(Serialize)]
-pub struct PlannedRun<'a> {
+pub struct PlannedRun {
     #[serde(flatten)]
     report: Ended,
     plan: Option<Plan>,
-    #[serde(skip)]
-    settings: &'a Settings,
 }
 
-impl PlannedRun<'_> {
-    /// Reads the plan of a run that ended.
-    pub fn of(report: Ended, settings: &Settings) -> Result<PlannedRun<'_>, Failure> {
+impl PlannedRun {
+    pub fn of(report: Ended) -> Result<PlannedRun, Failure> {
         let folder = Path::new(&report.took.run_dir);
-        let plan = if folder.join(PLAN_FILE).exists() {
-            Some(read_plan(folder).map_err(Failure::environment)?)
-        } else {
-            None
-        };
-        Ok(PlannedRun {
-            report,
-            plan,
-            settings,
-        })
+        let is_planned = folder.join(PLAN_FILE).exists();
+        let plan = is_planned.then(|| read_plan(folder)).transpose();
+        let plan = plan.map_err(Failure::environment)?;
+        Ok(PlannedRun { report, plan })
     }
-}
 
-impl Report for PlannedRun<'_> {
-    fn text(&self) -> String {
-        let outcome = self.report.outcome.name();
-        let (plan, drawing) = match &self.plan {
-            Some(plan) => (
-                table(plan, self.settings),
-                format!(" (drawing: {PLAN_PICTURE})"),
-            ),
-            None => ("no action was planned".to_owned(), String::new()),
-        };
-        let folder = &self.report.took.run_dir;
+    pub fn text(&self, settings: &Settings) -> String {
+        let (outcome, folder) = (self.report.outcome.name(), &self.report.took.run_dir);
+        let plan = self.plan.as_ref().map(|plan| table(plan, settings));
+        let drawing = plan.as_ref().map(|_| format!(" (drawing: {PLAN_PICTURE})"));
+        let plan = plan.unwrap_or("no action was planned".to_owned());
+        let drawing = drawing.unwrap_or_default();
         format!("outcome: {outcome}; nothing moved\n{plan}\nrun folder: {folder}{drawing}")
     }
 }
@@ -60,16 +43,8 @@ fn table(plan: &Plan, settings: &Settings) -> String {
         place(plan.place_m),
         plan.model
     )];
-    let titles = [
-        "segment",
-        "x, m",
-        "y, m",
-        "z, m",
-        "way, mm",
-        "time, s",
-        "joints, degrees",
-    ];
-    let mut rows = vec![titles.map(str::to_owned).to_vec()];
+    let titles = "segment;x, m;y, m;z, m;way, mm;time, s;joints, degrees";
+    let mut rows = vec![titles.split(';').map(str::to_owned).collect()];
     rows.extend(plan.segments.iter().map(|segment| {
         let mut row = vec![segment.name.text().to_owned()];
         match segment.hand {

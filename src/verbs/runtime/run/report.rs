@@ -1,12 +1,11 @@
 //! The output of `fabc run`: a line per step while it runs, and a summary.
 
 use crate::io::Io;
-use crate::report::Report;
 use fab_agent::action::Action;
 use fab_agent::judgement::Judgement;
 use fab_agent::outcome::Outcome;
 use fab_agent::policy::Finding;
-use fab_agent::record::{CoverageSource, JudgedBy, RehearsedAnswer, RehearsedStep};
+use fab_agent::record::{CoverageSource, RehearsedAnswer, RehearsedStep};
 use fab_agent::rollout::{Ended, Event};
 use fab_agent::sheet::SHEET_FILE;
 use fab_base::wording::{counted, shown};
@@ -19,14 +18,11 @@ use fab_world::metrics::ClothMoved;
 use serde::Serialize;
 use std::path::Path;
 
-/// Shows events on stderr.
 pub struct Progress<'io> {
     io: &'io Io,
     /// How many actions were shown in an earlier run.
     earlier: u32,
-    /// The most steps.
     horizon: u32,
-    /// The last answer.
     answer: String,
 }
 
@@ -41,7 +37,6 @@ impl Progress<'_> {
         }
     }
 
-    /// Shows one event.
     pub fn show(&mut self, event: &Event) {
         let is_earlier = event.at().is_some_and(|at| at.action <= self.earlier);
         if is_earlier && !matches!(event, Event::Stopped { .. }) {
@@ -53,15 +48,14 @@ impl Progress<'_> {
             Event::Answer { text, .. } => self.answer.clone_from(text),
             Event::Verdict { of, note, result } => {
                 let words = match (note, refusal(result, &self.answer)) {
-                    (Some(note), Some(refusal)) => format!("{note}; {refusal}"),
-                    (Some(note), None) => format!("{note}; accepted"),
+                    (Some(note), refusal) => {
+                        format!("{note}; {}", refusal.as_deref().unwrap_or("accepted"))
+                    }
                     (None, Some(refusal)) => refusal,
                     (None, None) => return,
                 };
-                io.talk(&format!(
-                    "  step {}, {} attempt {}: {words}",
-                    of.at.step, of.stage, of.attempt
-                ));
+                let (step, stage, attempt) = (of.at.step, &of.stage, of.attempt);
+                io.talk(&format!("  step {step}, {stage} attempt {attempt}: {words}"));
             }
             Event::Retried { at, overlap, limit } => io.talk(&format!(
                 "step {} again, kept as `step_{}`: its result overlaps the subgoal's cloth by {:.3}, and the task asks for more than {limit}",
@@ -77,11 +71,10 @@ impl Progress<'_> {
                 at,
                 rehearsal,
                 took_s,
-            } => io.talk(&format!(
-                "  step {}, {}",
-                at.step,
-                rehearsed(rehearsal, *took_s)
-            )),
+            } => {
+                let words = rehearsed(rehearsal, *took_s);
+                io.talk(&format!("  step {}, {words}", at.step));
+            }
             Event::Motion {
                 at,
                 grips,
@@ -96,53 +89,40 @@ impl Progress<'_> {
                 let done = executed.grips.iter().map(|done| done.grasp);
                 let grips = grips.iter().zip(done);
                 let grips: Vec<String> = grips.map(|(action, grasp)| grip(action, grasp)).collect();
-                let values: String = other_values.iter().map(|it| format!(", {it}")).collect();
-                let without = match without.as_slice() {
-                    [] => String::new(),
-                    names => format!(", accepted without `{}`", names.join("`, `")),
-                };
-                io.talk(&format!(
-                    "step {}/{horizon}: {}{values}{}{without}   {took_s:.1} s{}",
-                    at.step,
-                    grips.join("; "),
-                    moved.as_ref().map(cloth).unwrap_or_default(),
-                    so_far(spent)
-                ));
+                let mut said = grips.join("; ");
+                said.extend(other_values.iter().map(|it| format!(", {it}")));
+                said.extend(moved.as_ref().map(cloth));
+                if !without.is_empty() {
+                    said += &format!(", accepted without `{}`", without.join("`, `"));
+                }
+                let (step, spent) = (at.step, so_far(spent));
+                io.talk(&format!("step {step}/{horizon}: {said}   {took_s:.1} s{spent}"));
             }
             Event::Skipped { at, why } => {
-                io.talk(&format!(
-                    "step {}/{horizon}: skipped ({})",
-                    at.step,
-                    why.name()
-                ));
+                let (step, why) = (at.step, why.name());
+                io.talk(&format!("step {step}/{horizon}: skipped ({why})"));
             }
-            Event::Experts { missing, total } => {
-                io.talk(&format!(
-                    "simulating {missing} of {total} expert results to score against; they are kept for the next run"
-                ));
-            }
+            Event::Experts { missing, total } => io.talk(&format!(
+                "simulating {missing} of {total} expert results to score against; they are kept for the next run"
+            )),
             Event::Note { note } => io.talk(&format!("note: {note}")),
             Event::Picture { .. } | Event::Question { .. } | Event::End { .. } => {}
         }
     }
 }
 
-/// Says what one gripper did.
 fn grip(action: &Action, grasp: Grasp) -> String {
-    let beside = if action.pick_px == action.pick_on_cloth_px {
-        String::new()
-    } else {
-        format!(", taken at {} on the cloth", action.pick_on_cloth_px)
+    let (pick_px, place_px, taken_px) = (action.pick_px, action.place_px, action.pick_on_cloth_px);
+    let beside = match taken_px == pick_px {
+        true => String::new(),
+        false => format!(", taken at {taken_px} on the cloth"),
     };
     let missed = match grasp {
         Grasp::Missed => ", nothing grasped",
         Grasp::Unverified => ", grasp not verified",
         Grasp::Particle(_) | Grasp::Held => "",
     };
-    format!(
-        "pick {}{beside}, place {}{missed}",
-        action.pick_px, action.place_px
-    )
+    format!("pick {pick_px}{beside}, place {place_px}{missed}")
 }
 
 /// Says which of the answers that were tried on twins was taken, by its measure and its place among them.
@@ -156,12 +136,10 @@ fn rehearsed(line: &RehearsedStep, seconds: f64) -> String {
     let choice = match tried.iter().position(is_taken) {
         None => "none taken".to_owned(),
         Some(0) => format!("the first taken ({})", measure(0)),
-        Some(taken) => format!(
-            "answer {} taken ({}) in place of the first ({})",
-            taken + 1,
-            measure(taken),
-            measure(0)
-        ),
+        Some(taken) => {
+            let (number, own, first) = (taken + 1, measure(taken), measure(0));
+            format!("answer {number} taken ({own}) in place of the first ({first})")
+        }
     };
     format!(
         "rehearsed: {}, {choice}, {}, {seconds:.1} s",
@@ -173,26 +151,20 @@ fn rehearsed(line: &RehearsedStep, seconds: f64) -> String {
 /// Says how far an action moved the cloth, and how much of that stayed.
 fn cloth(moved: &ClothMoved) -> String {
     let slides = moved.slid_mm >= LEAST_SLIDE_MM;
-    let held = match &moved.held {
-        Some(held) if held.sprang_back && slides => format!(
-            ", cloth moved {:.0} mm, opened again, rests {:.0} mm away",
-            held.carried_mm, held.stayed_mm
-        ),
-        Some(held) if held.sprang_back => format!(
-            ", cloth moved {:.0} mm, sprang back to {:.0}",
-            held.carried_mm, held.stayed_mm
-        ),
-        Some(held) => format!(
-            ", cloth moved {:.0} mm, rests {:.0} mm away",
-            held.carried_mm, held.stayed_mm
-        ),
-        None => format!(", cloth moved at most {:.0} mm", moved.farthest_mm),
+    let way = match &moved.held {
+        Some(held) => {
+            let (carried, stayed) = (held.carried_mm, held.stayed_mm);
+            let end = match (held.sprang_back, slides) {
+                (true, true) => format!("opened again, rests {stayed:.0} mm away"),
+                (true, false) => format!("sprang back to {stayed:.0}"),
+                (false, _) => format!("rests {stayed:.0} mm away"),
+            };
+            format!("{carried:.0} mm, {end}")
+        }
+        None => format!("at most {:.0} mm", moved.farthest_mm),
     };
-    if slides {
-        format!("{held}, slid {:.0} mm", moved.slid_mm)
-    } else {
-        held
-    }
+    let slid = slides.then(|| format!(", slid {:.0} mm", moved.slid_mm));
+    format!(", cloth moved {way}{}", slid.unwrap_or_default())
 }
 
 /// Reports the calls so far and their cost, if there were any, as the end of a sentence.
@@ -201,6 +173,12 @@ pub fn so_far(spent: &Spent) -> String {
         0 => String::new(),
         calls => format!(", {calls} calls, {}", spent.in_words()),
     }
+}
+
+/// Says what calls took.
+pub fn calls(spent: &Spent) -> String {
+    let (tokens, cost) = (spent.tokens_in_words(), spent.in_words());
+    format!("calls: {}, {tokens}, {cost}", spent.calls)
 }
 
 /// How much of an answer that cannot be read is printed, characters.
@@ -217,89 +195,57 @@ fn refusal(result: &Finding, answer: &str) -> Option<String> {
             "not readable: {message}\nthe answer: {}",
             shown(answer, MAX_SHOWN)
         )),
-        // The end of the step reports it.
-        Finding::Failed {
-            outcome: Outcome::PolicyFailed | Outcome::PolicyStopped,
-            ..
-        } => None,
-        Finding::Failed { why, .. } => Some(why.clone()),
-        Finding::Text { .. }
-        | Finding::Action {
-            verdict: Verdict::Accept,
-            ..
-        } => None,
+        // Of the others, the end of the step tells.
+        Finding::Failed { outcome, why, .. } => {
+            let is_told_later = [Outcome::PolicyFailed, Outcome::PolicyStopped].contains(outcome);
+            (!is_told_later).then(|| why.clone())
+        }
+        _ => None,
     }
 }
 
 /// What became of a rollout, and of its film if there was to be one.
 #[derive(Serialize)]
-pub struct RunReport<'a> {
+pub struct RunReport {
     #[serde(flatten)]
     pub report: Ended,
-    #[serde(skip)]
-    pub goal: Option<&'a Goal>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub video: Option<Option<Film>>,
 }
 
-impl Report for RunReport<'_> {
-    fn text(&self) -> String {
-        let summary = summary(&self.report, self.goal);
-        match &self.video {
-            None => summary,
-            Some(None) => format!("{summary}\nvideo: none"),
-            Some(Some(film)) => format!("{summary}\n{film}"),
-        }
+impl RunReport {
+    pub fn text(&self, goal: Option<&Goal>) -> String {
+        let mut lines = summary(&self.report, goal);
+        let film = self.video.as_ref();
+        lines.extend(film.map(|it| {
+            it.as_ref()
+                .map_or("video: none".to_owned(), Film::to_string)
+        }));
+        lines.join("\n")
     }
 }
 
-/// Summarizes a rollout.
-fn summary(report: &Ended, goal: Option<&Goal>) -> String {
+fn summary(report: &Ended, goal: Option<&Goal>) -> Vec<String> {
     let mut lines = vec![format!("outcome: {}", report.outcome.name())];
-    let words = report.stopped.as_deref();
-    lines.extend(
-        words
-            .filter(|why| *why != report.outcome.name())
-            .map(|why| format!("stopped: {why}")),
-    );
+    let why = report.stopped.as_deref();
+    let why = why.filter(|why| *why != report.outcome.name());
+    lines.extend(why.map(|why| format!("stopped: {why}")));
     if let Some(mm) = report.mean_particle_distance_mm {
-        let goal = goal
-            .filter(|goal| goal.metric == Metric::ParticleDistance)
-            .map_or(String::new(), |goal| {
-                format!(" (goal: below {:.0} mm)", goal.limit * 1000.0)
-            });
+        let goal = goal.filter(|goal| goal.metric == Metric::ParticleDistance);
+        let goal = goal.map(|goal| format!(" (goal: below {:.0} mm)", goal.limit * 1000.0));
         lines.push(format!(
-            "mean particle distance to the nearest expert result: {mm:.1} mm{goal}"
+            "mean particle distance to the nearest expert result: {mm:.1} mm{}",
+            goal.unwrap_or_default()
         ));
         let judged_by = report.judged_by.iter();
-        lines.extend(
-            judged_by
-                .filter(|judged_by| judged_by.world != report.world)
-                .map(|JudgedBy { world, grid: [x, y] }| {
-                    format!("judged by expert results of `{world}`, on a grid of {x} x {y} particles")
-                }),
-        );
+        let elsewhere = judged_by.filter(|judged_by| judged_by.world != report.world);
+        lines.extend(elsewhere.map(|judged_by| {
+            let (world, [x, y]) = (&judged_by.world, judged_by.grid);
+            format!("judged by expert results of `{world}`, on a grid of {x} x {y} particles")
+        }));
     }
-    if let Some(coverage) = report.coverage
-        && goal.is_some_and(|goal| goal.metric.is_judged_each_step())
-    {
-        let measure = match report.coverage_source {
-            Some(CoverageSource::Picture) => "by pictures",
-            _ => "source",
-        };
-        let both = |source: f64, truly: Option<f64>| {
-            let truly = truly.map_or(String::new(), |truly| format!(", {truly:.3} (true)"));
-            format!("{source:.3} ({measure}){truly}")
-        };
-        let gained = report.normalized_improvement;
-        let gained = gained.map_or(String::new(), |gained| {
-            let truly = report.normalized_improvement_true;
-            format!("; normalized improvement {}", both(gained, truly))
-        });
-        lines.push(format!(
-            "coverage {}{gained}",
-            both(coverage, report.coverage_true)
-        ));
+    if goal.is_some_and(|goal| goal.metric.is_judged_each_step()) {
+        lines.extend(coverage(report));
     }
     lines.extend(report.operator.as_ref().map(judged));
     lines.push(match &report.model {
@@ -311,32 +257,42 @@ fn summary(report: &Ended, goal: Option<&Goal>) -> String {
     });
     lines.push(questions(report));
     lines.extend(spent(report));
-    let seconds = report
-        .took
-        .seconds
-        .iter()
-        .filter_map(|(what, spent)| Some(format!("{what} {:.2}", spent.as_f64()?)));
-    lines.push(format!(
-        "seconds: {}, in all {:.1}",
-        seconds.collect::<Vec<_>>().join(", "),
-        report.took.wall_s
-    ));
-    if report.took.experts_simulated > 0 {
-        lines.push(format!(
-            "of that, {} expert results were simulated for the first time",
-            report.took.experts_simulated
-        ));
-    }
-    let sheet = if Path::new(&report.took.run_dir).join(SHEET_FILE).exists() {
-        format!(" (contact sheet: {SHEET_FILE})")
-    } else {
-        String::new()
-    };
-    lines.push(format!("run folder: {}{sheet}", report.took.run_dir));
-    lines.join("\n")
+    let took = &report.took;
+    let seconds = took.seconds.iter();
+    let seconds =
+        seconds.filter_map(|(what, spent)| Some(format!("{what} {:.2}", spent.as_f64()?)));
+    let seconds = seconds.collect::<Vec<_>>().join(", ");
+    lines.push(format!("seconds: {seconds}, in all {:.1}", took.wall_s));
+    let n_new = Some(took.experts_simulated).filter(|count| *count > 0);
+    lines.extend(
+        n_new.map(|count| {
+            format!("of that, {count} expert results were simulated for the first time")
+        }),
+    );
+    let has_sheet = Path::new(&took.run_dir).join(SHEET_FILE).exists();
+    let sheet = has_sheet.then(|| format!(" (contact sheet: {SHEET_FILE})"));
+    let sheet = sheet.unwrap_or_default();
+    lines.push(format!("run folder: {}{sheet}", took.run_dir));
+    lines
 }
 
-/// Reports the operator's judgement.
+fn coverage(report: &Ended) -> Option<String> {
+    let measure = match report.coverage_source {
+        Some(CoverageSource::Picture) => "by pictures",
+        _ => "source",
+    };
+    let both = |source: f64, truly: Option<f64>| {
+        let truly = truly.map_or(String::new(), |truly| format!(", {truly:.3} (true)"));
+        format!("{source:.3} ({measure}){truly}")
+    };
+    let covered = both(report.coverage?, report.coverage_true);
+    let gained = report.normalized_improvement.map(|gained| {
+        let gained = both(gained, report.normalized_improvement_true);
+        format!("; normalized improvement {gained}")
+    });
+    Some(format!("coverage {covered}{}", gained.unwrap_or_default()))
+}
+
 fn judged(judgement: &Judgement) -> String {
     let said = match (judgement.reached, judgement.why) {
         (true, _) => "reached".to_owned(),
@@ -353,21 +309,14 @@ fn spent(report: &Ended) -> Option<String> {
     if report.took.calls == 0 {
         return None;
     }
-    let spent = &report.took.spent;
-    let mut text = format!(
-        "calls: {}, {}, {}",
-        spent.calls,
-        spent.tokens_in_words(),
-        spent.in_words()
-    );
     let faults = report.took.faults.iter();
-    let faults: Vec<String> = faults
-        .map(|(fault, count)| format!("{fault} {count}"))
-        .collect();
-    if !faults.is_empty() {
-        text.push_str(&format!(" ({})", faults.join(", ")));
-    }
-    Some(text)
+    let faults = faults.map(|(fault, count)| format!("{fault} {count}"));
+    let faults = faults.collect::<Vec<_>>().join(", ");
+    let calls = calls(&report.took.spent);
+    Some(match faults.as_str() {
+        "" => calls,
+        faults => format!("{calls} ({faults})"),
+    })
 }
 
 /// Reports how questions ended, with the names of failures.
@@ -380,12 +329,8 @@ fn questions(report: &Ended) -> String {
     }
     let skipped = report.skipped.iter();
     counts.extend(skipped.map(|(why, count)| format!("steps skipped ({why}): {count}")));
-    if let Some(planning_s) = report.took.planning_s {
-        counts.push(format!(
-            "{:.0} ms of planning per action",
-            planning_s * 1000.0
-        ));
-    }
+    let planning_ms = report.took.planning_s.map(|seconds| seconds * 1000.0);
+    counts.extend(planning_ms.map(|ms| format!("{ms:.0} ms of planning per action")));
     counts.join(", ")
 }
 

@@ -35,22 +35,19 @@ pub struct ArmArguments {
 }
 
 impl ArmArguments {
-    /// Returns the settings file.
     pub fn robot(&self) -> &Path {
-        self.robot
-            .as_deref()
-            .unwrap_or_else(|| Path::new("robot.toml"))
+        self.robot.as_deref().unwrap_or(Path::new("robot.toml"))
     }
 
     /// Fails if an option is for an arm and another world was chosen: whoever gave it believes that it applies.
     pub fn check_world(&self, world: &WorldChoice) -> Result<(), Failure> {
         let given = [
-            (self.robot.is_some(), "--robot"),
-            (self.confirm.is_some(), "--confirm"),
-            (self.hold_to_run, "--hold-to-run"),
+            self.robot.as_ref().map(|_| "--robot"),
+            self.confirm.map(|_| "--confirm"),
+            self.hold_to_run.then_some("--hold-to-run"),
         ];
-        match given.iter().find(|(is_given, _)| *is_given) {
-            Some((_, option)) if *world != WorldChoice::Arm => Err(Failure::usage(format!(
+        match given.into_iter().flatten().next() {
+            Some(option) if *world != WorldChoice::Arm => Err(Failure::usage(format!(
                 "`{option}` is for an arm, and nothing is moved by one with `--world {world}`: add `--world arm`, or leave \
                  `{option}` out"
             ))),
@@ -62,7 +59,6 @@ impl ArmArguments {
 /// Whether an arm executes actions or only plans them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ArmMode {
-    /// Actions are executed.
     Execute,
     /// The first action is planned, and no arm is connected.
     PlanOnly,
@@ -100,19 +96,19 @@ pub fn check(arguments: &ArmArguments, mode: ArmMode, io: &Io) -> Result<Setting
 
 /// Returns the start for a cloth that a person lays.
 pub fn start(program: &Program, named: Option<&String>) -> Result<Start, Failure> {
-    match named {
-        Some(named) => Err(Failure::usage(format!(
+    if let Some(named) = named {
+        return Err(Failure::usage(format!(
             "`--start {named}` is for the simulator: on a real table a person lays the cloth"
-        ))),
-        None => Ok(Start {
-            name: match program.cloth.start {
-                ClothStart::Crumpled => "crumpled by hand",
-                _ => "flat, laid by hand",
-            }
-            .to_owned(),
-            ..Start::flat(&program.cloth)
-        }),
+        )));
     }
+    let name = match program.cloth.start {
+        ClothStart::Crumpled => "crumpled by hand",
+        _ => "flat, laid by hand",
+    };
+    Ok(Start {
+        name: name.to_owned(),
+        ..Start::flat(&program.cloth)
+    })
 }
 
 /// Makes the world of an arm; `folder` is the run folder, for the arm's journal.
@@ -128,11 +124,10 @@ pub fn world(
     let (settings, settings_hash, calibration) = world::load(arguments.robot()).map_err(failed)?;
     let flat = FlatPicture::load(arguments.robot(), &settings, &calibration).map_err(failed)?;
     let supervisor = match mode {
-        ArmMode::Execute => {
-            supervisor(arguments, &settings, io).map_err(|error| failed(error.to_string()))?
-        }
-        ArmMode::PlanOnly => Box::new(Unattended),
+        ArmMode::Execute => supervisor(arguments, &settings, io),
+        ArmMode::PlanOnly => Ok(Box::new(Unattended) as Box<dyn Supervisor>),
     };
+    let supervisor = supervisor.map_err(|error| failed(error.to_string()))?;
     let is_simulated = settings.driver == DriverKind::Simulated;
     let watchdog_s = settings.tolerance.watchdog_s;
     let mut parts = Parts {
@@ -148,30 +143,32 @@ pub fn world(
         watchdog: Box::new(NoWatchdog),
         folder: folder.cloned(),
     };
-    match (mode, is_simulated) {
-        (ArmMode::PlanOnly, true) => {
-            return Ok(Box::new(PlanningWorld::simulated(parts)?.with_flat(flat)));
-        }
-        (ArmMode::Execute, true) => {
-            return Ok(Box::new(ArmWorld::simulated(parts)?.with_flat(flat)));
-        }
+    let robot = arguments.robot();
+    let camera = |settings: &Settings, selection: PictureSelection| {
+        let camera = connect::camera(settings, robot, selection);
+        camera.map_err(|why| WorldError::Camera { why })
+    };
+    Ok(match (mode, is_simulated) {
+        (ArmMode::PlanOnly, true) => Box::new(PlanningWorld::simulated(parts)?.with_flat(flat)),
+        (ArmMode::Execute, true) => Box::new(ArmWorld::simulated(parts)?.with_flat(flat)),
         (ArmMode::PlanOnly, false) => {
-            let camera =
-                connect::camera(&parts.settings, arguments.robot(), PictureSelection::Last);
-            let camera = camera.map_err(|why| WorldError::Camera { why })?;
-            return Ok(Box::new(PlanningWorld::new(parts, camera)?.with_flat(flat)));
+            let camera = camera(&parts.settings, PictureSelection::Last)?;
+            Box::new(PlanningWorld::new(parts, camera)?.with_flat(flat))
         }
-        (ArmMode::Execute, false) => {}
-    }
-    preflight::check(arguments.robot()).map_err(failed)?;
-    let watchdog = Process::start(arguments.robot(), watchdog_s, io).map_err(failed)?;
-    parts.watchdog = Box::new(watchdog);
-    let world = real(parts, arguments)?.with_flat(flat);
-    if let Some(folder) = folder {
-        // Before the first motion: after a crash in it, the next run must find this one.
-        last_run::record(arguments.robot(), folder).map_err(|error| failed(error.to_string()))?;
-    }
-    Ok(Box::new(world))
+        (ArmMode::Execute, false) => {
+            preflight::check(robot).map_err(failed)?;
+            parts.watchdog = Box::new(Process::start(robot, watchdog_s).map_err(failed)?);
+            let timeout_s = parts.settings.camera.timeout_s;
+            let camera = camera(&parts.settings, PictureSelection::Fresh { timeout_s })?;
+            let arm = connect::arm(&parts.settings, parts.guard()).map_err(failed)?;
+            let world = ArmWorld::new(parts, arm, camera)?.with_flat(flat);
+            if let Some(folder) = folder {
+                // Before the first motion: after a crash in it, the next run must find this one.
+                last_run::record(robot, folder).map_err(|error| failed(error.to_string()))?;
+            }
+            Box::new(world)
+        }
+    })
 }
 
 /// Makes a simulated world that refuses points out of the arm's reach: nobody is asked, and nothing moves.
@@ -188,20 +185,6 @@ pub fn has_operator(arguments: &ArmArguments, settings: &Settings, io: &Io) -> b
         && io.has_terminal_input()
 }
 
-/// Connects to a real arm and its camera.
-fn real(parts: Parts, arguments: &ArmArguments) -> Result<ArmWorld, WorldError> {
-    let settings = &parts.settings;
-    let timeout_s = settings.camera.timeout_s;
-    let camera = connect::camera(
-        settings,
-        arguments.robot(),
-        PictureSelection::Fresh { timeout_s },
-    );
-    let camera = camera.map_err(|why| WorldError::Camera { why })?;
-    let arm = connect::arm(settings, parts.guard()).map_err(failed)?;
-    ArmWorld::new(parts, arm, camera)
-}
-
 /// Returns the supervisor: for a real arm a person, unless the command line says otherwise.
 fn supervisor(
     arguments: &ArmArguments,
@@ -212,16 +195,9 @@ fn supervisor(
     if is_simulated && arguments.confirm.is_none() && !arguments.hold_to_run {
         return Ok(Box::new(Unattended));
     }
-    let confirm = arguments.confirm.unwrap_or(if is_simulated {
-        Confirm::None
-    } else {
-        Confirm::Each
-    });
-    let hold = if arguments.hold_to_run {
-        HoldToRun::Space
-    } else {
-        HoldToRun::Off
-    };
+    let usual = [Confirm::Each, Confirm::None][usize::from(is_simulated)];
+    let confirm = arguments.confirm.unwrap_or(usual);
+    let hold = [HoldToRun::Off, HoldToRun::Space][usize::from(arguments.hold_to_run)];
     Ok(Box::new(TerminalSupervisor::new(confirm, hold, io)?))
 }
 

@@ -2,12 +2,14 @@
 
 use crate::exit::Failure;
 use crate::io::Io;
-use crate::{shipped, sources};
+use crate::shipped;
+use crate::sources::{self, Texts};
 use clap::Args;
 use fab_base::wording::quoted;
 use fab_program::Material;
 use fab_sim::Params;
 use fab_world::simulated;
+use std::collections::BTreeMap;
 
 /// What a simulated cloth is made of.
 #[derive(Args)]
@@ -33,11 +35,7 @@ impl MaterialArguments {
 /// The shipped materials, relative to the tasks folder.
 const SHIPPED: &str = "lib/materials.fab";
 
-/// Returns the material that a word names.
-///
-/// - `word`: `NAME` for a shipped one, or `FILE.fab:NAME` for one that a file declares or uses.
-///
-/// Fails if the file cannot be read or has an error in a material, or if nothing has that name.
+/// Returns the material that a word names: a shipped one, or as `FILE.fab:NAME` one that a file declares or uses.
 pub fn find(word: &str, io: &Io) -> Result<Material, Failure> {
     let (file, name) = match word.rsplit_once(':') {
         Some((file, name)) => (Some(shipped::find(file, io)?), name),
@@ -49,26 +47,21 @@ pub fn find(word: &str, io: &Io) -> Result<Material, Failure> {
             sources::compile(file)?.materials,
         ),
         None => {
-            struct Embedded;
-            impl fab_compiler::Loader for Embedded {
-                fn load(&self, _: &str) -> Result<String, fab_compiler::LoadError> {
-                    Ok(shipped::text(SHIPPED).to_owned())
-                }
-            }
-            let compiled = fab_compiler::compile(SHIPPED, &Embedded)
+            let texts = Texts(BTreeMap::from([(SHIPPED, shipped::text(SHIPPED))]));
+            let compiled = fab_compiler::compile(SHIPPED, &texts)
                 .map_err(|error| Failure::environment(error.message))?;
             ("fabc ships".to_owned(), compiled.materials)
         }
     };
-    let names: Vec<&str> = materials.iter().map(|it| it.name.as_str()).collect();
-    let near = fab_compiler::diag::nearest(name, names.iter().copied());
+    if let Some(found) = materials.iter().find(|it| it.name == name) {
+        return Ok(found.clone());
+    }
+    let names = || materials.iter().map(|it| it.name.as_str());
+    let near = fab_compiler::diag::nearest(name, names());
     let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`"));
-    let listed = quoted(&names);
-    let found = materials.iter().find(|it| it.name == name).cloned();
-    found.ok_or_else(|| {
-        Failure::usage(format!(
-            "there is no material `{name}`{near}; {whose} {}. Name one of a file with `FILE.fab:NAME`",
-            if listed.is_empty() { "none" } else { &listed }
-        ))
-    })
+    let listed = quoted(names());
+    let listed = if listed.is_empty() { "none" } else { &listed };
+    Err(Failure::usage(format!(
+        "there is no material `{name}`{near}; {whose} {listed}. Name one of a file with `FILE.fab:NAME`"
+    )))
 }

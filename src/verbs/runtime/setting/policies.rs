@@ -19,21 +19,13 @@ const DEFAULT_SEED: u64 = 0;
 
 /// A policy, with its resources.
 pub enum Deciding {
-    /// Models answer the task's prompts.
     Prompted(Box<Answering>),
-    /// Draws from the action space.
     Random(Random),
-    /// Follows the demonstration.
     Expert,
-    /// Plays a network.
     Network(Onnx),
-    /// A program of the user's.
     Program {
-        /// The command that starts it.
         command: CommandLine,
-        /// What it gets to see.
         sight: Sight,
-        /// Time limit for one answer.
         limit: Duration,
     },
 }
@@ -41,12 +33,12 @@ pub enum Deciding {
 /// Says who decides, and whether a stand-in answers in place of a vision-language model.
 pub fn in_words(policy: &Description) -> String {
     let name = &policy.name;
-    if policy.is_stand_in() {
-        format!("model {name} (a stand-in, no vision-language model)")
-    } else if policy.models.is_some() {
-        format!("model {name}")
-    } else {
-        policy.title()
+    match &policy.models {
+        Some(_) if policy.is_stand_in() => {
+            format!("model {name} (a stand-in, no vision-language model)")
+        }
+        Some(_) => format!("model {name}"),
+        None => policy.title(),
     }
 }
 
@@ -65,17 +57,16 @@ impl Deciding {
             return Ok(Deciding::Prompted(Box::new(answering)));
         }
         let found = Deciding::without_models(name, arguments.limit())?;
-        if !models.model.is_empty() {
-            return Err(Failure::usage(format!(
-                "`--policy {name}` asks no model: leave out `--model`"
-            )));
-        }
-        match purpose {
-            Purpose::Asking => Ok(found),
-            Purpose::Estimating => Err(Failure::usage(format!(
+        let why = match purpose {
+            _ if !models.model.is_empty() => {
+                format!("`--policy {name}` asks no model: leave out `--model`")
+            }
+            Purpose::Asking => return Ok(found),
+            Purpose::Estimating => format!(
                 "`--estimate` says what asking models costs, and `--policy {name}` asks none"
-            ))),
-        }
+            ),
+        };
+        Err(Failure::usage(why))
     }
 
     fn without_models(name: &str, limit: Duration) -> Result<Deciding, Failure> {

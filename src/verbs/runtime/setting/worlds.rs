@@ -1,6 +1,5 @@
 //! Finds worlds, in which actions are executed, by their names on the command line.
 
-use crate::exit::Failure;
 use fab_base::child::CommandLine;
 use fab_base::interrupt::Interrupt;
 use fab_program::Program;
@@ -10,15 +9,11 @@ use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
-/// A world named on the command line.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum WorldChoice {
-    /// The bundled simulator.
     Sim,
-    /// An arm, by its settings.
     Arm,
-    /// A program of the user's.
     Program(CommandLine),
 }
 
@@ -62,9 +57,7 @@ impl fmt::Display for WorldChoice {
     }
 }
 
-/// Starts a program as the world of a task.
-///
-/// - `run`: the run folder, which gets the program's stderr.
+/// Starts a program as the world of a task; `run` is the run folder, which gets its stderr.
 pub fn external(
     command: &CommandLine,
     program: &Program,
@@ -75,15 +68,4 @@ pub fn external(
     Ok(Box::new(
         world.with_material(program.cloth.material.as_ref())?,
     ))
-}
-
-/// Fails if a rollout cannot be resumed in a world, because the world cannot reproduce its start.
-pub fn check_repeats(world: &dyn World) -> Result<(), Failure> {
-    match world.repeats() {
-        true => Ok(()),
-        false => Err(Failure::environment(format!(
-            "the world `{}` says that it cannot lay a start again exactly, so no rollout in it can be resumed: begin a new run",
-            world.name()
-        ))),
-    }
 }

@@ -3,11 +3,9 @@
 //! The starts are the same as those of `fabc run --start SEED` with a crumpled cloth of the same size, and share its
 //! cache. Cloths with an outline use that cache too, although `fabc run` does not support them.
 
-use super::parallel::{ThreadArguments, each};
-use super::{SPACING_M, files};
+use super::{SPACING_M, ThreadArguments, each, files};
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::report::Report;
 use crate::sources;
 use crate::verbs::runtime::setting;
 use clap::{Args, ValueHint};
@@ -18,10 +16,10 @@ use fab_world::conformance::camera;
 use fab_world::start::{Outline, Start};
 use fab_world::{SimulatedWorld, crumple, metrics};
 use serde::Serialize;
+use serde_json::json;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-/// Arguments of `sim crumple`.
 #[derive(Args)]
 pub struct CrumpleArguments {
     /// Particles along the two sides of the cloth, 6.25 mm apart.
@@ -46,14 +44,6 @@ pub struct CrumpleArguments {
     pub json: bool,
 }
 
-/// The crumpled cloths.
-#[derive(Serialize)]
-struct CrumpledCloths {
-    params: String,
-    starts: Vec<Crumpled>,
-}
-
-/// One crumpled cloth.
 #[derive(Serialize)]
 struct Crumpled {
     seed: u64,
@@ -63,20 +53,15 @@ struct Crumpled {
     coverage: Option<f64>,
     /// Area of the table under the cloth, divided by the flat cloth's area; independent of rotation.
     true_coverage: Option<f64>,
-    /// SHA-256 of grid and positions.
     digest: String,
 }
 
-/// Crumples, writes, and reports.
 pub fn run(arguments: &CrumpleArguments, io: &Io) -> Result<Exit, Failure> {
     let (mask, name) = cloth(arguments)?;
     let (first, count) = (arguments.seed, arguments.count);
-    let last = first.checked_add(u64::from(count) - 1).ok_or_else(|| {
-        let most = u64::MAX;
-        Failure::usage(format!(
-            "{count} seeds from {first} on go beyond the largest seed, {most}"
-        ))
-    })?;
+    let beyond = || format!("{count} seeds from {first} on go beyond the largest seed");
+    let last = first.checked_add(u64::from(count) - 1);
+    let last = last.ok_or_else(|| Failure::usage(beyond()))?;
     let seeds: Vec<u64> = (first..=last).collect();
     let file = |seed: u64| {
         let folder = arguments.out.as_ref()?;
@@ -88,7 +73,17 @@ pub fn run(arguments: &CrumpleArguments, io: &Io) -> Result<Exit, Failure> {
     if let Some(folder) = &arguments.out {
         fs::create_dir_all(folder).map_err(|error| Failure::unwritable(folder, error))?;
     }
-    let (flat, interrupt, cache) = (flat(&mask), io.interrupt()?, setting::cache(io));
+    let (interrupt, cache) = (io.interrupt()?, setting::cache(io));
+    let flat = Start {
+        outline: (!mask.is_full()).then(|| Outline::new(&mask.to_string())),
+        ..Start::flat(&Cloth {
+            dimx: mask.grid().dimx as u32,
+            dimy: mask.grid().dimy as u32,
+            spacing_m: SPACING_M,
+            start: ClothStart::Crumpled,
+            material: None,
+        })
+    };
     let (triangles, flat_m2) = (mesh::triangles(&mask), mesh::flat_area_m2(&mask));
     let starts = each(seeds.len(), &arguments.threads, "crumpled", io, |index| {
         let seed = seeds[index];
@@ -110,8 +105,8 @@ pub fn run(arguments: &CrumpleArguments, io: &Io) -> Result<Exit, Failure> {
             digest: start.digest(),
         })
     })?;
-    let params = Params::default().hash();
-    io.result(arguments.json, &CrumpledCloths { params, starts });
+    let document = json!({ "params": Params::default().hash(), "starts": starts });
+    io.either(arguments.json, &document, || text(&starts));
     Ok(Exit::Done)
 }
 
@@ -120,7 +115,13 @@ fn cloth(arguments: &CrumpleArguments) -> Result<(Mask, String), Failure> {
     let (mask, prefix) = match &arguments.outline {
         Some(path) => {
             let outline = path.file_stem().unwrap_or_default().to_string_lossy();
-            (read_outline(path)?, format!("{outline}_"))
+            let wrong = |why: String| {
+                Failure::environment(format!("the outline `{}`: {why}", path.display()))
+            };
+            let text = sources::read_text(path).map_err(wrong)?;
+            let mask = Mask::parse(&text, SPACING_M as f32);
+            let mask = mask.map_err(|error| wrong(error.to_string()))?;
+            (mask, format!("{outline}_"))
         }
         None => {
             let dims = &arguments.dims;
@@ -132,41 +133,14 @@ fn cloth(arguments: &CrumpleArguments) -> Result<(Mask, String), Failure> {
     Ok((mask, format!("crumpled_{prefix}{dimx}x{dimy}")))
 }
 
-fn read_outline(path: &Path) -> Result<Mask, Failure> {
-    let wrong =
-        |why: String| Failure::environment(format!("the outline `{}`: {why}", path.display()));
-    let text = sources::read_text(path).map_err(wrong)?;
-    Mask::parse(&text, SPACING_M as f32).map_err(|error| wrong(error.to_string()))
-}
-
-/// Lays the cloth flat.
-fn flat(mask: &Mask) -> Start {
-    let declared = Cloth {
-        dimx: mask.grid().dimx as u32,
-        dimy: mask.grid().dimy as u32,
-        spacing_m: SPACING_M,
-        start: ClothStart::Crumpled,
-        material: None,
-    };
-    Start {
-        outline: (!mask.is_full()).then(|| Outline::new(&mask.to_string())),
-        ..Start::flat(&declared)
-    }
-}
-
-impl Report for CrumpledCloths {
-    fn text(&self) -> String {
-        let number = |value: Option<f64>| value.map_or("-".to_owned(), |it| format!("{it:.3}"));
-        let mut table = vec![["seed", "coverage", "true", "file"].map(str::to_owned)];
-        table.extend(self.starts.iter().map(|start| {
-            let file = start.file.as_ref().map(|file| file.display().to_string());
-            [
-                start.seed.to_string(),
-                number(start.coverage),
-                number(start.true_coverage),
-                file.unwrap_or_else(|| "(not kept; `-o DIR` writes it)".to_owned()),
-            ]
-        }));
-        aligned(&[Align::Right, Align::Right, Align::Right], &table).join("\n")
-    }
+fn text(starts: &[Crumpled]) -> String {
+    let number = |value: Option<f64>| value.map_or("-".to_owned(), |it| format!("{it:.3}"));
+    let mut table = vec![["seed", "coverage", "true", "file"].map(str::to_owned)];
+    table.extend(starts.iter().map(|start| {
+        let file = start.file.as_ref().map(|file| file.display().to_string());
+        let [coverage, truly] = [start.coverage, start.true_coverage].map(number);
+        let file = file.unwrap_or_else(|| "(not kept; `-o DIR` writes it)".to_owned());
+        [start.seed.to_string(), coverage, truly, file]
+    }));
+    aligned(&[Align::Right; 3], &table).join("\n")
 }

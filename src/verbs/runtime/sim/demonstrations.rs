@@ -31,15 +31,12 @@ pub struct Demonstration {
     pub task: String,
     /// Its number within the task.
     pub id: u64,
-    /// The picks and places, in order.
     pub steps: Vec<Step>,
-    /// The folder of its positions.
     dir: PathBuf,
     #[serde(flatten)]
     grid: start::Grid,
 }
 
-/// One recorded pick and place.
 #[derive(Deserialize)]
 pub struct Step {
     pick_world_m: [f64; 3],
@@ -109,8 +106,7 @@ impl Demonstration {
         }
     }
 
-    /// Lays the cloth as it lay before the first pick; returns it, and its `[particles]` positions after the last place,
-    /// world frame, metres.
+    /// Lays the cloth as it lay before the first pick; returns it, and its positions after the last place, world frame, metres.
     pub fn laid(&self, params: &Params) -> Result<(Simulator, Vec<[f32; 3]>), Failure> {
         let (dimx, dimy) = (self.grid.dimx as usize, self.grid.dimy as usize);
         let grid = Grid::new(dimx, dimy, self.grid.spacing_m as f32);
@@ -143,7 +139,6 @@ impl Demonstration {
         keypoints[step.pick_keypoint]
     }
 
-    /// Returns an error in simulating this demonstration.
     pub fn failure(&self, error: impl Display) -> Failure {
         Failure::environment(format!("`{}` {}: {error}", self.task, self.id))
     }

@@ -3,14 +3,12 @@
 use super::files::{self, StateArguments};
 use crate::exit::{Exit, Failure};
 use crate::io::{Io, write_file};
-use crate::report::Report;
 use clap::{Args, ValueHint};
 use fab_base::files::ends_in;
 use fab_sim::{Params, mesh};
-use serde::Serialize;
+use serde_json::json;
 use std::path::PathBuf;
 
-/// Arguments of `sim export`.
 #[derive(Args)]
 pub struct ExportArguments {
     #[command(flatten)]
@@ -23,15 +21,6 @@ pub struct ExportArguments {
     pub json: bool,
 }
 
-/// The files that were written.
-#[derive(Serialize)]
-struct Exported {
-    params: String,
-    files: Vec<PathBuf>,
-    particles: usize,
-}
-
-/// Writes positions, and lists the files.
 pub fn run(arguments: &ExportArguments, io: &Io) -> Result<Exit, Failure> {
     let (path, input) = (&arguments.out, &arguments.state.file);
     let is_mesh = ends_in(path, "obj");
@@ -55,18 +44,11 @@ pub fn run(arguments: &ExportArguments, io: &Io) -> Result<Exit, Failure> {
         }
         written.push(files::write_state(path, &state)?);
     }
-    let exported = Exported {
-        params: Params::default().hash(),
-        files: written,
-        particles: mask.count(),
-    };
-    io.result(arguments.json, &exported);
-    Ok(Exit::Done)
-}
-
-impl Report for Exported {
-    fn text(&self) -> String {
-        let files = self.files.iter().map(|file| file.display().to_string());
+    let (params, particles) = (Params::default().hash(), mask.count());
+    let document = json!({ "params": params, "files": written, "particles": particles });
+    io.either(arguments.json, &document, || {
+        let files = written.iter().map(|file| file.display().to_string());
         files.collect::<Vec<_>>().join("\n")
-    }
+    });
+    Ok(Exit::Done)
 }

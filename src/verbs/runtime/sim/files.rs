@@ -6,12 +6,11 @@ use crate::io::write_file;
 use crate::verbs::runtime::setting::{self, FrameArguments};
 use clap::{Args, ValueHint};
 use fab_base::{files, npy};
-use fab_sim::{Grid, Mask, MaskError};
-use fab_world::start::{Outline, Start, StartFrame, Up};
-use serde::Serialize;
+use fab_sim::Mask;
+use fab_world::simulated;
+use fab_world::start::{Start, StartFrame};
 use std::path::{Path, PathBuf};
 
-/// The largest description accepted, bytes.
 const MAX_BYTES: u64 = 1 << 20;
 
 /// A file of particle positions, and its frame.
@@ -24,31 +23,12 @@ pub struct StateArguments {
     pub frame: FrameArguments,
 }
 
-/// Reads a state like `fabc run --start`, and which of its particles exist; frame and grid must be stated and are never
-/// guessed.
+/// Reads a state like `fabc run --start`, and which of its particles exist.
 pub fn read_state(path: &Path, frame: &FrameArguments) -> Result<(Start, Mask), Failure> {
     let start = Start::load(path, setting::stated_frame(frame, SPACING_M)?)?;
-    let mask = mask(&start)
+    let mask = simulated::mask(&start)
         .map_err(|error| Failure::environment(format!("`{}`: {error}", path.display())))?;
     Ok((start, mask))
-}
-
-fn mask(start: &Start) -> Result<Mask, MaskError> {
-    let (dimx, dimy) = (start.grid.dimx as usize, start.grid.dimy as usize);
-    let spacing_m = start.grid.spacing_m as f32;
-    match &start.outline {
-        Some(outline) => Mask::parse(&outline.text(), spacing_m),
-        None => Ok(Mask::full(Grid::new(dimx, dimy, spacing_m)?)),
-    }
-}
-
-/// What stands beside positions in the world frame.
-#[derive(Serialize)]
-struct Description<'s> {
-    #[serde(flatten)]
-    frame: StartFrame,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    outline: &'s Option<Outline>,
 }
 
 /// Returns the path of the description beside positions; refuses another file in its place.
@@ -68,15 +48,7 @@ pub fn description_of(path: &Path) -> Result<PathBuf, Failure> {
 /// Writes positions and their description; returns the path of the description.
 pub fn write_state(path: &Path, state: &Start) -> Result<PathBuf, Failure> {
     let beside = description_of(path)?;
-    let description = Description {
-        frame: StartFrame {
-            grid: state.grid,
-            up: Up::Z,
-        },
-        outline: &state.outline,
-    };
-    let text = serde_json::to_string_pretty(&description)?;
-    write_file(&beside, format!("{text}\n").as_bytes())?;
+    write_file(&beside, &state.description())?;
     write_file(path, &npy::encode(&state.positions))?;
     Ok(beside)
 }

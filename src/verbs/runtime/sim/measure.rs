@@ -3,7 +3,6 @@
 use super::SPACING_M;
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::report::Report;
 use crate::verbs::runtime::setting::materials;
 use clap::{Args, ValueHint};
 use fab_base::table::{Align, aligned};
@@ -19,7 +18,6 @@ use std::borrow::Cow;
 const CARRIED: &str = "corner carried 40 mm";
 const _: () = assert!(CARRIED_MM == 40);
 
-/// Arguments of `sim measure`.
 #[derive(Args)]
 pub struct MeasureArguments {
     /// The material: a shipped one (`cotton`, `towel`, `denim`, `silk`), or `FILE.fab:NAME` for one of a file.
@@ -36,7 +34,6 @@ pub struct MeasureArguments {
     pub json: bool,
 }
 
-/// What was read.
 #[derive(Serialize)]
 struct Measured {
     params: String,
@@ -46,14 +43,13 @@ struct Measured {
     warnings: Vec<String>,
 }
 
-/// Measures the material and reports.
 pub fn run(arguments: &MeasureArguments, io: &Io) -> Result<Exit, Failure> {
     let interrupt = io.interrupt()?;
     let material = simulated::material(&materials::find(&arguments.material, io)?);
     let spacing_m = 0.001 * arguments.spacing;
-    let grid = Grid::new(2, 2, spacing_m as f32);
     let spacing = arguments.spacing;
-    grid.map_err(|error| Failure::usage(format!("`--spacing {spacing}`: {error}")))?;
+    Grid::new(2, 2, spacing_m as f32)
+        .map_err(|error| Failure::usage(format!("`--spacing {spacing}`: {error}")))?;
     let warnings = material.check(spacing_m as f32)?;
     let mut readings = textile_table(&material, spacing_m as f32)?;
     let params = Params {
@@ -85,7 +81,7 @@ pub fn run(arguments: &MeasureArguments, io: &Io) -> Result<Exit, Failure> {
         readings,
         warnings: warnings.iter().map(ToString::to_string).collect(),
     };
-    io.result(arguments.json, &measured);
+    io.either(arguments.json, &measured, || text(&measured.readings));
     for warning in &measured.warnings {
         io.talk(warning);
     }
@@ -105,16 +101,14 @@ fn of_corner(what: &'static str, method: Cow<'static, str>, mm: Option<f64>) -> 
     }
 }
 
-impl Report for Measured {
-    fn text(&self) -> String {
-        use Align::{Left, Right};
-        let titles = [
-            "", "declared", "expected", "measured", "", "within", "method",
-        ];
-        let mut table = vec![titles.map(str::to_owned)];
-        table.extend(self.readings.iter().map(cells));
-        aligned(&[Left, Right, Right, Right], &table).join("\n") + "\n"
-    }
+fn text(readings: &[Reading]) -> String {
+    use Align::{Left, Right};
+    let titles = [
+        "", "declared", "expected", "measured", "", "within", "method",
+    ];
+    let mut table = vec![titles.map(str::to_owned)];
+    table.extend(readings.iter().map(cells));
+    aligned(&[Left, Right, Right, Right], &table).join("\n") + "\n"
 }
 
 fn cells(reading: &Reading) -> [String; 7] {
@@ -124,11 +118,8 @@ fn cells(reading: &Reading) -> [String; 7] {
         _ => 1,
     };
     let value = |value: Option<f64>| value.map_or("-".to_owned(), |it| format!("{it:.digits$}"));
-    let mark = if reading.is_within() == Some(false) {
-        "off: "
-    } else {
-        ""
-    };
+    let is_off = reading.is_within() == Some(false);
+    let mark = if is_off { "off: " } else { "" };
     let within = reading.within.map(|[least, most]| {
         // The bounds of small shares differ in one digit more.
         let digits = if digits == 3 { 4 } else { 1 };

@@ -4,18 +4,16 @@ use super::files;
 use super::render::{self, CameraArgument};
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::report::Report;
 use crate::verbs::runtime::setting::FrameArguments;
 use crate::verbs::runtime::setting::materials::MaterialArguments;
 use crate::verbs::runtime::video;
 use clap::{Args, ValueHint};
-use fab_sim::{Manner, Params, SimError, Simulator};
+use fab_sim::{Manner, SimError, Simulator};
 use fab_world::film::{self, Film, FilmPlan, Recorder};
 use fab_world::simulated;
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Arguments of `sim record`.
 #[derive(Args)]
 pub struct RecordArguments {
     /// Particle positions; default: a flat square cloth.
@@ -46,7 +44,6 @@ pub struct Move {
     place: [f32; 2],
 }
 
-/// Parses `--move`.
 fn parse_move(text: &str) -> Result<Move, &'static str> {
     let number = |text: &str| text.trim().parse().ok().filter(|it: &f32| it.is_finite());
     let point = |text: &str| {
@@ -60,7 +57,6 @@ fn parse_move(text: &str) -> Result<Move, &'static str> {
     points.ok_or("write the pick and the place in metres from the table's centre, such as `-0.12,0.12:0.1,-0.1`")
 }
 
-/// What was done.
 #[derive(Serialize)]
 struct Moved {
     #[serde(flatten)]
@@ -70,7 +66,6 @@ struct Moved {
     steps: u32,
 }
 
-/// The film, and what it shows.
 #[derive(Serialize)]
 struct Recorded {
     params: String,
@@ -79,12 +74,17 @@ struct Recorded {
     digest: String,
 }
 
-/// Moves the cloth, films it, and reports.
 pub fn run(arguments: &RecordArguments, io: &Io) -> Result<Exit, Failure> {
     let interrupt = io.interrupt()?;
     video::check_file("--out", &arguments.out)?;
     let (params, material) = arguments.cloth.params(io)?;
-    let mut cloth = cloth(arguments, &params)?;
+    let mut cloth = match &arguments.from {
+        None => Simulator::flat(super::square(arguments.size)?, &params),
+        Some(file) => {
+            let (state, mask) = files::read_state(file, &arguments.frame)?;
+            Simulator::from_positions(mask, &state.positions, &params)?
+        }
+    };
     let recorder = Recorder::new(FilmPlan {
         path: arguments.out.clone(),
         camera: render::camera(CameraArgument::Folding, None)?,
@@ -120,25 +120,10 @@ pub fn run(arguments: &RecordArguments, io: &Io) -> Result<Exit, Failure> {
         moves,
         digest: cloth.digest(),
     };
-    io.result(arguments.json, &recorded);
+    io.either(arguments.json, &recorded, || recorded.video.to_string());
     Ok(if recorded.moves.len() < arguments.moves.len() {
         Exit::Interrupted
     } else {
         Exit::Done
     })
-}
-
-/// Lays the cloth.
-fn cloth(arguments: &RecordArguments, params: &Params) -> Result<Simulator, Failure> {
-    let Some(file) = &arguments.from else {
-        return Ok(Simulator::flat(super::square(arguments.size)?, params));
-    };
-    let (state, mask) = files::read_state(file, &arguments.frame)?;
-    Ok(Simulator::from_positions(mask, &state.positions, params)?)
-}
-
-impl Report for Recorded {
-    fn text(&self) -> String {
-        self.video.to_string()
-    }
 }

@@ -3,17 +3,16 @@
 use super::files::{self, StateArguments};
 use crate::exit::{Exit, Failure};
 use crate::io::{Io, write_file};
-use crate::report::Report;
 use crate::verbs::runtime::setting::{self, materials::MaterialArguments};
 use clap::{Args, ValueEnum, ValueHint};
 use fab_picture::png;
-use fab_sim::{Frame, ImageUp, Params, TopDownCamera};
+use fab_sim::{ImageUp, Params, TopDownCamera};
 use fab_world::simulated;
-use image::{GrayImage, RgbImage};
+use image::GrayImage;
 use serde::Serialize;
+use serde_json::json;
 use std::path::PathBuf;
 
-/// Arguments of `sim render`.
 #[derive(Args)]
 pub struct DrawArguments {
     #[command(flatten)]
@@ -50,17 +49,6 @@ pub enum CameraArgument {
 /// Grey levels per metre in a depth picture, as in the recorded data.
 const GREY_PER_M: f32 = 255.0;
 
-/// The picture that was written.
-#[derive(Serialize)]
-struct Drawn {
-    params: String,
-    file: String,
-    size_px: u32,
-    camera: CameraArgument,
-    cloth_px: usize,
-}
-
-/// Draws the picture and writes it.
 pub fn run(arguments: &DrawArguments, io: &Io) -> Result<Exit, Failure> {
     let camera = camera(arguments.camera, arguments.size)?;
     setting::check_ending("-o", &arguments.out, "png")?;
@@ -74,20 +62,26 @@ pub fn run(arguments: &DrawArguments, io: &Io) -> Result<Exit, Failure> {
     if cloth_px == 0 {
         io.talk("note: no part of the cloth is in the picture");
     }
+    let (colours, depth_m) = simulated::pictures(frame);
     let picture = if arguments.depth {
-        depth_png(&frame)
+        // Casts saturate: everything farther than 1 m is white.
+        let grey = |metres: &f32| (GREY_PER_M * metres) as u8;
+        let levels = depth_m.iter().map(grey).collect();
+        let picture = GrayImage::from_raw(depth_m.width(), depth_m.height(), levels);
+        png::encode_gray(&picture.expect("as many levels as depths"))
     } else {
-        colour_png(frame)
+        png::encode(&colours)
     };
     write_file(&arguments.out, &picture)?;
-    let drawn = Drawn {
-        params: Params::default().hash(),
-        file: arguments.out.display().to_string(),
-        size_px: camera.size_px,
-        camera: arguments.camera,
-        cloth_px,
-    };
-    io.result(arguments.json, &drawn);
+    let file = arguments.out.display().to_string();
+    let document = json!({
+        "params": Params::default().hash(),
+        "file": file,
+        "size_px": camera.size_px,
+        "camera": arguments.camera,
+        "cloth_px": cloth_px,
+    });
+    io.either(arguments.json, &document, || file);
     Ok(Exit::Done)
 }
 
@@ -101,25 +95,4 @@ pub fn camera(camera: CameraArgument, side_px: Option<u32>) -> Result<TopDownCam
     TopDownCamera::new(height_m, std::f32::consts::FRAC_PI_4, size_px)
         .map(|camera| camera.with_up(up))
         .map_err(|error| Failure::usage(format!("`--size {size_px}`: {error}")))
-}
-
-const WHOLE: &str = "a frame holds width * height pixels";
-
-fn colour_png(frame: Frame) -> Vec<u8> {
-    let picture = RgbImage::from_raw(frame.width, frame.height, frame.rgb);
-    png::encode(&picture.expect(WHOLE))
-}
-
-fn depth_png(frame: &Frame) -> Vec<u8> {
-    // Casts saturate: everything farther than 1 m is white.
-    let grey = |depth_m: &f32| (GREY_PER_M * depth_m) as u8;
-    let levels = frame.depth_m.iter().map(grey).collect();
-    let picture = GrayImage::from_raw(frame.width, frame.height, levels);
-    png::encode_gray(&picture.expect(WHOLE))
-}
-
-impl Report for Drawn {
-    fn text(&self) -> String {
-        self.file.clone()
-    }
 }

@@ -1,13 +1,12 @@
 //! `fabc sim replay`: replays recorded demonstrations and compares the results with the recorded ones.
 //!
-//! Each replay starts from the recorded cloth, and picks and places at the recorded points without a camera. The error
-//! is the mean distance between particles of the same index, as in the scoring of folds.
+//! Each replay picks and places at the recorded points without a camera. The error is the mean distance between
+//! particles of the same index, as in the scoring of folds.
 
 use super::demonstrations::{self, Demonstration};
-use super::parallel::{ThreadArguments, each};
+use super::{ThreadArguments, each};
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::report::Report;
 use clap::{Args, ValueHint};
 use fab_base::interrupt::Interrupt;
 use fab_base::table::{Align, aligned};
@@ -15,11 +14,10 @@ use fab_bench::statistics::{mean, standard_deviation};
 use fab_sim::{Params, SimError};
 use fab_world::metrics::mean_particle_distance_m;
 use serde::Serialize;
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// Arguments of `sim replay`.
 #[derive(Args)]
 pub struct ReplayArguments {
     /// The folder with manifest.json; the manifest's paths begin at the folder above it.
@@ -41,31 +39,18 @@ pub struct ReplayArguments {
     pub json: bool,
 }
 
-/// All replays.
-#[derive(Serialize)]
-struct Replays {
-    params: String,
-    rows: Vec<Row>,
-    entries: Vec<Replayed>,
-}
-
-/// The result of one replay.
 #[derive(Serialize)]
 struct Replayed {
     task: String,
     id: u64,
-    /// Mean distance between particles of the same index, millimetres.
     error_mm: f64,
-    /// Whether every pick held the same particle as in the recording.
     grasped_as_recorded: bool,
     picks: usize,
     picks_as_recorded: usize,
     steps: u64,
-    /// SHA-256 of the final positions' bits.
     digest: String,
 }
 
-/// The replays of one task together.
 #[derive(Serialize)]
 struct Row {
     task: String,
@@ -78,37 +63,29 @@ struct Row {
     grasps: String,
 }
 
-/// Replays the selected demonstrations, and reports.
 pub fn run(arguments: &ReplayArguments, io: &Io) -> Result<Exit, Failure> {
     let interrupt = io.interrupt()?;
     let params = params(&arguments.changes)?;
-    let ids = arguments.ids.as_deref();
-    let selected = demonstrations::read(&arguments.folder, arguments.task.as_deref(), ids)?;
-    let (count, threads) = (selected.len(), &arguments.threads);
-    let entries = each(count, threads, "replayed", io, |index| {
-        replay(&selected[index], &params, &interrupt)
-    })?;
+    let (task, ids) = (arguments.task.as_deref(), arguments.ids.as_deref());
+    let selected = demonstrations::read(&arguments.folder, task, ids)?;
+    let play = |index: usize| replay(&selected[index], &params, &interrupt);
+    let entries = each(selected.len(), &arguments.threads, "replayed", io, play)?;
     let mut by_task: BTreeMap<&str, Vec<&Replayed>> = BTreeMap::new();
     for entry in &entries {
         by_task.entry(&entry.task).or_default().push(entry);
     }
-    let rows = by_task.into_iter().map(|(task, of)| Row::of(task, &of));
-    let replays = Replays {
-        params: params.hash(),
-        rows: rows.collect(),
-        entries,
-    };
-    io.result(arguments.json, &replays);
+    let params = params.hash();
+    let rows: Vec<Row> = by_task.into_values().map(Row::of).collect();
+    let document = json!({ "params": params, "rows": rows, "entries": entries });
+    io.either(arguments.json, &document, || text(&rows, &params));
     Ok(Exit::Done)
 }
 
-/// Returns the default parameters with the requested changes.
 fn params(changes: &[String]) -> Result<Params, Failure> {
     let mut values = serde_json::to_value(Params::default())?;
     for change in changes {
-        let parts = change.split_once('=');
-        let parts = parts.and_then(|(name, text)| Some((name, text.parse::<Value>().ok()?)));
-        let Some((name, value)) = parts else {
+        let (name, text) = change.split_once('=').unwrap_or((change, ""));
+        let Ok(value) = text.parse::<Value>() else {
             return Err(Failure::usage(format!(
                 "`--set {change}`: write a name and a number, such as `substeps=8`"
             )));
@@ -118,7 +95,6 @@ fn params(changes: &[String]) -> Result<Params, Failure> {
     serde_json::from_value(values).map_err(|error| Failure::usage(format!("`--set`: {error}")))
 }
 
-/// Replays one demonstration.
 fn replay(it: &Demonstration, params: &Params, interrupt: &Interrupt) -> Result<Replayed, Failure> {
     let (mut cloth, end) = it.laid(params)?;
     let mut picks_as_recorded = 0;
@@ -131,12 +107,11 @@ fn replay(it: &Demonstration, params: &Params, interrupt: &Interrupt) -> Result<
             Err(error) => return Err(it.failure(error)),
         }
     }
-    let error_m =
-        mean_particle_distance_m(&cloth.positions(), &end).expect("both fill the same grid");
+    let error_m = mean_particle_distance_m(&cloth.positions(), &end);
     Ok(Replayed {
         task: it.task.clone(),
         id: it.id,
-        error_mm: 1000.0 * error_m,
+        error_mm: 1000.0 * error_m.expect("both fill the same grid"),
         grasped_as_recorded: picks_as_recorded == it.steps.len(),
         picks: it.steps.len(),
         picks_as_recorded,
@@ -146,12 +121,12 @@ fn replay(it: &Demonstration, params: &Params, interrupt: &Interrupt) -> Result<
 }
 
 impl Row {
-    fn of(task: &str, entries: &[&Replayed]) -> Row {
+    fn of(entries: Vec<&Replayed>) -> Row {
         let errors_mm: Vec<f64> = entries.iter().map(|entry| entry.error_mm).collect();
-        let as_recorded: usize = entries.iter().map(|entry| entry.picks_as_recorded).sum();
-        let picks: usize = entries.iter().map(|entry| entry.picks).sum();
+        let sum = |of: fn(&Replayed) -> usize| entries.iter().map(|it| of(it)).sum::<usize>();
+        let (as_recorded, picks) = (sum(|it| it.picks_as_recorded), sum(|it| it.picks));
         Row {
-            task: task.to_owned(),
+            task: entries[0].task.clone(),
             n: entries.len(),
             mean_mm: mean(&errors_mm).unwrap_or_default(),
             sd_mm: standard_deviation(&errors_mm).unwrap_or_default(),
@@ -161,19 +136,15 @@ impl Row {
     }
 }
 
-impl Report for Replays {
-    fn text(&self) -> String {
-        use Align::{Left, Right};
-        let titles = "task,n,mean mm,sd mm,max mm,grasped as recorded";
-        let mut table = vec![titles.split(',').map(str::to_owned).collect()];
-        table.extend(self.rows.iter().map(|row| {
-            let mut cells = vec![row.task.clone(), row.n.to_string()];
-            cells.extend([row.mean_mm, row.sd_mm, row.max_mm].map(|mm| format!("{mm:.2}")));
-            cells.push(row.grasps.clone());
-            cells
-        }));
-        let mut lines = aligned(&[Left, Right, Right, Right, Right], &table);
-        lines.push(format!("simulator parameters {}", self.params));
-        lines.join("\n")
-    }
+fn text(rows: &[Row], params: &str) -> String {
+    let titles = "task,n,mean mm,sd mm,max mm,grasped as recorded";
+    let mut table = vec![titles.split(',').map(str::to_owned).collect()];
+    table.extend(rows.iter().map(|row| {
+        let [mean, sd, max] = [row.mean_mm, row.sd_mm, row.max_mm].map(|mm| format!("{mm:.2}"));
+        let [task, grasps] = [&row.task, &row.grasps].map(String::clone);
+        vec![task, row.n.to_string(), mean, sd, max, grasps]
+    }));
+    use Align::{Left, Right};
+    let lines = aligned(&[Left, Right, Right, Right, Right], &table).join("\n");
+    format!("{lines}\nsimulator parameters {params}")
 }

@@ -1,17 +1,14 @@
 //! `fabc sim time`: measures the time per step of one fixed fold, with every step computed.
 
-use super::parallel::in_parallel;
-use super::usage;
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::report::Report;
 use crate::verbs::runtime::setting::materials::MaterialArguments;
 use clap::Args;
+use fab_base::parallel::in_parallel;
 use fab_sim::{SimError, diagonal_fold};
-use serde::Serialize;
+use serde_json::json;
 use std::time::Instant;
 
-/// Arguments of `sim time`.
 #[derive(Args)]
 pub struct TimeArguments {
     /// Particles along each side of the cloth.
@@ -30,26 +27,6 @@ pub struct TimeArguments {
 /// How often the fold is timed; the median is reported.
 const REPEATS: usize = 3;
 
-/// The figures.
-#[derive(Serialize)]
-struct Timing {
-    params: String,
-    material: Option<String>,
-    size: u32,
-    threads: usize,
-    repeats: usize,
-    particles: usize,
-    steps: u64,
-    substeps: u64,
-    constraints: usize,
-    self_contact: bool,
-    cpu_ms_per_step: Option<f64>,
-    wall_ms_per_step: Option<f64>,
-    peak_mb: Option<f64>,
-    digest: String,
-}
-
-/// Times the fold and reports.
 pub fn run(arguments: &TimeArguments, io: &Io) -> Result<Exit, Failure> {
     let grid = super::square(arguments.size)?;
     let (params, _) = arguments.cloth.params(io)?;
@@ -59,7 +36,7 @@ pub fn run(arguments: &TimeArguments, io: &Io) -> Result<Exit, Failure> {
     let mut ends = Vec::new();
     for repeat in 1..=REPEATS {
         io.progress(&format!("fold {repeat} of {REPEATS}"));
-        let (began, cpu_before) = (Instant::now(), usage::cpu_s());
+        let (began, cpu_before) = (Instant::now(), cpu_s());
         let fold = |_| match diagonal_fold(grid, &params, &|| interrupt.is_raised()) {
             Ok(cloth) => Ok(Some(cloth)),
             Err(SimError::Interrupted { .. }) => Ok(None),
@@ -67,7 +44,7 @@ pub fn run(arguments: &TimeArguments, io: &Io) -> Result<Exit, Failure> {
         };
         let folded = in_parallel(threads, threads, fold, |_| {});
         let wall_s = began.elapsed().as_secs_f64();
-        let cpu_s = usage::cpu_s().zip(cpu_before).map(|(now, then)| now - then);
+        let cpu_s = cpu_s().zip(cpu_before).map(|(now, then)| now - then);
         io.progress("");
         for cloth in folded? {
             let cloth = cloth.ok_or_else(Failure::interrupted)?;
@@ -84,23 +61,41 @@ pub fn run(arguments: &TimeArguments, io: &Io) -> Result<Exit, Failure> {
             "two equal folds ended with different bits; this machine cannot be trusted",
         ));
     }
-    let timing = Timing {
-        params: params.hash(),
-        material: arguments.cloth.material.clone(),
-        size: arguments.size,
-        threads,
-        repeats: REPEATS,
-        particles: grid.particle_count(),
-        steps,
-        substeps: substeps.into(),
-        constraints,
-        self_contact: params.self_contact_m > 0.0,
-        cpu_ms_per_step: median(cpu_ms),
-        wall_ms_per_step: median(wall_ms),
-        peak_mb: usage::peak_mb(),
-        digest,
-    };
-    io.result(arguments.json, &timing);
+    let hash = params.hash();
+    let [cpu, wall, peak] = [median(cpu_ms), median(wall_ms), peak_mb()];
+    let self_contact = params.self_contact_m > 0.0;
+    let document = json!({
+        "params": hash,
+        "material": arguments.cloth.material,
+        "size": arguments.size,
+        "threads": threads,
+        "repeats": REPEATS,
+        "particles": grid.particle_count(),
+        "steps": steps,
+        "substeps": substeps,
+        "constraints": constraints,
+        "self_contact": self_contact,
+        "cpu_ms_per_step": cpu,
+        "wall_ms_per_step": wall,
+        "peak_mb": peak,
+        "digest": digest,
+    });
+    io.either(arguments.json, &document, || {
+        let number = |value: Option<f64>| match value {
+            Some(value) => format!("{value:.3}"),
+            None => "unknown here".to_owned(),
+        };
+        let [cpu, wall, peak] = [cpu, wall, peak].map(number);
+        let (size, contact) = (arguments.size, if self_contact { "on" } else { "off" });
+        format!(
+            "{size} x {size} particles, {steps} steps of {substeps} substeps, {constraints} springs, self-contact {contact}\n\
+             CPU ms per step   {cpu}   (median of {REPEATS})\n\
+             wall ms per step  {wall}   ({threads} side by side)\n\
+             peak memory MB    {peak}\n\
+             digest {digest}\n\
+             simulator parameters {hash}"
+        )
+    });
     Ok(Exit::Done)
 }
 
@@ -110,30 +105,29 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
     values.get(values.len() / 2).copied()
 }
 
-impl Report for Timing {
-    fn text(&self) -> String {
-        let number = |value: Option<f64>| match value {
-            Some(value) => format!("{value:.3}"),
-            None => "unknown here".to_owned(),
-        };
-        format!(
-            "{size} x {size} particles, {} steps of {} substeps, {} springs, self-contact {}\n\
-             CPU ms per step   {}   (median of {REPEATS})\n\
-             wall ms per step  {}   ({} side by side)\n\
-             peak memory MB    {}\n\
-             digest {}\n\
-             simulator parameters {}",
-            self.steps,
-            self.substeps,
-            self.constraints,
-            if self.self_contact { "on" } else { "off" },
-            number(self.cpu_ms_per_step),
-            number(self.wall_ms_per_step),
-            self.threads,
-            number(self.peak_mb),
-            self.digest,
-            self.params,
-            size = self.size,
-        )
-    }
+/// Returns the CPU time of all threads, user and system, seconds.
+#[cfg(unix)]
+fn cpu_s() -> Option<f64> {
+    use nix::sys::resource::{UsageWho, getrusage};
+    use nix::sys::time::TimeValLike;
+
+    let used = getrusage(UsageWho::RUSAGE_SELF).ok()?;
+    let micros = used.user_time().num_microseconds() + used.system_time().num_microseconds();
+    Some(micros as f64 * 1e-6)
+}
+
+/// Returns `None`.
+#[cfg(not(unix))]
+fn cpu_s() -> Option<f64> {
+    None
+}
+
+/// Returns the largest resident memory, megabytes of 10^6 bytes; Linux alone tells it.
+fn peak_mb() -> Option<f64> {
+    // `getrusage` would start from the memory of the parent program.
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let mut lines = status.lines();
+    let line = lines.find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kib: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kib * 1024.0 * 1e-6)
 }

@@ -4,7 +4,6 @@
 //! does not acknowledge in time: one that hangs could not stop the arm. Nothing here waits while the arm moves.
 
 use super::{STOPPED, lines_of};
-use crate::io::Io;
 use fab_arm::supervisor::Watchdog;
 use fab_base::outbox::Outbox;
 use std::collections::VecDeque;
@@ -16,15 +15,13 @@ use std::time::{Duration, Instant};
 
 /// Time limit until the watchdog is ready: it connects to the arm's node.
 const READY: Duration = Duration::from_secs(30);
-/// How long to wait for its end, or for its stop of the arm. It takes longer only if the arm's node does not answer; then
-/// it continues alone, so that this program can report at once that the arm may move.
+/// How long to wait for its end, or for its stop of the arm. If the arm's node does not answer, it continues alone, so that
+/// this program can report at once that the arm may move.
 const ENDED: Duration = Duration::from_secs(5);
-/// Interval between two checks for its end.
 const LOOK: Duration = Duration::from_millis(20);
 /// The most lines that wait for a pipe that is full.
 const MAX_WAITING: usize = 16;
 
-/// A watchdog that is another process of this program.
 pub struct Process {
     child: Child,
     /// `None` once its input was closed.
@@ -37,16 +34,12 @@ pub struct Process {
 }
 
 impl Process {
-    /// Starts it, and waits until it can stop the arm; the error says why it cannot.
-    ///
-    /// - `timeout_s`: the longest time without a heartbeat, and without its acknowledgement, seconds.
-    pub fn start(robot: &Path, timeout_s: f64, io: &Io) -> Result<Process, String> {
-        let program = io.program().map_err(|error| error.to_string())?;
+    /// Starts it, and waits until it can stop the arm; `timeout_s` limits both a heartbeat and its acknowledgement.
+    pub fn start(robot: &Path, timeout_s: f64) -> Result<Process, String> {
+        let program = std::env::current_exe().map_err(|error| error.to_string())?;
         let mut command = Command::new(program);
-        command
-            .args(["robot", "watchdog", "--robot"])
-            .arg(robot)
-            .args(["--timeout", &timeout_s.to_string()]);
+        command.args(["robot", "watchdog", "--robot"]).arg(robot);
+        command.args(["--timeout", &timeout_s.to_string()]);
         let timeout = Duration::try_from_secs_f64(timeout_s).map_err(|error| error.to_string())?;
         Process::spawn(command, READY, timeout)
     }
@@ -61,9 +54,9 @@ impl Process {
         // Ctrl-C goes to all of a group; the watchdog outlives it.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
-        let mut child = command
-            .spawn()
-            .map_err(|error| format!("the watchdog cannot be started: {error}"))?;
+        let child = command.spawn();
+        let mut child =
+            child.map_err(|error| format!("the watchdog cannot be started: {error}"))?;
         let mut stdin = child.stdin.take().expect("stdin is a pipe");
         let stdout = child.stdout.take().expect("stdout is a pipe");
         let messages = lines_of(stdout);
@@ -80,19 +73,16 @@ impl Process {
             has_stopped_arm: false,
             timeout,
         };
-        let nothing = "so that nothing is moved";
-        match ready.as_deref() {
-            Ok("ready") => Ok(process),
+        let why = match ready.as_deref() {
+            Ok("ready") => return Ok(process),
             Err(RecvTimeoutError::Timeout) => {
                 // It watches nothing yet, and may hang without noticing that its input has ended.
                 let _ = process.child.kill();
-                let secs = longest.as_secs_f64();
-                Err(format!(
-                    "the watchdog was not ready after {secs} s, {nothing}"
-                ))
+                format!("was not ready after {} s", longest.as_secs_f64())
             }
-            _ => Err(format!("the watchdog cannot stop this arm, {nothing}")),
-        }
+            _ => "cannot stop this arm".to_owned(),
+        };
+        Err(format!("the watchdog {why}, so that nothing is moved"))
     }
 
     /// Sends a line without waiting; fails if an earlier one was not acknowledged in time.
@@ -104,18 +94,15 @@ impl Process {
                 Err(TryRecvError::Disconnected) => return Err(GONE.to_owned()),
             }
         }
-        if let Some((line, at)) = self.sent.front()
-            && at.elapsed() > self.timeout
-        {
+        let timeout = self.timeout;
+        let late = self.sent.front().filter(|(_, at)| at.elapsed() > timeout);
+        if let Some((line, _)) = late {
             return Err(format!(
-                "the watchdog has not acknowledged `{line}` within {:?}",
-                self.timeout
+                "the watchdog has not acknowledged `{line}` within {timeout:?}"
             ));
         }
-        let lines = self.lines.as_mut().ok_or(GONE)?;
-        lines
-            .send(line)
-            .map_err(|why| format!("the watchdog is gone: {why}"))?;
+        let sent = self.lines.as_mut().ok_or(GONE)?.send(line);
+        sent.map_err(|why| format!("the watchdog is gone: {why}"))?;
         self.sent.push_back((line, Instant::now()));
         Ok(())
     }
@@ -141,9 +128,9 @@ impl Watchdog for Process {
             match self.messages.recv_timeout(left) {
                 Ok(message) => self.acknowledged(&message)?,
                 Err(RecvTimeoutError::Timeout) => {
+                    let timeout = self.timeout;
                     return Err(format!(
-                        "the watchdog does not acknowledge within {:?} that it watches",
-                        self.timeout
+                        "the watchdog does not acknowledge within {timeout:?} that it watches"
                     ));
                 }
                 Err(RecvTimeoutError::Disconnected) => return Err(GONE.to_owned()),

@@ -146,3 +146,11 @@ fn peer_ros2_a_distribution_takes_refuses_and_cancels_goals_and_says_where_the_a
         !stopper.has_goals(GoalState::Active)
     });
 }
+
+/// A watchdog stops the arm from its own thread.
+#[test]
+fn ports_and_cameras_are_send() {
+    fn assert_send<T: Send>() {}
+    assert_send::<super::Ros2Port>();
+    assert_send::<fab_arm::rgbd::topics::TopicCamera<Link>>();
+}
