@@ -116,22 +116,12 @@ impl Mask {
         if self.contains(point) {
             return Some(point);
         }
-        let mut best: Option<(i64, PixelPoint)> = None;
-        for row in 0..self.height as i32 {
-            let dv = i64::from(row) - i64::from(point.v);
-            if best.is_some_and(|(least, _)| dv * dv >= least) {
-                continue;
-            }
-            for pixel in self.row(row) {
-                let du = i64::from(pixel.u) - i64::from(point.u);
-                // Saturating: the sum of two squared 33-bit numbers can exceed 64 bits.
-                let squared = (du * du).saturating_add(dv * dv);
-                if best.is_none_or(|(least, _)| squared < least) {
-                    best = Some((squared, pixel));
-                }
-            }
-        }
-        best.map(|(_, pixel)| pixel)
+        self.pixels().min_by_key(|pixel| {
+            let [du, dv] = [(pixel.u, point.u), (pixel.v, point.v)]
+                .map(|(a, b)| (i64::from(a) - i64::from(b)).pow(2));
+            // The sum of two squared 33-bit numbers can exceed 64 bits.
+            du.saturating_add(dv)
+        })
     }
 
     /// Returns the Euclidean distance from a point to the nearest pixel of the set, pixels.
@@ -144,19 +134,17 @@ impl Mask {
 
     /// Returns the pixels of the set, row by row from the top, each row from the left.
     pub fn pixels(&self) -> impl Iterator<Item = PixelPoint> {
-        (0..self.height as i32).flat_map(|row| self.row(row))
+        let pixel = |(column, row)| PixelPoint::new(column as i32, row as i32);
+        self.columns_and_rows().map(pixel)
     }
 
     /// Likewise, as (column, row).
     pub fn columns_and_rows(&self) -> impl Iterator<Item = (u32, u32)> {
-        self.pixels().map(|pixel| (pixel.u as u32, pixel.v as u32))
-    }
-
-    fn row(&self, row: i32) -> impl Iterator<Item = PixelPoint> {
-        let start = row as usize * self.width as usize;
-        let pixels = &self.inside[start..start + self.width as usize];
-        let columns = pixels.iter().enumerate().filter(|&(_, &inside)| inside);
-        columns.map(move |(column, _)| PixelPoint::new(column as i32, row))
+        let rows = (0..).zip(self.inside.chunks(self.width.max(1) as usize));
+        rows.flat_map(|(row, pixels)| {
+            let columns = (0..).zip(pixels).filter(|(_, inside)| **inside);
+            columns.map(move |(column, _)| (column, row))
+        })
     }
 }
 
@@ -189,11 +177,7 @@ pub fn overlap(places: impl Iterator<Item = (bool, bool)>) -> f64 {
 /// Draws a mask in white (255) on black.
 pub fn mask_picture(mask: &Mask) -> GrayImage {
     GrayImage::from_fn(mask.width(), mask.height(), |column, row| {
-        Luma([if mask.contains_at(column, row) {
-            255
-        } else {
-            0
-        }])
+        Luma([u8::from(mask.contains_at(column, row)) * 255])
     })
 }
 
@@ -207,14 +191,13 @@ pub fn has_reading(depth_m: f32) -> bool {
 /// The pixel is truncated, as in the paper's code (protocol, section 6), so it lies half a pixel up and left of the
 /// mean; the exact point is the mean itself.
 pub fn centroid(mask: &Mask) -> Option<SubpixelPoint> {
-    let (mut columns, mut rows) = (0_u64, 0_u64);
-    for pixel in mask.pixels() {
-        columns += u64::from(pixel.u.unsigned_abs());
-        rows += u64::from(pixel.v.unsigned_abs());
-    }
+    let pixels = mask.columns_and_rows();
+    let sums = pixels.fold([0_u64; 2], |[columns, rows], (column, row)| {
+        [columns + u64::from(column), rows + u64::from(row)]
+    });
     let area_px = mask.area_px() as u64;
     (area_px > 0).then(|| SubpixelPoint {
-        pixel: PixelPoint::new((columns / area_px) as i32, (rows / area_px) as i32),
-        at: [columns, rows].map(|sum| sum as f64 / area_px as f64 + 0.5),
+        pixel: PixelPoint::from(sums.map(|sum| (sum / area_px) as i32)),
+        at: sums.map(|sum| sum as f64 / area_px as f64 + 0.5),
     })
 }
