@@ -29,10 +29,8 @@ impl Mask {
     /// Collects these pixels, as (column, row); those outside the picture are ignored.
     pub fn from_pixels(width: u32, height: u32, pixels: &[(u32, u32)]) -> Self {
         let mut inside = vec![false; width as usize * height as usize];
-        for &(column, row) in pixels {
-            if column < width && row < height {
-                inside[row as usize * width as usize + column as usize] = true;
-            }
+        for &(column, row) in pixels.iter().filter(|at| at.0 < width && at.1 < height) {
+            inside[row as usize * width as usize + column as usize] = true;
         }
         Mask::of(width, height, inside)
     }
@@ -85,18 +83,25 @@ impl Mask {
 
     /// Returns the sides of the picture that the set reaches: a hundredth of the side, so that no stray pixel counts.
     pub fn reached_borders(&self) -> Vec<&'static str> {
-        let mut counts = [("left", 0), ("top", 0), ("right", 0), ("bottom", 0)];
-        for (column, row) in self.columns_and_rows() {
-            let beyond = [column + 1 == self.width, row + 1 == self.height];
-            let is_there = [column == 0, row == 0, beyond[0], beyond[1]];
-            for ((_, count), is_there) in counts.iter_mut().zip(is_there) {
-                *count += u32::from(is_there);
+        let [right, bottom] = [self.width, self.height].map(|side| side.saturating_sub(1));
+        let sides = [
+            ("left", 0..=0, 0..=bottom),
+            ("top", 0..=right, 0..=0),
+            ("right", right..=right, 0..=bottom),
+            ("bottom", 0..=right, bottom..=bottom),
+        ];
+        let reached = sides.into_iter().filter(|(_, columns, rows)| {
+            let (mut n_inside, mut length) = (0, 0);
+            for (column, row) in columns
+                .clone()
+                .flat_map(|at| rows.clone().map(move |row| (at, row)))
+            {
+                n_inside += u32::from(self.contains_at(column, row));
+                length += 1;
             }
-        }
-        let lengths = [self.height, self.width].repeat(2);
-        let sides = counts.into_iter().zip(lengths);
-        let reached = sides.filter(|((_, count), length)| *count > 0 && count * 100 >= *length);
-        reached.map(|((name, _), _)| name).collect()
+            n_inside > 0 && n_inside * 100 >= length
+        });
+        reached.map(|(name, ..)| name).collect()
     }
 
     /// Returns whether the set has no pixels.
@@ -167,11 +172,7 @@ pub fn overlap(places: impl Iterator<Item = (bool, bool)>) -> f64 {
         both += u32::from(in_one && in_other);
         either += u32::from(in_one || in_other);
     }
-    if both == 0 {
-        0.0
-    } else {
-        f64::from(both) / f64::from(either)
-    }
+    f64::from(both) / f64::from(either.max(1))
 }
 
 /// Draws a mask in white (255) on black.
