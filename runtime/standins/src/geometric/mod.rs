@@ -23,9 +23,7 @@ mod tests;
 pub(crate) use decision::{Decision, End};
 use fab_model::calls::Calls;
 use fab_model::{Message, Model, ModelError, ModelKind, Part, Reply, Request, Speaker};
-use fab_program::PixelPoint;
 pub(crate) use prompt::{Choice, points};
-use prompt::{answered, choices};
 
 /// The stand-in.
 #[derive(Clone, Copy, Debug, Default)]
@@ -99,51 +97,10 @@ pub(crate) fn pictures(message: &Message) -> Vec<&[u8]> {
     pictures.collect()
 }
 
-/// Earlier answers of a conversation that were refused, each with its correction in small letters.
-struct Refused(Vec<(String, String)>);
-
-impl Refused {
-    /// Collects the answers followed by a user's turn.
-    fn read(turns: &[Message]) -> Refused {
-        let pairs = turns.windows(2).filter(|pair| {
-            pair[0].speaker == Speaker::Assistant && pair[1].speaker == Speaker::User
-        });
-        let words = |turn| prompt::one_line(&spoken(turn).to_lowercase());
-        let pairs = pairs.map(|pair| (spoken(&pair[0]), words(&pair[1])));
-        Refused(pairs.collect())
-    }
-
-    /// Returns whether a pick and a place may still be right: a correction that mentions one of the two blames it alone.
-    fn leaves(&self, (pick, place): (PixelPoint, PixelPoint)) -> bool {
-        self.0.iter().all(|(answer, correction)| {
-            let is_pick = answered("pick", answer) == Some(pick);
-            let is_place = answered("place", answer) == Some(place);
-            match (correction.contains("pick"), correction.contains("place")) {
-                (true, false) => !is_pick,
-                (false, true) => !is_place,
-                _ => !is_pick || !is_place,
-            }
-        })
-    }
-
-    /// Returns whether a pull may still be right: a correction may ask for another corner, name a direction, or ask for
-    /// a smaller distance.
-    fn leaves_pull(&self, pick: PixelPoint, direction: &Choice, distance: &Choice) -> bool {
-        self.0.iter().all(|(answer, correction)| {
-            if answered("pick", answer) != Some(pick) {
-                return true;
-            }
-            let stated = |field| choices(answer, field).into_iter().next();
-            let is_direction = stated("direction").as_ref() == Some(direction);
-            let before = stated("distance").map_or(f64::NAN, |before| before.value);
-            if correction.contains("smaller distance") {
-                return !is_direction || distance.value < before;
-            }
-            if let Some((_, named)) = correction.rsplit_once("in the direction ") {
-                return named.starts_with(&direction.words.to_lowercase());
-            }
-            let is_same = is_direction && distance.value == before;
-            !correction.contains("choose a corner") && !is_same
-        })
-    }
+/// Returns the answers of a conversation that were refused: those before a user's turn.
+fn refused(turns: &[Message]) -> Vec<String> {
+    let pairs = turns.windows(2);
+    let pairs = pairs
+        .filter(|pair| pair[0].speaker == Speaker::Assistant && pair[1].speaker == Speaker::User);
+    pairs.map(|pair| spoken(&pair[0])).collect()
 }

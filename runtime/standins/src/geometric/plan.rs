@@ -8,7 +8,7 @@ use super::decision::{Decision, End};
 use super::frame::Frame;
 use super::instruction::{Instruction, Spot};
 use super::prompt::{self, Listed};
-use super::{Refused, spoken};
+use super::{refused, spoken};
 use fab_model::{Message, Speaker};
 use fab_picture::hull::{self, Point};
 use fab_program::PixelPoint;
@@ -44,9 +44,6 @@ const LEAN: f64 = 3.0 * PI / 180.0;
 /// How far a direction between two listed points may deviate from that of the words, radians (60 degrees).
 const MOST_TURN: f64 = PI / 3.0;
 
-/// The most picks and places combined.
-const MAX_CHOICES: usize = 24;
-
 /// A pick and a place.
 type Pair = (PixelPoint, PixelPoint);
 
@@ -64,8 +61,12 @@ pub fn choose(messages: &[Message]) -> Result<Decision, String> {
         return Err("no corners are listed".to_owned());
     }
     let (turn, pairs) = plan(&instruction, &listed)?;
-    let refused = Refused::read(&messages[at..]);
-    let chosen = pairs.into_iter().find(|pair| refused.leaves(*pair));
+    let refused = refused(&messages[at..]);
+    let is_new = |&(pick, place): &Pair| {
+        let mut points = refused.iter().map(|answer| prompt::points(answer));
+        points.all(|points| !points.starts_with(&[pick, place]))
+    };
+    let chosen = pairs.into_iter().find(is_new);
     let (pick, at) = chosen.ok_or("every likely pair of listed points was refused")?;
     Ok(Decision {
         pick,
@@ -76,7 +77,7 @@ pub fn choose(messages: &[Message]) -> Result<Decision, String> {
         picks: listed.corners,
         center: listed.center,
         question,
-        corrections: refused.0.len(),
+        corrections: refused.len(),
         why: format!(
             "The rectangle around the listed corners lies turned by about {:.0} degrees against the words; in it, these \
              are the listed points nearest to the two that the words name, without those that were refused.",
@@ -89,81 +90,55 @@ pub fn choose(messages: &[Message]) -> Result<Decision, String> {
 /// counter-clockwise.
 fn plan(instruction: &Instruction, listed: &Listed) -> Result<(f64, Vec<Pair>), String> {
     let places = listed.places();
+    let pairs = listed
+        .corners
+        .iter()
+        .flat_map(|pick| places.iter().map(|place| (*pick, *place)));
+    let mut pairs: Vec<Pair> = pairs.filter(|(pick, place)| pick != place).collect();
+    let ends = [instruction.pick, instruction.place];
     let target = |frame: &Frame, spot: Spot| match spot {
         None => listed.center.map(up),
         Some(eighths) => Some(frame.point_at(eighths.map(|n| f64::from(n) / 8.0))),
     };
     // Distance of the nearest listed points from the two named in the words.
     let off_px = |frame: &Frame| {
-        let ends = [
-            (instruction.pick, &listed.corners),
-            (instruction.place, &places),
-        ];
-        let offs = ends.map(|(spot, points)| {
+        let nearest = |spot, points: &[PixelPoint]| {
             let target = target(frame, spot)?;
             let offs = points
                 .iter()
                 .map(|&point| hull::distance(up(point), target));
             offs.min_by(f64::total_cmp)
-        });
+        };
+        let offs = [nearest(ends[0], &listed.corners), nearest(ends[1], &places)];
         offs[0].unwrap_or(0.0) + offs[1].unwrap_or(0.0)
     };
     let hull = hull::around(listed.corners.iter().copied().map(up));
-    let Some((frame, turn)) = turn_to(instruction, &hull, off_px) else {
-        return by_direction(instruction, listed);
-    };
-    let nearest = |spot, points: &[PixelPoint]| {
-        let target = target(&frame, spot).ok_or(NO_CENTER)?;
-        let off = |&point: &PixelPoint| (hull::distance(up(point), target), point);
-        let mut ranked: Vec<(f64, PixelPoint)> = points.iter().map(off).collect();
-        ranked.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        ranked.dedup_by_key(|&mut (_, point)| point);
-        ranked.truncate(MAX_CHOICES);
-        Ok::<_, String>(ranked)
-    };
-    let picks = nearest(instruction.pick, &listed.corners)?;
-    let places = nearest(instruction.place, &places)?;
-    let pairs = picks.iter().flat_map(|&(pick_off, pick)| {
-        let others = places.iter().filter(move |(_, place)| *place != pick);
-        others.map(move |&(place_off, place)| (pick_off + place_off, (pick, place)))
-    });
-    let mut pairs: Vec<(f64, Pair)> = pairs.collect();
-    pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    Ok((turn, pairs.into_iter().map(|(_, pair)| pair).collect()))
-}
-
-const NO_CENTER: &str = "the instruction speaks of the center, but no center is given";
-
-/// Ranks pairs by direction alone, if the listed corners are collinear and no rectangle fits.
-///
-/// The detector may find only two corners of a sharp triangle; the direction between the points in the words tells
-/// which is which.
-fn by_direction(instruction: &Instruction, listed: &Listed) -> Result<(f64, Vec<Pair>), String> {
-    let in_words = |spot: Spot| spot.unwrap_or([4, 4]).map(f64::from);
-    let angle = |from: Point, to: Point| (to[1] - from[1]).atan2(to[0] - from[0]);
-    let meant = angle(in_words(instruction.pick), in_words(instruction.place))
-        + Instruction::ANGLES[instruction.heading];
-    let places = match instruction.place {
-        None => vec![listed.center.ok_or(NO_CENTER)?],
-        Some(_) => [&listed.corners[..], &listed.others].concat(),
-    };
-    let mut turned: Vec<(f64, Pair)> = Vec::new();
-    for &pick in listed.corners.iter().take(MAX_CHOICES) {
-        let others = places
-            .iter()
-            .take(MAX_CHOICES)
-            .filter(|place| **place != pick);
-        turned.extend(others.map(|&place| {
-            let turn = (angle(up(pick), up(place)) - meant + PI).rem_euclid(TAU) - PI;
-            (turn, (pick, place))
-        }));
+    if let Some((frame, turn)) = turn_to(instruction, &hull, off_px) {
+        let [Some(from), Some(to)] = ends.map(|spot| target(&frame, spot)) else {
+            return Err("the instruction speaks of the center, but no center is given".to_owned());
+        };
+        let off = |pair: &Pair| hull::distance(up(pair.0), from) + hull::distance(up(pair.1), to);
+        pairs.sort_by(|a, b| off(a).total_cmp(&off(b)).then(a.cmp(b)));
+        return Ok((turn, pairs));
     }
-    turned.retain(|(turn, _)| turn.abs() <= MOST_TURN);
-    turned.sort_by(|a, b| (a.0 + LEAN).abs().total_cmp(&(b.0 + LEAN).abs()));
-    let (turn, _) = *turned
+    // The detector may find only two corners of a sharp triangle; then the direction between the points in the words
+    // tells which is which.
+    let direction = |[from, to]: [Point; 2]| (to[1] - from[1]).atan2(to[0] - from[0]);
+    let in_words = ends.map(|spot| spot.unwrap_or([4, 4]).map(f64::from));
+    let meant = direction(in_words) + Instruction::ANGLES[instruction.heading];
+    let turn = |pair: &Pair| {
+        let found = direction([up(pair.0), up(pair.1)]);
+        (found - meant + PI).rem_euclid(TAU) - PI
+    };
+    let to_center = instruction.place.is_none();
+    pairs.retain(|pair| {
+        (Some(pair.1) == listed.center) == to_center && turn(pair).abs() <= MOST_TURN
+    });
+    pairs.sort_by(|a, b| (turn(a) + LEAN).abs().total_cmp(&(turn(b) + LEAN).abs()));
+    let best = pairs
         .first()
         .ok_or("the listed corners enclose no area, so I cannot tell how the cloth lies")?;
-    Ok((turn, turned.into_iter().map(|(_, pair)| pair).collect()))
+    Ok((turn(best), pairs))
 }
 
 /// Fits a rectangle to the corners with its sides ordered as in the words; returns it and its rotation relative to

@@ -8,15 +8,6 @@ use fab_program::measures::{QUADRANTS, quadrant};
 use fab_program::units;
 use fab_program::{Manner, PixelPoint};
 
-/// The most points read from one line.
-const MAX_POINTS: usize = 1000;
-
-/// The most values of one field that are read.
-const MAX_CHOICES: usize = 64;
-
-/// The largest number of degrees, sides or pixels that is read.
-const MAX_VALUE: f64 = 1e4;
-
 /// The points that a prompt lists.
 #[derive(Clone, Debug, Default)]
 pub struct Listed {
@@ -64,15 +55,12 @@ pub fn lengths(text: &str, word: &str) -> Vec<(Vec<PixelPoint>, f64)> {
         let words: Vec<&str> = sentence.split(' ').collect();
         let mut pairs = words.windows(2).filter(|pair| pair[1].starts_with("px"));
         let px: f64 = pairs.find_map(|pair| pair[0].parse().ok())?;
-        let is_it = sentence.to_lowercase().contains(word) && (1.0..=MAX_VALUE).contains(&px);
+        let is_it = sentence.to_lowercase().contains(word) && px >= 1.0;
         is_it.then(|| (points(sentence), px))
     };
-    one_line(text).split(". ").filter_map(of).collect()
-}
-
-/// Returns a text with one blank between its words, since a sentence may span lines.
-pub fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
+    // A sentence may span lines.
+    let flat = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    flat.split(". ").filter_map(of).collect()
 }
 
 /// One of the values that an answer's line offers.
@@ -93,9 +81,9 @@ pub fn choices(text: &str, field: &str) -> Vec<Choice> {
     let choices = choices.filter_map(|words| {
         let value: f64 = words.split_whitespace().next()?.parse().ok()?;
         let words = words.to_owned();
-        (value.abs() <= MAX_VALUE).then_some(Choice { words, value })
+        Some(Choice { words, value })
     });
-    choices.take(MAX_CHOICES).collect()
+    choices.collect()
 }
 
 /// Returns what else a prompt's format asks for besides a pick point and a place point: another field with values to
@@ -161,14 +149,6 @@ fn are_quadrants(values: &[&str]) -> bool {
     values.iter().all(|value| all.contains(value))
 }
 
-/// Returns the point given for `field`, `pick` or `place`, in an answer.
-pub fn answered(field: &str, answer: &str) -> Option<PixelPoint> {
-    answer.lines().find_map(|line| {
-        let at = line.to_ascii_lowercase().find(field)?;
-        points(line.get(at..)?).first().copied()
-    })
-}
-
 /// Returns the points `(x, y)` or `[x, y]` of a text in order.
 pub fn points(text: &str) -> Vec<PixelPoint> {
     let insides = text.split(['(', '[']).skip(1);
@@ -180,5 +160,5 @@ pub fn points(text: &str) -> Vec<PixelPoint> {
             v.trim().parse().ok()?,
         ))
     });
-    points.take(MAX_POINTS).collect()
+    points.collect()
 }

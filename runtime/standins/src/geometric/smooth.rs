@@ -1,12 +1,12 @@
 //! Smoothing: pulls the corner that is farthest from the center outward, to where a corner of the flat cloth would lie.
 //!
 //! In: a conversation whose question offers directions and distances, and lists corners or shows the cloth. Out: a
-//! [`Decision`]. Two kinds of sentences limit it: points to stay away from, and how far from a point it may place.
-//! After a correction it takes the next pull that the correction leaves.
+//! [`Decision`]. Two kinds of sentences limit it: points to stay away from, and how far from a point it may place. It
+//! repeats no pull that was refused.
 
 use super::decision::{Decision, End};
 use super::prompt::{self, Choice};
-use super::{Refused, all_words, pictures, see, spoken};
+use super::{all_words, pictures, refused, see, spoken};
 use fab_model::{Message, Speaker};
 use fab_picture::camera::center_of;
 use fab_picture::hull::{self, Point};
@@ -55,7 +55,15 @@ pub fn choose(messages: &[Message]) -> Result<Decision, String> {
         avoided: last("away from").unwrap_or_default(),
         reach: last("farther than").unwrap_or_default(),
     };
-    let refused = Refused::read(&messages[at..]);
+    let refused = refused(&messages[at..]);
+    let is_new = |pick, direction: &Choice, distance: &Choice| {
+        refused.iter().all(|answer| {
+            let is_stated = |field, it| prompt::choices(answer, field).first() == Some(it);
+            prompt::points(answer).first() != Some(&pick)
+                || !is_stated("direction", direction)
+                || !is_stated("distance", distance)
+        })
+    };
     let offered = prompt::choices(&question, "direction");
     let distances = prompt::choices(&question, "distance");
     let mut best: Option<([f64; 4], PixelPoint, &Choice, &Choice)> = None;
@@ -68,7 +76,7 @@ pub fn choose(messages: &[Message]) -> Result<Decision, String> {
                 continue;
             };
             if best.as_ref().is_none_or(|(least, ..)| order < *least)
-                && refused.leaves_pull(pick, direction, distance)
+                && is_new(pick, direction, distance)
             {
                 best = Some((order, pick, direction, distance));
             }
@@ -86,7 +94,7 @@ pub fn choose(messages: &[Message]) -> Result<Decision, String> {
         picks,
         center,
         question,
-        corrections: refused.0.len(),
+        corrections: refused.len(),
         why: "This is the corner farthest from the center, and it goes outward to where a corner of the flat cloth would lie."
             .to_owned(),
     })

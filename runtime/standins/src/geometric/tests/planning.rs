@@ -72,24 +72,6 @@ fn refused_answers_are_not_repeated() {
 }
 
 #[test]
-fn a_correction_of_one_point_changes_that_point() {
-    let corrected = |correction: &str| {
-        let prompt = planning_prompt(WORDS, &CORNERS, CENTER);
-        let first = ask(ModelRole::Text, vec![turn(Speaker::User, &prompt)]);
-        let talk = vec![
-            turn(Speaker::User, &prompt),
-            turn(Speaker::Assistant, &first),
-            turn(Speaker::User, correction),
-        ];
-        points_of(&ask(ModelRole::Text, talk))
-    };
-    let [pick, place] = corrected("The pick point (40, 60) is not on the cloth.");
-    assert!(pick != CORNERS[0] && place == CORNERS[3], "{pick} {place}");
-    let [pick, place] = corrected("The place point (40, 170) is out of reach.");
-    assert!(pick == CORNERS[0] && place != CORNERS[3], "{pick} {place}");
-}
-
-#[test]
 fn when_everything_was_refused_it_says_so() {
     let corners = &CORNERS[..3];
     let words = "pick 0-8, place 8-8, in eighths along the sides to the right and across them";
