@@ -7,6 +7,7 @@ use fab_model::{Message, Model, Part, Png, Request, Speaker};
 use fab_program::ModelRole;
 use fab_providers::Remote;
 use fab_providers::remote::{Answers, BaseUrl, Gate, Settings, Shared, Wire};
+use fab_standins::imperfect::Errors;
 use fab_standins::{Geometric, Imperfect, Random};
 use fab_test_provider::{Provider, Response};
 use std::sync::Arc;
@@ -101,7 +102,7 @@ fn the_random_policy_conforms() {
 #[test]
 fn the_imperfect_stand_in_conforms() {
     for rate in [0.0, 0.5, 1.0] {
-        conforms(&|| Box::new(Imperfect::new(rate, 3).unwrap()));
+        conforms(&|| Box::new(Imperfect::new(rate, 3, Errors::Mixed).unwrap()));
     }
 }
 

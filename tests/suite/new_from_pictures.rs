@@ -162,7 +162,7 @@ fn a_picture_in_another_format_is_refused_with_the_command_that_converts_it() {
     for (name, told) in [
         (
             "a b.webp",
-            "`a b.webp` is a WebP picture; PNG and JPEG are read, and ImageMagick converts it: `magick 'a b.webp' out.png`",
+            "`a b.webp` is a WebP picture; PNG and JPEG are read, and ImageMagick converts it: `magick FILE out.png`",
         ),
         ("a.heic", "`a.heic` is a HEIC picture"),
         ("empty.png", "`empty.png` is empty"),

@@ -78,74 +78,9 @@ impl fmt::Display for CommandLine {
 /// Why a program gave no valid answer.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ChildError {
-    /// It cannot be started.
-    #[error("`{command}` cannot be started: {why}")]
-    NotStarted {
-        /// The command line.
-        command: String,
-        /// The system's error.
-        why: String,
-    },
-    /// It ended, or closed its stdout.
-    #[error("`{command}` ended before it answered ({how}){stderr}")]
-    Ended {
-        /// The command line.
-        command: String,
-        /// Its exit status.
-        how: String,
-        /// The end of its stderr, ready to be appended to the message.
-        stderr: String,
-    },
-    /// It ended in the middle of a line.
-    #[error("`{command}` ended in the middle of the line `{line}`{stderr}")]
-    HalfLine {
-        /// The command line.
-        command: String,
-        /// The part of the line that arrived.
-        line: String,
-        /// The end of its stderr, ready to be appended to the message.
-        stderr: String,
-    },
-    /// It took too long.
-    #[error("`{command}` did not answer within {limit_s} s and was killed{stderr}")]
-    Silent {
-        /// The command line.
-        command: String,
-        /// The time limit, seconds.
-        limit_s: u64,
-        /// The end of its stderr, ready to be appended to the message.
-        stderr: String,
-    },
-    /// It wrote a line longer than the limit.
-    #[error("`{command}` wrote {MAX_LINE_BYTES} bytes without a newline and was killed{stderr}")]
-    Flooded {
-        /// The command line.
-        command: String,
-        /// The end of its stderr, ready to be appended to the message.
-        stderr: String,
-    },
-    /// It wrote more than one line for one question.
-    #[error(
-        "`{command}` wrote an unexpected line, `{line}`: it must write one answer per question"
-    )]
-    Unasked {
-        /// The command line.
-        command: String,
-        /// The line.
-        line: String,
-    },
-    /// Its answer is not a valid one.
-    #[error(
-        "`{command}` wrote `{line}`, which is not a valid answer: {why}; an answer is one line of JSON"
-    )]
-    NoAnswer {
-        /// The command line.
-        command: String,
-        /// The line.
-        line: String,
-        /// What is wrong with it.
-        why: String,
-    },
+    /// It did not start, or broke the protocol: the command line, what it did, and the end of its stderr.
+    #[error("{0}")]
+    Failed(String),
     /// A stop was requested.
     #[error("interrupted")]
     Interrupted,
@@ -169,7 +104,7 @@ pub struct Child {
     stdin: Option<Sender<Vec<u8>>>,
     stdout: Receiver<Output>,
     stderr: Arc<Mutex<Vec<u8>>>,
-    stderr_reader: Option<thread::JoinHandle<()>>,
+    stderr_reader: thread::JoinHandle<()>,
 }
 
 impl Child {
@@ -177,9 +112,8 @@ impl Child {
     ///
     /// - `stderr`: the file its stderr is appended to, up to 1 MiB.
     pub fn start(command: &CommandLine, stderr: Option<&Path>) -> Result<Child, ChildError> {
-        let failed = |why: std::io::Error| ChildError::NotStarted {
-            command: command.to_string(),
-            why: why.to_string(),
+        let failed = |why: std::io::Error| {
+            ChildError::Failed(format!("`{command}` cannot be started: {why}"))
         };
         let kept = stderr.map(|path| File::options().create(true).append(true).open(path));
         let kept = kept.transpose().map_err(failed)?;
@@ -211,11 +145,11 @@ impl Child {
             command: command.clone(),
             stdin: Some(send),
             stdout: read_lines(process.stdout.take().expect(PIPED)),
-            stderr_reader: Some(read_errors(
+            stderr_reader: read_errors(
                 process.stderr.take().expect(PIPED),
                 kept,
                 Arc::clone(&tail),
-            )),
+            ),
             stderr: tail,
             is_killed: false,
             process,
@@ -239,18 +173,13 @@ impl Child {
     /// Panics if the question holds a path that is not UTF-8.
     pub fn send(&mut self, question: &impl Serialize) -> Result<(), ChildError> {
         match self.stdout.try_recv() {
-            Err(TryRecvError::Empty) => {}
-            Ok(Output::Line(line)) => {
-                return Err(ChildError::Unasked {
-                    command: self.command.to_string(),
-                    line: excerpt(&line),
-                });
+            Err(TryRecvError::Empty) => {
+                self.tell(question);
+                Ok(())
             }
-            Ok(other) => return Err(self.broken(other)),
-            Err(TryRecvError::Disconnected) => return Err(self.ended()),
+            Ok(output) => Err(self.broken(output)),
+            Err(TryRecvError::Disconnected) => Err(self.ended()),
         }
-        self.tell(question);
-        Ok(())
     }
 
     /// Sends a line, even if the program has written something since.
@@ -292,11 +221,9 @@ impl Child {
             }
             if begun.elapsed() >= limit {
                 self.kill();
-                return Err(ChildError::Silent {
-                    command: self.command.to_string(),
-                    limit_s: limit.as_secs(),
-                    stderr: self.last_errors(),
-                });
+                let limit_s = limit.as_secs();
+                let what = format!("did not answer within {limit_s} s and was killed");
+                return Err(self.failed(&what));
             }
         }
     }
@@ -308,46 +235,53 @@ impl Child {
 
     /// Reports a line that is not a valid answer.
     pub fn no_answer(&self, line: &[u8], why: impl fmt::Display) -> ChildError {
-        ChildError::NoAnswer {
-            command: self.command.to_string(),
-            line: excerpt(line),
-            why: why.to_string(),
-        }
+        ChildError::Failed(format!(
+            "`{}` wrote `{}`, which is not a valid answer: {why}; an answer is one line of JSON",
+            self.command,
+            excerpt(line)
+        ))
     }
 
     fn broken(&mut self, output: Output) -> ChildError {
-        let command = self.command.to_string();
         match output {
-            Output::Line(line) => ChildError::Unasked {
-                command,
-                line: excerpt(&line),
-            },
-            Output::HalfLine(line) => ChildError::HalfLine {
-                command,
-                line: excerpt(&line),
-                stderr: self.last_errors(),
-            },
+            Output::Line(line) => ChildError::Failed(format!(
+                "`{}` wrote an unexpected line, `{}`: it must write one answer per question",
+                self.command,
+                excerpt(&line)
+            )),
+            Output::HalfLine(line) => {
+                let what = format!("ended in the middle of the line `{}`", excerpt(&line));
+                self.failed(&what)
+            }
             Output::Flood => {
                 self.kill();
-                ChildError::Flooded {
-                    command,
-                    stderr: self.last_errors(),
-                }
+                let what = format!("wrote {MAX_LINE_BYTES} bytes without a newline and was killed");
+                self.failed(&what)
             }
         }
     }
 
     fn ended(&mut self) -> ChildError {
-        let status = self.wait(GRACE);
+        let status = self.wait(GRACE).map(|status| status.to_string());
         self.kill();
-        ChildError::Ended {
-            command: self.command.to_string(),
-            how: match status {
-                Some(status) => status.to_string(),
-                None => "it closed its stdout and went on".to_owned(),
-            },
-            stderr: self.last_errors(),
+        let how = status.unwrap_or("it closed its stdout and went on".to_owned());
+        self.failed(&format!("ended before it answered ({how})"))
+    }
+
+    /// Reports what the program did, with the end of its stderr.
+    fn failed(&self, what: &str) -> ChildError {
+        // Its last output may still be on the way.
+        let begun = Instant::now();
+        while !self.stderr_reader.is_finished() && begun.elapsed() < GRACE {
+            thread::sleep(TICK);
         }
+        let tail = self.stderr.lock().unwrap_or_else(PoisonError::into_inner);
+        let text = String::from_utf8_lossy(&tail);
+        let stderr = match text.trim() {
+            "" => String::new(),
+            text => format!("; its stderr ends with: {text}"),
+        };
+        ChildError::Failed(format!("`{}` {what}{stderr}", self.command))
     }
 
     /// Waits for the program to exit, for at most this long.
@@ -374,24 +308,6 @@ impl Child {
         }
         let _ = self.process.kill();
         let _ = self.process.wait();
-    }
-
-    /// Returns the end of its stderr, ready to be appended to a message.
-    fn last_errors(&mut self) -> String {
-        // Its last output may still be on the way.
-        let begun = Instant::now();
-        let is_read = |reader: &Option<thread::JoinHandle<()>>| {
-            reader.as_ref().is_none_or(thread::JoinHandle::is_finished)
-        };
-        while !is_read(&self.stderr_reader) && begun.elapsed() < GRACE {
-            thread::sleep(TICK);
-        }
-        let tail = self.stderr.lock().unwrap_or_else(PoisonError::into_inner);
-        let text = String::from_utf8_lossy(&tail);
-        match text.trim() {
-            "" => String::new(),
-            text => format!("; its stderr ends with: {text}"),
-        }
     }
 }
 

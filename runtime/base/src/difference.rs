@@ -77,57 +77,41 @@ fn at(path: String, stored: Option<&Value>, now: Option<&Value>) -> Option<Diffe
 
 /// Compares two texts that differ, line by line.
 fn of_texts(path: String, stored: &str, now: &str) -> Difference {
-    let (mut ours, mut theirs) = (stored.split('\n'), now.split('\n'));
-    let mut number = 1;
-    loop {
-        match (ours.next(), theirs.next()) {
-            (Some(stored), Some(now)) if stored == now => number += 1,
-            (stored_line, now_line) => {
-                let has_lines = stored.contains('\n') || now.contains('\n');
-                let alike = stored_line
-                    .unwrap_or_default()
-                    .chars()
-                    .zip(now_line.unwrap_or_default().chars())
-                    .take_while(|(a, b)| a == b)
-                    .count();
-                let excerpt = |line: Option<&str>| match line {
-                    Some(line) => shown(Some(&Value::from(from_char(line, alike)))),
-                    None => shown(None),
-                };
-                return Difference {
-                    place: if has_lines {
-                        format!("`{path}`, line {number}")
-                    } else {
-                        format!("`{path}`")
-                    },
-                    stored: excerpt(stored_line),
-                    now: excerpt(now_line),
-                };
-            }
-        }
+    let has_lines = stored.contains('\n') || now.contains('\n');
+    let (mut stored, mut now) = (stored.split('\n'), now.split('\n'));
+    let pairs = std::iter::from_fn(|| Some((stored.next(), now.next())));
+    let mut numbered = (1..).zip(pairs);
+    let (number, (stored, now)) = numbered
+        .find(|(_, (stored, now))| stored != now)
+        .expect("the texts differ");
+    let [old, new] = [stored, now].map(|line| line.unwrap_or_default().chars());
+    let n_equal = old.zip(new).take_while(|(a, b)| a == b).count();
+    // From a little before the first character that differs.
+    let excerpt = |line: &str| match n_equal.checked_sub(CONTEXT + 2) {
+        None => line.to_owned(),
+        Some(_) => format!(
+            "…{}",
+            line.chars().skip(n_equal - CONTEXT).collect::<String>()
+        ),
+    };
+    let excerpt = |line: Option<&str>| shown(line.map(|line| excerpt(line).into()).as_ref());
+    let line = if has_lines {
+        format!(", line {number}")
+    } else {
+        String::new()
+    };
+    Difference {
+        place: format!("`{path}`{line}"),
+        stored: excerpt(stored),
+        now: excerpt(now),
     }
-}
-
-/// Returns a line from a little before its first differing character.
-fn from_char(line: &str, alike: usize) -> String {
-    if alike <= CONTEXT + 1 {
-        return line.to_owned();
-    }
-    let rest: String = line.chars().skip(alike - CONTEXT).collect();
-    format!("…{rest}")
 }
 
 fn shown(value: Option<&Value>) -> String {
     let Some(value) = value else {
         return "nothing".to_owned();
     };
-    let text = value.to_string();
-    let short: String = text.chars().take(MAX_SHOWN).collect();
-    if short.len() < text.len() {
-        format!("{short}…")
-    } else {
-        short
-    }
+    crate::wording::shown(&value.to_string(), MAX_SHOWN)
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 
 use crate::kinds::{Kind, without_mark};
 use serde::de::DeserializeOwned;
-use std::fs::{self, File};
+use std::fs::{self, File, Permissions};
 use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -13,67 +13,33 @@ use std::sync::atomic::{AtomicU32, Ordering};
 ///
 /// The bytes go to a temporary file beside it, which is synced and then renamed.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut file = NewFile::create(path)?;
-    file.write_all(bytes)?;
-    file.finish()
-}
-
-/// A file under construction that appears under its name only once it is whole.
-///
-/// What is written goes to a temporary file beside it. [`NewFile::finish`] syncs and renames that; dropping removes it.
-#[derive(Debug)]
-pub struct NewFile {
-    file: File,
-    neighbour: PathBuf,
-    path: PathBuf,
-}
-
-impl NewFile {
-    /// Begins a file that will be at `path`, in place of any that is there.
-    pub fn create(path: &Path) -> io::Result<NewFile> {
-        let neighbour = neighbour(path);
-        Ok(NewFile {
-            file: File::create(&neighbour)?,
-            neighbour,
-            path: path.to_owned(),
-        })
-    }
-
-    /// Syncs what was written and gives it its name.
-    pub fn finish(self) -> io::Result<()> {
-        self.file.sync_all()?;
-        fs::rename(&self.neighbour, &self.path)?;
-        sync_folder(&self.path);
-        Ok(())
-    }
-}
-
-impl Write for NewFile {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.file.write(bytes)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.file.flush()
-    }
-}
-
-impl Drop for NewFile {
-    fn drop(&mut self) {
-        // It is not there any more once it was renamed.
-        let _ = fs::remove_file(&self.neighbour);
-    }
+    replace(path, bytes, None)
 }
 
 /// Gives an existing file new content as [`write_whole`] does, and keeps its permissions; symbolic links are followed.
 pub fn rewrite(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let path = fs::canonicalize(path)?;
-    let mut new = NewFile::create(&path)?;
-    // Before the content, which others may not be allowed to read.
-    new.file
-        .set_permissions(fs::metadata(&path)?.permissions())?;
-    new.write_all(bytes)?;
-    new.finish()
+    replace(&path, bytes, Some(fs::metadata(&path)?.permissions()))
+}
+
+/// Puts a new file in the place of another, or of none.
+fn replace(path: &Path, bytes: &[u8], permissions: Option<Permissions>) -> io::Result<()> {
+    let neighbour = neighbour(path);
+    let written = (|| {
+        let mut file = File::create(&neighbour)?;
+        if let Some(permissions) = permissions {
+            // Before the content, which others may not be allowed to read.
+            file.set_permissions(permissions)?;
+        }
+        file.write_all(bytes)?;
+        file.sync_all()?;
+        fs::rename(&neighbour, path)
+    })();
+    match written {
+        Ok(()) => sync_folder(path),
+        Err(_) => drop(fs::remove_file(&neighbour)),
+    }
+    written
 }
 
 /// Returns an unused name beside a file, for this process.
@@ -96,6 +62,14 @@ fn sync_folder(path: &Path) {
 ///
 /// Devices and pipes have no length, so they are refused.
 pub fn read(path: &Path, max_bytes: u64) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    let read = open_bounded(path, max_bytes)?.read_to_end(&mut bytes);
+    read.map_err(|error| error.to_string())?;
+    Ok(bytes)
+}
+
+/// Opens a regular file of at most `max_bytes` for reading; fails with the reason.
+pub(crate) fn open_bounded(path: &Path, max_bytes: u64) -> Result<io::Take<File>, String> {
     let information = fs::metadata(path).map_err(|error| error.to_string())?;
     if information.is_dir() {
         return Err("it is a directory, not a file".to_owned());
@@ -103,15 +77,11 @@ pub fn read(path: &Path, max_bytes: u64) -> Result<Vec<u8>, String> {
     if !information.is_file() {
         return Err("it is not a regular file".to_owned());
     }
-    let mut bytes = Vec::new();
-    let file = File::open(path).map_err(|error| error.to_string())?;
-    file.take(max_bytes + 1)
-        .read_to_end(&mut bytes)
-        .map_err(|error| error.to_string())?;
-    if bytes.len() as u64 > max_bytes {
+    if information.len() > max_bytes {
         return Err(format!("it is longer than the limit of {max_bytes} bytes"));
     }
-    Ok(bytes)
+    let file = File::open(path).map_err(|error| error.to_string())?;
+    Ok(file.take(max_bytes))
 }
 
 /// Reads a regular file of at most `max_bytes` of UTF-8, without its byte-order mark; fails with the reason.
@@ -130,17 +100,13 @@ pub fn text(bytes: Vec<u8>) -> Result<String, String> {
         return Err(kind.sentence());
     }
     String::from_utf8(bytes).map_err(|error| {
-        let at = error.utf8_error().valid_up_to();
-        let bytes = error.as_bytes();
+        let (at, bytes) = (error.utf8_error().valid_up_to(), error.as_bytes());
         if let Some(kind) = Kind::of(bytes) {
             return kind.sentence();
         }
         let line = 1 + bytes[..at].iter().filter(|byte| **byte == b'\n').count();
-        // Windows-1252 has letters and quotes where Latin-1 has control characters.
-        let is_windows = bytes.iter().any(|byte| (0x80..0xa0).contains(byte));
-        let encoding = if is_windows { "Windows-1252" } else { "Latin-1" };
         format!(
-            "it is not UTF-8 text: byte {at}, in line {line}, is 0x{:02x}, perhaps {encoding}; save it as UTF-8",
+            "it is not UTF-8 text: byte {at}, in line {line}, is 0x{:02x}; save it as UTF-8",
             bytes[at]
         )
     })

@@ -3,6 +3,7 @@
 //! A crash loses at most the line being written. Bytes after the last newline are such a torn line: a [`Reader`]
 //! ignores them, and the next appended line replaces them.
 
+use crate::files::open_bounded;
 use crate::kinds::{Kind, without_mark};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -114,16 +115,8 @@ pub struct Reader {
 impl Reader {
     /// Opens a journal of at most `max_bytes`; fails with the reason.
     pub fn open(path: &Path, max_bytes: u64) -> Result<Reader, String> {
-        let information = path.metadata().map_err(|error| error.to_string())?;
-        if !information.is_file() {
-            return Err("it is not a regular file".to_owned());
-        }
-        if information.len() > max_bytes {
-            return Err(format!("it is longer than the limit of {max_bytes} bytes"));
-        }
-        let file = File::open(path).map_err(|error| error.to_string())?;
         Ok(Reader {
-            file: BufReader::new(file.take(max_bytes)),
+            file: BufReader::new(open_bounded(path, max_bytes)?),
             line: Vec::new(),
             number: 0,
             whole_bytes: 0,
@@ -149,8 +142,13 @@ impl Reader {
                 };
             }
             self.whole_bytes += length as u64;
-            if !without_mark(&self.line).trim_ascii().is_empty() {
-                return Ok(Some(self.unmarked()));
+            if self.number == 1 {
+                // An editor may have put a mark before the first line.
+                let length = self.line.len() - without_mark(&self.line).len();
+                self.line.drain(..length);
+            }
+            if !self.line.trim_ascii().is_empty() {
+                return Ok(Some(&self.line));
             }
         }
     }
@@ -160,20 +158,13 @@ impl Reader {
         let Some(line) = self.next_line()? else {
             return Ok(None);
         };
-        serde_json::from_slice(line).map(Some).map_err(|error| {
-            match Kind::of(&self.line).filter(|_| self.number == 1) {
-                Some(kind) => kind.sentence(),
-                None => format!("line {} is damaged: {error}", self.number),
-            }
-        })
-    }
-
-    /// Returns the line; an editor may have put a mark before the first.
-    fn unmarked(&self) -> &[u8] {
-        match self.number {
-            1 => without_mark(&self.line),
-            _ => &self.line,
-        }
+        let kind = Kind::of(line);
+        serde_json::from_slice(line)
+            .map(Some)
+            .map_err(|error| match kind {
+                Some(kind) if self.number == 1 => kind.sentence(),
+                _ => format!("line {} is damaged: {error}", self.number),
+            })
     }
 
     /// Returns the number of the last line read, from 1.

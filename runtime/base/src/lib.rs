@@ -1,6 +1,6 @@
-//! The runtime's foundation: journals, the first difference of two documents, files and what they really are, particle positions, a cache, hashes, seeded
-//! chance, threads, a queue that cannot block, interrupts, programs that answer lines, names of enumerations, tables,
-//! foreign text made visible.
+//! The runtime's foundation: journals, the first difference of two documents, files and what they really are, particle
+//! positions, a cache, hashes, seeded chance, threads, a queue that cannot block, interrupts, programs that answer
+//! lines, names of enumerations, tables, foreign text made visible.
 //!
 //! Nothing here knows about tasks, models, cloths or arms.
 //!

@@ -50,11 +50,8 @@ const MAX_HOLES: usize = 64;
 /// Collects the pixels dark enough to belong to an arrow.
 pub fn near_black(picture: &RgbImage) -> Mask {
     Mask::from_fn(picture.width(), picture.height(), |column, row| {
-        picture
-            .get_pixel(column, row)
-            .0
-            .iter()
-            .all(|&level| level <= BLACK)
+        let rgb = picture.get_pixel(column, row).0;
+        rgb.iter().all(|&level| level <= BLACK)
     })
 }
 
@@ -66,27 +63,24 @@ pub fn find(ink: &Mask, scale: f64) -> Result<Arrow, ArrowFault> {
     let mut patches = regions::components(ink);
     patches.retain(|patch| patch.len() as f64 >= SHORTEST_PX * scale);
     patches.sort_by_key(|patch| std::cmp::Reverse(patch.len()));
-    patches.truncate(MAX_PATCHES);
     let (mut n_rings, mut found) = (0, None);
-    for patch in &patches {
+    for patch in patches.iter().take(MAX_PATCHES) {
         let rings = pen.rings(ink, patch);
         n_rings += rings.len();
         let mut ends = rings
             .iter()
-            .filter_map(|ring| Some((ring.center, pen.tip(ring.center, patch, ink)?)));
-        found = found.or(ends.next().map(|ends| (ends, patch)));
+            .filter_map(|&(tail, _)| Some((patch, tail, pen.tip(tail, patch, ink)?)));
+        found = found.or(ends.next());
     }
-    let Some(((tail, tip), patch)) = found else {
-        return Err(ArrowFault::None);
-    };
+    let (patch, tail, tip) = found.ok_or(ArrowFault::None)?;
     // When two arrows cross, perhaps only one leads straight to the farthest pixel, but both have rings.
     if n_rings > 1 {
         return Err(ArrowFault::Many);
     }
     let inked = Mask::from_pixels(ink.width(), ink.height(), patch);
-    let is_in_ring = |pixel| hull::distance(middle(&pixel), tail) <= pen.ring_radius;
     let stroke = Mask::from_fn(ink.width(), ink.height(), |column, row| {
-        inked.contains_at(column, row) || is_in_ring((column, row))
+        inked.contains_at(column, row)
+            || hull::distance(middle(&(column, row)), tail) <= pen.ring_radius
     });
     Ok(Arrow { tail, tip, stroke })
 }
@@ -99,13 +93,8 @@ struct Pen {
     clear_radius: f64,
 }
 
-/// A ring, and how clearly it is one.
-#[derive(Clone, Copy)]
-struct Ring {
-    center: Point,
-    /// Directions in which it is closed, of [`N_DIRECTIONS`].
-    closed: i32,
-}
+/// The center of a ring, and in how many of [`N_DIRECTIONS`] it is closed.
+type Ring = (Point, i32);
 
 /// Directions in which a ring is probed.
 const N_DIRECTIONS: u32 = 24;
@@ -127,31 +116,30 @@ impl Pen {
 
     /// Returns the rings in a patch.
     fn rings(&self, ink: &Mask, patch: &Patch) -> Vec<Ring> {
-        let mut rings: Vec<Ring> = Vec::new();
         let most_px = std::f64::consts::PI * self.ring_radius.powi(2);
-        let small = regions::holes(patch)
-            .into_iter()
-            .filter(|hole| (hole.len() as f64) < most_px);
-        for hole in small.take(MAX_HOLES) {
+        let is_near = |a: Point, b: Point| hull::distance(a, b) <= 3.0 * self.ring_radius;
+        let mut holes = regions::holes(patch);
+        holes.retain(|hole| (hole.len() as f64) < most_px);
+        let mut rings: Vec<Ring> = Vec::new();
+        for hole in holes.iter().take(MAX_HOLES) {
             let hole = mean(hole.iter().map(middle));
             // The line cuts the inside of its own ring into several holes.
-            let is_known =
-                |ring: &Ring| hull::distance(ring.center, hole) <= 3.0 * self.ring_radius;
-            if !rings.iter().any(is_known) {
+            if !rings.iter().any(|ring| is_near(ring.0, hole)) {
                 rings.extend(self.ring_around(hole, ink));
             }
         }
         // A long arrow's head can pass for a ring where its strokes meet, but it is open on one side.
         let is_head = |ring: &Ring| {
-            rings.iter().any(|other| {
-                let is_tip = |tip| hull::distance(tip, ring.center) <= 3.0 * self.ring_radius;
-                other.closed > ring.closed && self.tip(other.center, patch, ink).is_some_and(is_tip)
+            let mut clearer = rings.iter().filter(|other| other.1 > ring.1);
+            clearer.any(|other| {
+                let tip = self.tip(other.0, patch, ink);
+                tip.is_some_and(|tip| is_near(tip, ring.0))
             })
         };
         rings
             .iter()
-            .filter(|ring| !is_head(ring))
             .copied()
+            .filter(|ring| !is_head(ring))
             .collect()
     }
 
@@ -162,10 +150,8 @@ impl Pen {
         // The ring's stroke is wide enough to fit equally well in several places; take their middle.
         let (mut most, mut equals) = (LEAST_RINGED, Vec::new());
         for (down, right) in (-STEPS..=STEPS).flat_map(|d| (-STEPS..=STEPS).map(move |r| (d, r))) {
-            let center = [
-                hole[0] + f64::from(right) * step_px,
-                hole[1] + f64::from(down) * step_px,
-            ];
+            let off = [right, down].map(|steps| f64::from(steps) * step_px);
+            let center = [hole[0] + off[0], hole[1] + off[1]];
             let ringed = inked_directions(ink, center, self.ring_radius)
                 - inked_directions(ink, center, self.clear_radius);
             if ringed > most {
@@ -178,7 +164,7 @@ impl Pen {
         }
         let center = mean(equals.iter().copied());
         let closed = inked_directions(ink, center, self.ring_radius);
-        (!equals.is_empty()).then_some(Ring { center, closed })
+        (!equals.is_empty()).then_some((center, closed))
     }
 
     /// Follows the stroke from a ring to its farthest pixel; `None` if no straight line leads there.
@@ -224,5 +210,5 @@ fn mean(points: impl Iterator<Item = Point>) -> Point {
 }
 
 fn middle(&(column, row): &(u32, u32)) -> Point {
-    [f64::from(column) + 0.5, f64::from(row) + 0.5]
+    [column, row].map(|at| f64::from(at) + 0.5)
 }

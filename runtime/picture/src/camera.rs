@@ -144,7 +144,8 @@ impl Camera {
         let step = [right, down].map(|part| part / length / 2.0);
         let ahead = self.table_from_pixel([at_px[0] + step[0], at_px[1] + step[1]])?;
         let behind = self.table_from_pixel([at_px[0] - step[0], at_px[1] - step[1]])?;
-        let way = Vector3::new(ahead.x - behind.x, ahead.y - behind.y, 0.0);
+        let mut way = ahead - behind;
+        way.z = 0.0;
         let way = way.try_normalize(f64::MIN_POSITIVE)? * length;
         way.iter().all(|value| value.is_finite()).then_some(way)
     }

@@ -29,10 +29,8 @@ impl Mask {
     /// Collects these pixels, as (column, row); those outside the picture are ignored.
     pub fn from_pixels(width: u32, height: u32, pixels: &[(u32, u32)]) -> Self {
         let mut inside = vec![false; width as usize * height as usize];
-        for &(column, row) in pixels {
-            if column < width && row < height {
-                inside[row as usize * width as usize + column as usize] = true;
-            }
+        for &(column, row) in pixels.iter().filter(|at| at.0 < width && at.1 < height) {
+            inside[row as usize * width as usize + column as usize] = true;
         }
         Mask::of(width, height, inside)
     }
@@ -85,18 +83,25 @@ impl Mask {
 
     /// Returns the sides of the picture that the set reaches: a hundredth of the side, so that no stray pixel counts.
     pub fn reached_borders(&self) -> Vec<&'static str> {
-        let mut counts = [("left", 0), ("top", 0), ("right", 0), ("bottom", 0)];
-        for (column, row) in self.columns_and_rows() {
-            let beyond = [column + 1 == self.width, row + 1 == self.height];
-            let is_there = [column == 0, row == 0, beyond[0], beyond[1]];
-            for ((_, count), is_there) in counts.iter_mut().zip(is_there) {
-                *count += u32::from(is_there);
+        let [right, bottom] = [self.width, self.height].map(|side| side.saturating_sub(1));
+        let sides = [
+            ("left", 0..=0, 0..=bottom),
+            ("top", 0..=right, 0..=0),
+            ("right", right..=right, 0..=bottom),
+            ("bottom", 0..=right, bottom..=bottom),
+        ];
+        let reached = sides.into_iter().filter(|(_, columns, rows)| {
+            let (mut n_inside, mut length) = (0, 0);
+            for (column, row) in columns
+                .clone()
+                .flat_map(|at| rows.clone().map(move |row| (at, row)))
+            {
+                n_inside += u32::from(self.contains_at(column, row));
+                length += 1;
             }
-        }
-        let lengths = [self.height, self.width].repeat(2);
-        let sides = counts.into_iter().zip(lengths);
-        let reached = sides.filter(|((_, count), length)| *count > 0 && count * 100 >= *length);
-        reached.map(|((name, _), _)| name).collect()
+            n_inside > 0 && n_inside * 100 >= length
+        });
+        reached.map(|(name, ..)| name).collect()
     }
 
     /// Returns whether the set has no pixels.
@@ -116,22 +121,12 @@ impl Mask {
         if self.contains(point) {
             return Some(point);
         }
-        let mut best: Option<(i64, PixelPoint)> = None;
-        for row in 0..self.height as i32 {
-            let dv = i64::from(row) - i64::from(point.v);
-            if best.is_some_and(|(least, _)| dv * dv >= least) {
-                continue;
-            }
-            for pixel in self.row(row) {
-                let du = i64::from(pixel.u) - i64::from(point.u);
-                // Saturating: the sum of two squared 33-bit numbers can exceed 64 bits.
-                let squared = (du * du).saturating_add(dv * dv);
-                if best.is_none_or(|(least, _)| squared < least) {
-                    best = Some((squared, pixel));
-                }
-            }
-        }
-        best.map(|(_, pixel)| pixel)
+        self.pixels().min_by_key(|pixel| {
+            let [du, dv] = [(pixel.u, point.u), (pixel.v, point.v)]
+                .map(|(a, b)| (i64::from(a) - i64::from(b)).pow(2));
+            // The sum of two squared 33-bit numbers can exceed 64 bits.
+            du.saturating_add(dv)
+        })
     }
 
     /// Returns the Euclidean distance from a point to the nearest pixel of the set, pixels.
@@ -144,19 +139,17 @@ impl Mask {
 
     /// Returns the pixels of the set, row by row from the top, each row from the left.
     pub fn pixels(&self) -> impl Iterator<Item = PixelPoint> {
-        (0..self.height as i32).flat_map(|row| self.row(row))
+        let pixel = |(column, row)| PixelPoint::new(column as i32, row as i32);
+        self.columns_and_rows().map(pixel)
     }
 
     /// Likewise, as (column, row).
     pub fn columns_and_rows(&self) -> impl Iterator<Item = (u32, u32)> {
-        self.pixels().map(|pixel| (pixel.u as u32, pixel.v as u32))
-    }
-
-    fn row(&self, row: i32) -> impl Iterator<Item = PixelPoint> {
-        let start = row as usize * self.width as usize;
-        let pixels = &self.inside[start..start + self.width as usize];
-        let columns = pixels.iter().enumerate().filter(|&(_, &inside)| inside);
-        columns.map(move |(column, _)| PixelPoint::new(column as i32, row))
+        let rows = (0..).zip(self.inside.chunks(self.width.max(1) as usize));
+        rows.flat_map(|(row, pixels)| {
+            let columns = (0..).zip(pixels).filter(|(_, inside)| **inside);
+            columns.map(move |(column, _)| (column, row))
+        })
     }
 }
 
@@ -179,21 +172,13 @@ pub fn overlap(places: impl Iterator<Item = (bool, bool)>) -> f64 {
         both += u32::from(in_one && in_other);
         either += u32::from(in_one || in_other);
     }
-    if both == 0 {
-        0.0
-    } else {
-        f64::from(both) / f64::from(either)
-    }
+    f64::from(both) / f64::from(either.max(1))
 }
 
 /// Draws a mask in white (255) on black.
 pub fn mask_picture(mask: &Mask) -> GrayImage {
     GrayImage::from_fn(mask.width(), mask.height(), |column, row| {
-        Luma([if mask.contains_at(column, row) {
-            255
-        } else {
-            0
-        }])
+        Luma([u8::from(mask.contains_at(column, row)) * 255])
     })
 }
 
@@ -207,14 +192,13 @@ pub fn has_reading(depth_m: f32) -> bool {
 /// The pixel is truncated, as in the paper's code (protocol, section 6), so it lies half a pixel up and left of the
 /// mean; the exact point is the mean itself.
 pub fn centroid(mask: &Mask) -> Option<SubpixelPoint> {
-    let (mut columns, mut rows) = (0_u64, 0_u64);
-    for pixel in mask.pixels() {
-        columns += u64::from(pixel.u.unsigned_abs());
-        rows += u64::from(pixel.v.unsigned_abs());
-    }
+    let pixels = mask.columns_and_rows();
+    let sums = pixels.fold([0_u64; 2], |[columns, rows], (column, row)| {
+        [columns + u64::from(column), rows + u64::from(row)]
+    });
     let area_px = mask.area_px() as u64;
     (area_px > 0).then(|| SubpixelPoint {
-        pixel: PixelPoint::new((columns / area_px) as i32, (rows / area_px) as i32),
-        at: [columns, rows].map(|sum| sum as f64 / area_px as f64 + 0.5),
+        pixel: PixelPoint::from(sums.map(|sum| (sum / area_px) as i32)),
+        at: sums.map(|sum| sum as f64 / area_px as f64 + 0.5),
     })
 }

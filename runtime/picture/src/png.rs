@@ -7,10 +7,8 @@ use crate::DepthImage;
 use fab_base::files;
 use fab_base::kinds::Kind;
 use image::metadata::Orientation;
-use image::{
-    DynamicImage, GrayImage, ImageBuffer, ImageDecoder, ImageFormat, ImageReader, Luma, Pixel,
-    Primitive, Rgb, RgbImage,
-};
+use image::{DynamicImage, GrayImage, ImageDecoder, ImageFormat, ImageReader, Rgb, RgbImage};
+use std::fmt::Display;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
@@ -30,47 +28,21 @@ pub enum PictureError {
         /// The system's error.
         why: String,
     },
-    /// The file is a damaged picture, or nothing that is known.
-    #[error("`{path}` is not a readable picture in PNG or JPEG: {why}")]
-    NotAPicture {
+    /// The file is damaged, too large or something else.
+    #[error("`{path}` {what}")]
+    Unusable {
         /// The file.
         path: PathBuf,
-        /// The decoder's error.
-        why: String,
+        /// What it is, and what to do, as the end of a sentence.
+        what: String,
     },
-    /// The file is something else.
-    #[error("`{path}` is {what}; {remedy}")]
-    OtherKind {
-        /// The file.
-        path: PathBuf,
-        /// What it is, such as `a web page`.
-        what: &'static str,
-        /// What to do.
-        remedy: String,
-    },
-    /// A depth picture is not grey.
-    #[error(
-        "`{path}` is a picture in {found}, not a depth picture; those are grey, with 255 levels a metre in 8 bits or \
-         with millimetres in 16"
-    )]
-    NotDepth {
-        /// The file.
-        path: PathBuf,
-        /// Its colour type.
-        found: String,
-    },
-    /// The picture is too large.
-    #[error(
-        "`{path}` is {found}; at most {MAX_SIDE_PX} by {MAX_SIDE_PX} pixels are accepted: `magick {} -resize 4096x4096 \
-         out.png` makes it smaller",
-        for_a_shell(path)
-    )]
-    TooLarge {
-        /// The file.
-        path: PathBuf,
-        /// Its size.
-        found: String,
-    },
+}
+
+fn unusable(path: &Path, what: String) -> PictureError {
+    PictureError::Unusable {
+        path: path.to_owned(),
+        what,
+    }
 }
 
 /// A picture from outside.
@@ -89,20 +61,21 @@ pub fn open(path: &Path) -> Result<Opened, PictureError> {
 
 /// Opens the bytes of a PNG or JPEG file; `path` names them.
 pub fn opened(bytes: &[u8], path: &Path) -> Result<Opened, PictureError> {
-    let (picture, orientation) = decoded(bytes, path, &COLOUR)?;
+    let (picture, orientation) = decoded(
+        bytes,
+        path,
+        &[ImageFormat::Png, ImageFormat::Jpeg],
+        CONVERTED,
+    )?;
     let (rgb, n_transparent) = on_white(picture);
     let name = path.display();
-    let mut notes = Vec::new();
-    if n_transparent > 0 {
-        notes.push(format!(
-            "{n_transparent} pixels of `{name}` are transparent; they are shown on white"
-        ));
-    }
-    if orientation != Orientation::NoTransforms {
-        notes.push(format!(
-            "`{name}` is turned as its Exif data say, which a depth picture beside it is not"
-        ));
-    }
+    let transparent = (n_transparent > 0).then(|| {
+        format!("{n_transparent} pixels of `{name}` are transparent; they are shown on white")
+    });
+    let turned = (orientation != Orientation::NoTransforms).then(|| {
+        format!("`{name}` is turned as its Exif data say, which a depth picture beside it is not")
+    });
+    let notes: Vec<String> = transparent.into_iter().chain(turned).collect();
     let note = (!notes.is_empty()).then(|| notes.join("; "));
     Ok(Opened { rgb, note })
 }
@@ -118,49 +91,33 @@ pub fn load(path: &Path) -> Result<RgbImage, PictureError> {
 /// Returns metres. The recorded data and `fabc sim render --depth` have 8 bits; depth cameras write 16. Fails for
 /// colour pictures, too.
 pub fn load_depth(path: &Path) -> Result<DepthImage, PictureError> {
-    match decoded(&read(path)?, path, &DEPTH)?.0 {
-        DynamicImage::ImageLuma8(levels) => Ok(metres(&levels, 255.0)),
-        DynamicImage::ImageLuma16(mut levels) => {
-            // The largest level is no distance: cameras write it where they read none.
-            let none = levels.pixels_mut().filter(|level| level.0 == [u16::MAX]);
-            none.for_each(|level| level.0 = [0]);
-            Ok(metres(&levels, 1000.0))
+    let picture = decoded(&read(path)?, path, &[ImageFormat::Png], GREY)?.0;
+    let (width, height) = (picture.width(), picture.height());
+    let metres: Vec<f32> = match picture {
+        DynamicImage::ImageLuma8(levels) => {
+            let levels = levels.into_raw().into_iter();
+            levels.map(|level| f32::from(level) / 255.0).collect()
         }
-        other => Err(PictureError::NotDepth {
-            path: path.to_owned(),
-            found: format!("{:?}", other.color()),
-        }),
-    }
+        DynamicImage::ImageLuma16(levels) => {
+            // The largest level is no distance: cameras write it where they read none.
+            let levels = levels.into_raw().into_iter().map(|level| level % u16::MAX);
+            levels.map(|level| f32::from(level) / 1000.0).collect()
+        }
+        other => {
+            let found = other.color();
+            let what = format!(
+                "is a picture in {found:?}, not a depth picture; those are grey, with 255 levels a metre in 8 bits or \
+                 with millimetres in 16"
+            );
+            return Err(unusable(path, what));
+        }
+    };
+    Ok(DepthImage::from_raw(width, height, metres).expect("each pixel has a level"))
 }
 
-/// What a file is opened as.
-struct Wanted {
-    formats: &'static [ImageFormat],
-    /// What helps if it is a picture in another format; `{}` is the file, quoted for a shell.
-    converted: &'static str,
-}
-
-const COLOUR: Wanted = Wanted {
-    formats: &[ImageFormat::Png, ImageFormat::Jpeg],
-    converted: "PNG and JPEG are read, and ImageMagick converts it: `magick {} out.png`",
-};
-
-const DEPTH: Wanted = Wanted {
-    formats: &[ImageFormat::Png],
-    converted: "a depth picture is a grey PNG, of 8 or 16 bits, since a format for photographs changes distances: write it from the camera's readings",
-};
-
-/// Converts grey levels to metres.
-fn metres<T>(levels: &ImageBuffer<Luma<T>, Vec<T>>, levels_per_m: f32) -> DepthImage
-where
-    T: Primitive + Into<f32>,
-    Luma<T>: Pixel<Subpixel = T>,
-{
-    DepthImage::from_fn(levels.width(), levels.height(), |column, row| {
-        let level: f32 = levels.get_pixel(column, row).0[0].into();
-        Luma([level / levels_per_m])
-    })
-}
+/// What helps if a picture is of another format.
+const CONVERTED: &str = "PNG and JPEG are read, and ImageMagick converts it: `magick FILE out.png`";
+const GREY: &str = "a depth picture is a grey PNG, of 8 or 16 bits, since a format for photographs changes distances: write it from the camera's readings";
 
 fn read(path: &Path) -> Result<Vec<u8>, PictureError> {
     files::read(path, MAX_BYTES).map_err(|why| PictureError::Unreadable {
@@ -185,40 +142,38 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<RgbImage, PictureError> {
 fn decoded(
     bytes: &[u8],
     path: &Path,
-    wanted: &Wanted,
+    formats: &[ImageFormat],
+    otherwise: &str,
 ) -> Result<(DynamicImage, Orientation), PictureError> {
-    let wrong = |why: String| PictureError::NotAPicture {
-        path: path.to_owned(),
-        why,
+    let wrong = |why: &dyn Display| {
+        let what = format!("is not a readable picture in PNG or JPEG: {why}");
+        unusable(path, what)
     };
     let guessed = image::guess_format(bytes).ok();
-    let Some(format) = guessed.filter(|format| wanted.formats.contains(format)) else {
+    let Some(format) = guessed.filter(|format| formats.contains(format)) else {
         let Some(kind) = Kind::of(bytes) else {
-            return Err(wrong("it begins like no picture".to_owned()));
+            return Err(wrong(&"it begins like no picture"));
         };
-        let converted = || wanted.converted.replace("{}", &for_a_shell(path));
-        return Err(PictureError::OtherKind {
-            path: path.to_owned(),
-            what: kind.name,
-            remedy: kind.remedy.map_or_else(converted, str::to_owned),
-        });
+        let remedy = kind.remedy.unwrap_or(otherwise);
+        return Err(unusable(path, format!("is {}; {remedy}", kind.name)));
     };
     if format == ImageFormat::Jpeg && !is_whole_jpeg(bytes) {
-        return Err(wrong("it is cut off, or lacks its end mark".to_owned()));
+        return Err(wrong(&"it is cut off, or lacks its end mark"));
     }
     let decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder();
-    let mut decoder = decoder.map_err(|error| wrong(error.to_string()))?;
+    let mut decoder = decoder.map_err(|error| wrong(&error))?;
     let (width, height) = decoder.dimensions();
     if width > MAX_SIDE_PX || height > MAX_SIDE_PX {
-        return Err(PictureError::TooLarge {
-            path: path.to_owned(),
-            found: format!("{width} by {height} pixels"),
-        });
+        let what = format!(
+            "is {width} by {height} pixels; at most {MAX_SIDE_PX} by {MAX_SIDE_PX} pixels are accepted: `magick FILE \
+             -resize 4096x4096 out.png` makes it smaller"
+        );
+        return Err(unusable(path, what));
     }
     // Cameras store what the sensor saw, and every viewer turns it.
     let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
     let picture = DynamicImage::from_decoder(decoder);
-    let mut picture = picture.map_err(|error| wrong(error.to_string()))?;
+    let mut picture = picture.map_err(|error| wrong(&error))?;
     picture.apply_orientation(orientation);
     Ok((picture, orientation))
 }
@@ -255,33 +210,20 @@ fn on_white(picture: DynamicImage) -> (RgbImage, usize) {
     (rgb, n_transparent)
 }
 
-/// Quotes a file's name for a command.
-fn for_a_shell(path: &Path) -> String {
-    let name = path.display().to_string();
-    let is_plain = |letter: char| letter.is_alphanumeric() || "._-/".contains(letter);
-    if name.chars().all(is_plain) {
-        name
-    } else {
-        format!("'{}'", name.replace('\'', r"'\''"))
-    }
-}
-
 /// Encodes a picture as PNG.
 pub fn encode(picture: &RgbImage) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    picture
-        .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)
-        .expect("an RGB picture in memory can be encoded");
-    bytes
+    encoded(|bytes| picture.write_to(bytes, ImageFormat::Png))
 }
 
 /// Encodes a grey picture as PNG.
 pub fn encode_gray(picture: &GrayImage) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    picture
-        .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)
-        .expect("a grey picture in memory can be encoded");
-    bytes
+    encoded(|bytes| picture.write_to(bytes, ImageFormat::Png))
+}
+
+fn encoded(write: impl FnOnce(&mut Cursor<Vec<u8>>) -> image::ImageResult<()>) -> Vec<u8> {
+    let mut bytes = Cursor::new(Vec::new());
+    write(&mut bytes).expect("a picture in memory can be encoded");
+    bytes.into_inner()
 }
 
 #[cfg(test)]

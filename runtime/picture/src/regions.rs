@@ -13,39 +13,21 @@ pub type Patch = Vec<(u32, u32)>;
 ///
 /// The patches are in the order of their topmost, then leftmost pixel.
 pub fn components(set: &Mask) -> Vec<Patch> {
-    split(
-        set,
-        &[
-            (-1, -1),
-            (0, -1),
-            (1, -1),
-            (-1, 0),
-            (1, 0),
-            (-1, 1),
-            (0, 1),
-            (1, 1),
-        ],
-    )
+    split(set, |_, _| true)
 }
 
 /// Likewise, but pixels that touch only at a corner are not connected.
 pub fn patches(set: &Mask) -> Vec<Patch> {
-    split(set, &SIDES)
+    split(set, |right, down| right == 0 || down == 0)
 }
-
-/// The steps to the pixels that share a side.
-const SIDES: [(i32, i32); 4] = [(0, -1), (-1, 0), (1, 0), (0, 1)];
 
 /// Returns the holes of a patch, in the order of their topmost, then leftmost pixel.
 ///
 /// Pixels of the patch that touch only at a corner still close it.
 pub fn holes(patch: &Patch) -> Vec<Patch> {
-    let columns = || patch.iter().map(|&(column, _)| column);
-    let rows = || patch.iter().map(|&(_, row)| row);
-    let (Some(left), Some(right)) = (columns().min(), columns().max()) else {
-        return Vec::new();
-    };
-    let (Some(top), Some(bottom)) = (rows().min(), rows().max()) else {
+    let (columns, rows): (Vec<u32>, Vec<u32>) = patch.iter().copied().unzip();
+    let span = |values: &[u32]| Some((*values.iter().min()?, *values.iter().max()?));
+    let (Some((left, right)), Some((top, bottom))) = (span(&columns), span(&rows)) else {
         return Vec::new();
     };
     // One pixel of margin all round connects everything outside.
@@ -68,8 +50,12 @@ pub fn holes(patch: &Patch) -> Vec<Patch> {
     holes
 }
 
-/// Splits a set into patches whose pixels are connected by the given steps, (columns, rows).
-fn split(set: &Mask, steps: &[(i32, i32)]) -> Vec<Patch> {
+/// Splits a set into patches; `connects` decides which steps to a neighbour (right, down) connect two pixels.
+fn split(set: &Mask, connects: fn(i32, i32) -> bool) -> Vec<Patch> {
+    let around = (-1..=1).flat_map(|down| (-1..=1).map(move |right| (right, down)));
+    let steps: Vec<(i32, i32)> = around
+        .filter(|&(right, down)| connects(right, down))
+        .collect();
     let index = |(column, row): (u32, u32)| row as usize * set.width() as usize + column as usize;
     let mut seen = vec![false; set.width() as usize * set.height() as usize];
     let mut patches = Vec::new();
@@ -81,17 +67,16 @@ fn split(set: &Mask, steps: &[(i32, i32)]) -> Vec<Patch> {
         let mut next = 0;
         while let Some(&(column, row)) = patch.get(next) {
             next += 1;
-            for &(right, down) in steps {
+            for &(right, down) in &steps {
+                // A step beyond zero wraps round, to a pixel outside of the picture.
                 let near = (
-                    column.checked_add_signed(right),
-                    row.checked_add_signed(down),
+                    column.wrapping_add_signed(right),
+                    row.wrapping_add_signed(down),
                 );
-                let (Some(column), Some(row)) = near else {
-                    continue;
-                };
-                if set.contains_at(column, row) && !seen[index((column, row))] {
-                    seen[index((column, row))] = true;
-                    patch.push((column, row));
+                if set.contains_at(near.0, near.1)
+                    && !std::mem::replace(&mut seen[index(near)], true)
+                {
+                    patch.push(near);
                 }
             }
         }

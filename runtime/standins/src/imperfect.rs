@@ -10,7 +10,7 @@
 //! Two other [`Errors`] are harder to catch by asking again: a wrong answer that persists, and a point beside the right
 //! one.
 
-use super::geometric::{self, Answer, Decision, End};
+use super::geometric::{self, Choice, Decision, End};
 use fab_base::chance::Chance;
 use fab_model::calls::Calls;
 use fab_model::{Model, ModelError, ModelKind, Reply, Request};
@@ -42,30 +42,21 @@ pub enum Errors {
 }
 
 impl Errors {
-    /// The words for errors other than the mixed ones.
-    pub const WORDS: [(&'static str, Errors); 2] = [
-        ("persistent", Errors::Persistent),
-        ("neighbour", Errors::Neighbour),
-    ];
-
-    /// Returns the errors that a word means.
+    /// Returns the errors that a word in a model's name means.
     pub fn from_word(word: &str) -> Option<Errors> {
-        let mut words = Errors::WORDS.iter();
-        words
-            .find(|(known, _)| *known == word)
-            .map(|(_, errors)| *errors)
+        match word {
+            "persistent" => Some(Errors::Persistent),
+            "neighbour" => Some(Errors::Neighbour),
+            _ => None,
+        }
     }
 
     fn mistakes(self) -> &'static [Mistake] {
+        use Mistake::{Malformed, NearLastPlace, Neighbour, OffTheList, Opposite};
         match self {
-            Errors::Mixed => &[
-                Mistake::NearLastPlace,
-                Mistake::Opposite,
-                Mistake::OffTheList,
-                Mistake::Malformed,
-            ],
-            Errors::Persistent => &[Mistake::NearLastPlace, Mistake::Opposite],
-            Errors::Neighbour => &[Mistake::Neighbour],
+            Errors::Mixed => &[NearLastPlace, Opposite, OffTheList, Malformed],
+            Errors::Persistent => &[NearLastPlace, Opposite],
+            Errors::Neighbour => &[Neighbour],
         }
     }
 }
@@ -81,20 +72,13 @@ enum Mistake {
 }
 
 impl Imperfect {
-    /// Makes the stand-in that errs with probability `rate`; its name is `imperfect:RATE:SEED`.
-    ///
-    /// `None` unless the rate is from 0 to 1.
-    pub fn new(rate: f64, seed: u64) -> Option<Imperfect> {
-        Imperfect::with_errors(rate, seed, Errors::Mixed)
-    }
-
-    /// Makes the stand-in with errors of another kind; its name ends with their word.
-    ///
-    /// `None` unless the rate is from 0 to 1.
-    pub fn with_errors(rate: f64, seed: u64, errors: Errors) -> Option<Imperfect> {
-        let mut words = Errors::WORDS.iter();
-        let word = words.find(|(_, known)| *known == errors);
-        let word = word.map_or(String::new(), |(word, _)| format!(":{word}"));
+    /// Makes the stand-in `imperfect:RATE:SEED:ERRORS`; `None` unless the rate is from 0 to 1.
+    pub fn new(rate: f64, seed: u64, errors: Errors) -> Option<Imperfect> {
+        let word = match errors {
+            Errors::Mixed => "",
+            Errors::Persistent => ":persistent",
+            Errors::Neighbour => ":neighbour",
+        };
         (0.0..=1.0).contains(&rate).then(|| Imperfect {
             name: format!("imperfect:{rate}:{seed}{word}"),
             rate,
@@ -129,19 +113,20 @@ impl Model for Imperfect {
     }
 
     fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
-        let mut answer = geometric::answer(request)?;
-        if let Answer::Action(decision) = &mut answer {
-            let mut chance = self.draws(request, decision.corrections);
-            if chance.fraction() < self.rate {
-                let mistakes = self.errors.mistakes();
-                let mistake = mistakes[chance.below(mistakes.len())];
-                if spoil(decision, mistake, &mut chance).is_none() {
-                    let words = "I would pull it a little to the side.";
-                    return Ok(Reply::text(words));
-                }
+        let mut decision = match geometric::answer(request)? {
+            Ok(decision) => decision,
+            Err(words) => return Ok(Reply::text(words)),
+        };
+        let mut chance = self.draws(request, decision.corrections);
+        if chance.fraction() < self.rate {
+            let mistakes = self.errors.mistakes();
+            let mistake = mistakes[chance.below(mistakes.len())];
+            if spoil(&mut decision, mistake, &mut chance).is_none() {
+                return Ok(Reply::text("I would pull it a little to the side."));
             }
         }
-        Ok(Reply::text(answer.worded(&request.messages)))
+        let asked = geometric::all_words(&request.messages);
+        Ok(Reply::text(decision.worded(&asked)))
     }
 }
 
@@ -154,12 +139,9 @@ fn spoil(decision: &mut Decision, mistake: Mistake, chance: &mut Chance) -> Opti
             decision.pick = match last_place(&decision.question) {
                 Some(last) => nearest(&decision.picks, right, last)?,
                 None => {
-                    let others = decision.picks.iter().filter(|point| **point != right);
-                    let others: Vec<&PixelPoint> = others.collect();
-                    if others.is_empty() {
-                        return None;
-                    }
-                    *others[chance.below(others.len())]
+                    let mut others = decision.picks.clone();
+                    others.retain(|point| *point != right);
+                    *others.get(chance.below(others.len()))?
                 }
             };
         }
@@ -176,13 +158,9 @@ fn spoil(decision: &mut Decision, mistake: Mistake, chance: &mut Chance) -> Opti
             End::Pull {
                 direction, offered, ..
             } => {
-                let off = |deg: f64| {
-                    let apart = (deg - direction.value - 180.0).rem_euclid(360.0);
-                    apart.min(360.0 - apart)
-                };
-                let mut by_off = offered.clone();
-                by_off.sort_by(|a, b| off(a.value).total_cmp(&off(b.value)));
-                *direction = by_off.into_iter().next()?;
+                let along = |it: &&Choice| (it.value - direction.value).to_radians().cos();
+                let opposite = offered.iter().min_by(|a, b| along(a).total_cmp(&along(b)));
+                *direction = opposite?.clone();
             }
         },
         Mistake::Neighbour => match &mut decision.end {

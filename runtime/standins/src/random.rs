@@ -4,9 +4,10 @@
 //! its step and repetition, and the seed determine the draw: equal requests get equal answers. Questions for words get
 //! words without content. `fab_agent::policy::Random` draws in the same way, without a prompt.
 
+use crate::geometric::{pictures, spoken};
 use fab_base::chance::Chance;
 use fab_model::calls::Calls;
-use fab_model::{Model, ModelError, ModelKind, Part, Reply, Request, Speaker};
+use fab_model::{Model, ModelError, ModelKind, Reply, Request, Speaker};
 use fab_picture::png;
 use serde_json::{Map, Value};
 use std::path::Path;
@@ -69,12 +70,8 @@ fn draw(property: &Value, request: &Request, chance: &mut Chance) -> Option<Stri
     if !values.is_empty() {
         return Some(values[chance.below(values.len())].to_owned());
     }
-    let images = request.messages.iter().flat_map(|message| &message.parts);
-    let mut last = images.filter_map(|part| match part {
-        Part::Image(png) => Some(png),
-        Part::Text(_) => None,
-    });
-    let picture = png::decode(last.next_back()?.bytes(), Path::new("the last picture")).ok()?;
+    let last = request.messages.iter().flat_map(pictures).last()?;
+    let picture = png::decode(last, Path::new("the last picture")).ok()?;
     let (width, height) = picture.dimensions();
     let [u, v] = [width, height].map(|side| chance.below(side as usize));
     Some(format!("({u}, {v})"))
@@ -84,7 +81,7 @@ fn draw(property: &Value, request: &Request, chance: &mut Chance) -> Option<Stri
 fn idle_words(request: &Request) -> String {
     let mut turns = request.messages.iter().rev();
     let question = turns.find(|message| message.speaker == Speaker::User);
-    let asked = question.map_or(String::new(), super::geometric::spoken);
+    let asked = question.map_or(String::new(), spoken);
     let labels = asked.lines().filter_map(|line| {
         let (label, _) = line.trim().strip_prefix("- ")?.split_once(": ")?;
         let is_word = label.chars().all(|c| c.is_alphabetic() || c == ' ');

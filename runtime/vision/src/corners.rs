@@ -63,11 +63,10 @@ pub fn corners(
     ];
     for (what, size) in sizes {
         if size != (width, height) {
-            return Err(VisionError::OtherSize {
-                what,
-                size: size.into(),
-                depth: [width, height],
-            });
+            return Err(VisionError(format!(
+                "the {what} has {} x {} px, the depth image {width} x {height} px",
+                size.0, size.1
+            )));
         }
     }
     check_search(search)?;
@@ -79,10 +78,7 @@ pub fn corners(
         let [left, top, width, height] = window(mask, around, search);
         let cloth = imageops::crop_imm(&picture, left, top, width, height).to_image();
         let corner = |[x, y]: [f32; 2]| {
-            let at = [
-                f64::from(x) + f64::from(left),
-                f64::from(y) + f64::from(top),
-            ];
+            let at = [(x, left), (y, top)].map(|(at, first)| f64::from(at) + f64::from(first));
             SubpixelPoint {
                 pixel: PixelPoint::new(at[0] as i32, at[1] as i32),
                 at: at.map(|at| at + 0.5),
@@ -166,10 +162,6 @@ pub fn corners_of_gray(
 
 /// Rejects settings without a meaning, such as 0 corners, which OpenCV takes as no limit.
 fn check_search(search: &CornerSearch) -> Result<(), VisionError> {
-    let within = |name, value: f64, limits: RangeInclusive<f64>, range| match limits {
-        limits if limits.contains(&value) => Ok(()),
-        _ => Err(VisionError::Setting { name, value, range }),
-    };
     let side = f64::from(MAX_SIDE_PX);
     within("image", f64::from(search.image_px), 1.0..=side, "1 to 8192")?;
     within("max", f64::from(search.max), 1.0..=1e4, "1 to 10000")?;
@@ -182,6 +174,22 @@ fn check_search(search: &CornerSearch) -> Result<(), VisionError> {
     match search.response {
         Response::Harris { k } => within("k", k, 0.0..=1.0, "0 to 1"),
         Response::ShiTomasi => Ok(()),
+    }
+}
+
+/// Rejects a setting outside of its range.
+pub(super) fn within(
+    name: &str,
+    value: f64,
+    limits: RangeInclusive<f64>,
+    range: &str,
+) -> Result<(), VisionError> {
+    if limits.contains(&value) {
+        Ok(())
+    } else {
+        Err(VisionError(format!(
+            "`{name}` is {value}; it must be {range}"
+        )))
     }
 }
 

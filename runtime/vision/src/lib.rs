@@ -52,47 +52,10 @@ pub fn detectors() -> Result<String, VisionError> {
 /// The longest side of a picture accepted by this crate, pixels.
 pub const MAX_SIDE_PX: u32 = 8192;
 
-/// Why a picture could not be processed.
+/// Why a picture could not be processed: its size, a setting outside of its range, or a detector's own reason.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum VisionError {
-    /// A picture has no pixels, or too many.
-    #[error(
-        "a picture of {width} x {height} px cannot be used: each side has 1 to {MAX_SIDE_PX} px"
-    )]
-    Size {
-        /// Pixels from left to right.
-        width: u32,
-        /// Pixels from top to bottom.
-        height: u32,
-    },
-    /// A mask or a picture does not belong to the depth image, since its size differs.
-    #[error("the {what} has {} x {} px, the depth image {} x {} px", size[0], size[1], depth[0], depth[1])]
-    OtherSize {
-        /// `mask` or `picture`.
-        what: &'static str,
-        /// Its width and height.
-        size: [u32; 2],
-        /// Width and height of the depth image.
-        depth: [u32; 2],
-    },
-    /// A setting of a corner search or an outline is outside its range.
-    #[error("`{name}` is {value}; it must be {range}")]
-    Setting {
-        /// The setting's name.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// Its permitted range.
-        range: &'static str,
-    },
-    /// No tags can be found, with the reason.
-    #[error("{0}")]
-    Tags(String),
-    /// OpenCV failed, with its own message.
-    #[cfg(feature = "opencv")]
-    #[error("OpenCV failed: {0}")]
-    OpenCv(String),
-}
+#[error("{0}")]
+pub struct VisionError(String);
 
 /// Rejects pictures that are empty or larger than [`MAX_SIDE_PX`].
 fn check_size(width: u32, height: u32) -> Result<(), VisionError> {
@@ -100,6 +63,8 @@ fn check_size(width: u32, height: u32) -> Result<(), VisionError> {
     if fits(width) && fits(height) {
         Ok(())
     } else {
-        Err(VisionError::Size { width, height })
+        Err(VisionError(format!(
+            "a picture of {width} x {height} px cannot be used: each side has 1 to {MAX_SIDE_PX} px"
+        )))
     }
 }

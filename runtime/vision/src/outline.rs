@@ -2,6 +2,7 @@
 //!
 //! In: a mask. Out: the polygon's vertices in order; the last side leads back to the first vertex.
 
+use super::corners::within;
 use super::primitives::chosen;
 use super::{VisionError, check_size};
 use fab_picture::regions;
@@ -26,13 +27,7 @@ pub const MAX_ALONG: u32 = 10_000;
 /// Fails if the tolerance is not between 0 and 8192, the mask's sides are longer than
 /// [`super::MAX_SIDE_PX`].
 pub fn contour(mask: &Mask, tolerance_px: f64) -> Result<Vec<PixelPoint>, VisionError> {
-    if !(0.0..=8192.0).contains(&tolerance_px) {
-        return Err(VisionError::Setting {
-            name: "tolerance",
-            value: tolerance_px,
-            range: "0 to 8192",
-        });
-    }
+    within("tolerance", tolerance_px, 0.0..=8192.0, "0 to 8192")?;
     if mask.is_empty() {
         return Ok(Vec::new());
     }
@@ -131,9 +126,5 @@ fn on_side((a, b): (PixelPoint, PixelPoint), from_a_px: f64) -> SubpixelPoint {
     };
     let at = [(a.u, b.u), (a.v, b.v)]
         .map(|(a, b)| f64::from(a) + fraction * (f64::from(b) - f64::from(a)) + 0.5);
-    let [column, row] = at.map(|at| at.floor() as i32);
-    SubpixelPoint {
-        pixel: PixelPoint::new(column, row),
-        at,
-    }
+    SubpixelPoint::at(at)
 }

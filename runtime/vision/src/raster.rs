@@ -5,6 +5,7 @@
 //! bounded by its area wherever a mark lies. Only sums, products and square roots are used, so that every machine draws
 //! the same bits.
 
+use fab_picture::hull::{dot, minus};
 use image::{Rgb, RgbImage};
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
@@ -108,14 +109,6 @@ impl Pen {
             }
         }
     }
-}
-
-fn minus(a: Place, b: Place) -> Place {
-    [a[0] - b[0], a[1] - b[1]]
-}
-
-fn dot(a: Place, b: Place) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
 }
 
 /// Returns a vector's length. Square roots are exact on every machine, `hypot` is not.

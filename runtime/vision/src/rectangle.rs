@@ -25,20 +25,14 @@ pub fn rectangle_around(mask: &Mask) -> Result<Option<Rectangle>, VisionError> {
     if outline.is_empty() {
         return Ok(None);
     }
-    let Rectangle {
-        center,
-        along,
-        sides,
-    } = chosen::smallest_rectangle(&outline)?;
+    let found = chosen::smallest_rectangle(&outline)?;
     // The outline runs through the middles of the outermost pixels.
-    let [along_px, across_px] = sides.map(|side| side + 1.0);
+    let [along_px, across_px] = found.sides.map(|side| side + 1.0);
+    let [x, y] = found.along;
+    let is_across = along_px < across_px;
     Ok(Some(Rectangle {
-        center: center.map(|at| at + 0.5),
-        along: if along_px < across_px {
-            [-along[1], along[0]]
-        } else {
-            along
-        },
+        center: found.center.map(|at| at + 0.5),
+        along: if is_across { [-y, x] } else { [x, y] },
         sides: [along_px.max(across_px), along_px.min(across_px)],
     }))
 }

@@ -85,11 +85,7 @@ fn scaled(
         });
     }
     let share = DepthImage::from_fn(width, height, |column, row| {
-        Luma([if value(column, row).is_some() {
-            whole
-        } else {
-            0.0
-        }])
+        Luma([value(column, row).map_or(0.0, |_| whole)])
     });
     let weighted = DepthImage::from_fn(width, height, |column, row| {
         Luma([whole * value(column, row).unwrap_or(0.0)])

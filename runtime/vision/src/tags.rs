@@ -13,7 +13,7 @@ use image::RgbImage;
 pub fn tags(_: &RgbImage) -> Result<Vec<Tag>, VisionError> {
     let how =
         "this build finds no tags; `cargo install --path . --features tags` installs one that does";
-    Err(VisionError::Tags(how.to_owned()))
+    Err(VisionError(how.to_owned()))
 }
 
 /// Finds tags, by number.
@@ -30,7 +30,7 @@ pub fn tags(picture: &RgbImage) -> Result<Vec<Tag>, VisionError> {
         return Ok(Vec::new());
     }
     let failed =
-        |error: apriltag::Error| VisionError::Tags(format!("the detector of tags failed: {error}"));
+        |error: apriltag::Error| VisionError(format!("the detector of tags failed: {error}"));
     let (grey, width) = (image::imageops::grayscale(picture), width as usize);
     let mut image = Image::zeros_with_alignment(width, height as usize, 1).map_err(failed)?;
     let stride = image.stride();

@@ -59,7 +59,7 @@ impl VideoArguments {
             camera: film::table_camera(&program.camera)?,
             motions,
             max_bytes: film::MAX_BYTES,
-        })))
+        })?))
     }
 }
 

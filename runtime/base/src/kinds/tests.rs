@@ -8,15 +8,12 @@ use std::fs;
 
 #[test]
 fn files_are_named_by_how_they_begin() {
-    let rows: [(&[u8], &str); 16] = [
+    let rows: [(&[u8], &str); 11] = [
         (b"", "it is empty; write or fetch it again"),
         (b"\x89PNG\r\n\x1a\n..", "it is a PNG picture"),
         (b"\xff\xd8\xff\xe1..", "it is a JPEG picture"),
         (b"RIFF....WEBPVP8L", "it is a WebP picture"),
         (b"\0\0\0\x18ftypheic", "it is a HEIC picture"),
-        (b"\0\0\0\x20ftypavif", "it is an AVIF picture"),
-        (b"\0\0\0\x18ftypmp42", "it is a video"),
-        (b"MM\0*", "it is a TIFF picture"),
         (
             b"version https://git-lfs.github.com/spec/v1\noid",
             "`git lfs pull` fetches it",
@@ -28,12 +25,7 @@ fn files_are_named_by_how_they_begin() {
             "it is a zip archive, such as `.npz` or `.xlsx`",
         ),
         (b"\x80\x04\x95", "it is a Python pickle"),
-        (
-            b"\x1f\x8b\x08",
-            "it is packed with gzip; `gunzip` unpacks it",
-        ),
         (b"\xff\xfeu\0,\0", "it is text in UTF-16; save it as UTF-8"),
-        (b"\xfe\xff\0u\0,", "it is text in UTF-16"),
     ];
     for (bytes, told) in rows {
         let sentence = Kind::of(bytes).map(|kind| kind.sentence());
@@ -62,9 +54,8 @@ fn a_text_is_read_without_its_mark_or_named() {
         files::read_text(&path, 100)
     };
     assert_eq!(read(b"\xef\xbb\xbfa,b"), Ok("a,b".to_owned()));
-    // These begin as a BMP and a PPM picture do, and are texts.
-    assert_eq!(read(b"BM,P6"), Ok("BM,P6".to_owned()));
-    assert_eq!(read(b"P6"), Ok("P6".to_owned()));
+    // This begins as a GIF picture does, and is a text.
+    assert_eq!(read(b"GIF8"), Ok("GIF8".to_owned()));
     let rows: [(&[u8], &str); 5] = [
         (b"a\0b\0", "it is text in UTF-16; save it as UTF-8"),
         (b"\xff\xfea\0", "it is text in UTF-16; save it as UTF-8"),
@@ -75,7 +66,7 @@ fn a_text_is_read_without_its_mark_or_named() {
         (b"\x89PNG\r\n\x1a\n", "it is a PNG picture"),
         (
             b"caf\xe9",
-            "it is not UTF-8 text: byte 3, in line 1, is 0xe9, perhaps Latin-1; save it as UTF-8",
+            "it is not UTF-8 text: byte 3, in line 1, is 0xe9; save it as UTF-8",
         ),
     ];
     for (bytes, told) in rows {

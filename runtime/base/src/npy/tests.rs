@@ -76,8 +76,8 @@ fn what_cannot_be_read_says_its_true_reason() {
     let whole = file("'<i8'", "False", "(2, 3)", &[0; 48]);
     let flat = file("'<f4'", "False", "(12,)", &[0; 48]);
     let rows: [(&[u8], &str); 7] = [
-        (&halves, "its numbers are of type float16"),
-        (&objects, "its numbers are of type Python objects"),
+        (&halves, "its numbers are of type '<f2'"),
+        (&objects, "its numbers are of type '|O'"),
         (&whole, "its numbers are of type '<i8'"),
         (&flat, "it has the shape [12], not [particles, 3]"),
         (b"PK\x03\x04\x14\0", "it is a zip archive, such as `.npz`"),

@@ -66,7 +66,7 @@ fn whatever_a_program_does_is_named() {
     }
     let absent = CommandLine::parse("/nowhere/at/all").expect("a word");
     let error = Child::start(&absent, None).expect_err("no such program");
-    assert!(matches!(error, ChildError::NotStarted { .. }), "{error}");
+    assert!(error.to_string().contains("cannot be started"), "{error}");
 }
 
 #[test]
@@ -79,7 +79,7 @@ fn a_second_line_is_refused_when_the_next_question_comes() {
     let error = child
         .ask::<u32>(&2, SOON, &quiet)
         .expect_err("an unexpected line");
-    assert!(matches!(error, ChildError::Unasked { .. }), "{error}");
+    assert!(error.to_string().contains("unexpected line"), "{error}");
 }
 
 #[test]

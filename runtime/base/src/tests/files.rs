@@ -40,16 +40,10 @@ fn a_rewritten_file_is_replaced_and_keeps_its_mode() {
 fn a_new_file_appears_whole_or_not_at_all() {
     let folder = tempfile::tempdir().unwrap();
     let path = file(&folder, "old");
-    let mut dropped = NewFile::create(&path).unwrap();
-    dropped.write_all(b"half").unwrap();
-    assert_eq!(names(&folder).len(), 2);
-    drop(dropped);
-    assert_eq!(names(&folder), ["a.fab"]);
-    assert_eq!(fs::read_to_string(&path).unwrap(), "old");
-
-    let mut whole = NewFile::create(&path).unwrap();
-    whole.write_all(b"new").unwrap();
-    whole.finish().unwrap();
-    assert_eq!(names(&folder), ["a.fab"]);
+    write_whole(&path, b"new").unwrap();
     assert_eq!(fs::read_to_string(&path).unwrap(), "new");
+    assert!(write_whole(folder.path(), b"new").is_err());
+    let beside = write_whole(&folder.path().join("absent/a.fab"), b"new");
+    assert!(beside.is_err());
+    assert_eq!(names(&folder), ["a.fab"]);
 }

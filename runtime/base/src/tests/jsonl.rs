@@ -56,7 +56,7 @@ fn damage_endless_lines_and_what_is_no_file_are_named() {
     let long = Reader::open(&path, 100).expect_err("a long file");
     assert_eq!(long, "it is longer than the limit of 100 bytes");
     let no_file = Reader::open(folder.path(), 100).expect_err("a folder");
-    assert_eq!(no_file, "it is not a regular file");
+    assert_eq!(no_file, "it is a directory, not a file");
 }
 
 #[test]

@@ -33,13 +33,9 @@ impl Lens {
 
     /// Returns the same lens for a crop of the picture whose top left is at `origin_px`, enlarged `scale` times.
     pub fn cut(&self, origin_px: [f64; 2], scale: f64) -> Lens {
-        let [left, top] = origin_px;
         Lens {
             focal_px: self.focal_px.map(|focal| focal * scale),
-            middle_px: [
-                (self.middle_px[0] - left) * scale,
-                (self.middle_px[1] - top) * scale,
-            ],
+            middle_px: [0, 1].map(|axis| (self.middle_px[axis] - origin_px[axis]) * scale),
             distortion: self.distortion,
         }
     }
@@ -49,18 +45,14 @@ impl Lens {
         if seen.z <= 0.0 {
             return None;
         }
-        let [x, y] = match self.is_distorted() {
-            true => self.distorted([seen.x / seen.z, seen.y / seen.z]),
-            // Multiply before dividing: the simulator's digests depend on the rounding.
-            false => {
-                let pixel = [
-                    self.middle_px[0] + self.focal_px[0] * seen.x / seen.z,
-                    self.middle_px[1] + self.focal_px[1] * seen.y / seen.z,
-                ];
-                return all_finite(pixel);
-            }
-        };
-        all_finite(self.on_image([x, y]))
+        if self.is_distorted() {
+            let ray = [seen.x, seen.y].map(|at| at / seen.z);
+            return all_finite(self.on_image(self.distorted(ray)));
+        }
+        // Multiply before dividing: the simulator's digests depend on the rounding.
+        all_finite(
+            [0, 1].map(|axis| self.middle_px[axis] + self.focal_px[axis] * seen[axis] / seen.z),
+        )
     }
 
     /// Returns the point of the camera's frame that a pixel shows at a depth, metres along the optical axis.
@@ -83,10 +75,7 @@ impl Lens {
         if !self.is_distorted() {
             return all_finite(pixel);
         }
-        let wanted = [
-            (pixel[0] - self.middle_px[0]) / self.focal_px[0],
-            (pixel[1] - self.middle_px[1]) / self.focal_px[1],
-        ];
+        let wanted = self.ray(pixel);
         let mut place = wanted;
         for _ in 0..MAX_STEPS {
             let [x, y] = self.distorted(place);
@@ -104,10 +93,7 @@ impl Lens {
         if !self.is_distorted() {
             return all_finite(pixel);
         }
-        all_finite(self.on_image(self.distorted([
-            (pixel[0] - self.middle_px[0]) / self.focal_px[0],
-            (pixel[1] - self.middle_px[1]) / self.focal_px[1],
-        ])))
+        all_finite(self.on_image(self.distorted(self.ray(pixel))))
     }
 
     pub(super) fn is_distorted(&self) -> bool {
@@ -116,11 +102,12 @@ impl Lens {
             .any(|coefficient| *coefficient != 0.0)
     }
 
-    fn on_image(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        [
-            self.middle_px[0] + self.focal_px[0] * x,
-            self.middle_px[1] + self.focal_px[1] * y,
-        ]
+    fn on_image(&self, ray: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|axis| self.middle_px[axis] + self.focal_px[axis] * ray[axis])
+    }
+
+    fn ray(&self, pixel: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|axis| (pixel[axis] - self.middle_px[axis]) / self.focal_px[axis])
     }
 
     fn distorted(&self, [x, y]: [f64; 2]) -> [f64; 2] {

@@ -23,16 +23,13 @@ pub struct Pinhole {
 impl Pinhole {
     /// Describes a camera; `None` for a camera with distortion or a plane-only one.
     pub fn of(camera: &Camera) -> Option<Pinhole> {
-        let Projection::Pinhole {
-            world_from_camera,
-            lens,
-        } = &camera.projection
-        else {
-            return None;
+        let (world_from_camera, lens) = match &camera.projection {
+            Projection::Pinhole {
+                world_from_camera,
+                lens,
+            } if !lens.is_distorted() => (world_from_camera, lens),
+            _ => return None,
         };
-        if lens.is_distorted() {
-            return None;
-        }
         let pose = world_from_camera.to_homogeneous();
         Some(Pinhole {
             focal_px: lens.focal_px,
@@ -44,16 +41,14 @@ impl Pinhole {
     /// Makes the camera for pictures of a given size; fails with the reason if a number is impossible.
     pub fn camera(&self, size_px: [u32; 2]) -> Result<Camera, String> {
         let [fx, fy] = self.focal_px;
-        if !(fx.is_finite() && fy.is_finite() && fx > 0.0 && fy > 0.0) {
+        if !self.focal_px.iter().all(|focal| *focal > 0.0) {
             return Err(format!(
                 "`focal_px` is [{fx}, {fy}], and both have to be above 0"
             ));
         }
-        let numbers = self.world_from_camera.iter().flatten();
-        if !numbers
-            .chain(&self.center_px)
-            .all(|number| number.is_finite())
-        {
+        let numbers = self.world_from_camera.as_flattened().iter();
+        let mut numbers = numbers.chain(&self.center_px).chain(&self.focal_px);
+        if !numbers.all(|number| number.is_finite()) {
             return Err("a number of the camera is not finite".to_owned());
         }
         let pose = &self.world_from_camera;

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
-use image::{ImageEncoder, LumaA, Rgba, RgbaImage};
+use image::{ImageEncoder, Luma, LumaA, Rgba, RgbaImage};
 use std::fs;
 
 /// A picture whose left half is red and whose right half is blue, 40 by 20.
@@ -75,7 +75,7 @@ fn a_picture_is_read_by_its_content_and_turned_as_it_is_shown() {
     }
 }
 
-fn encoded(picture: impl Into<DynamicImage>) -> Vec<u8> {
+fn as_png(picture: impl Into<DynamicImage>) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());
     picture
         .into()
@@ -94,19 +94,19 @@ fn what_is_transparent_is_white_and_told() {
     let grey = image::ImageBuffer::from_pixel(2, 1, LumaA([40_u8, 0]));
     let deep = image::ImageBuffer::from_pixel(2, 1, Rgba([1000_u16, 2000, 3000, 0]));
     let rows: [(Vec<u8>, [u8; 3], Option<&str>); 5] = [
-        (encoded(of_alpha(255)), [10, 20, 30], None),
+        (as_png(of_alpha(255)), [10, 20, 30], None),
         (
-            encoded(of_alpha(0)),
+            as_png(of_alpha(0)),
             [255; 3],
             Some("2 pixels of `a.png` are transparent; they are shown on white"),
         ),
         (
-            encoded(of_alpha(51)),
+            as_png(of_alpha(51)),
             [206, 208, 210],
             Some("2 pixels of `a.png`"),
         ),
-        (encoded(grey), [255; 3], Some("2 pixels of `a.png`")),
-        (encoded(deep), [255; 3], Some("2 pixels of `a.png`")),
+        (as_png(grey), [255; 3], Some("2 pixels of `a.png`")),
+        (as_png(deep), [255; 3], Some("2 pixels of `a.png`")),
     ];
     for (bytes, first, told) in rows {
         let opened = opened(&bytes, Path::new("a.png")).unwrap();
@@ -121,13 +121,13 @@ fn what_is_transparent_is_white_and_told() {
 
 #[test]
 fn a_file_that_is_no_picture_is_named_with_what_to_do() {
-    let wide = encoded(RgbImage::new(MAX_SIDE_PX + 1, 1));
-    let cut = &encoded(halves())[..60];
+    let wide = as_png(RgbImage::new(MAX_SIDE_PX + 1, 1));
+    let cut = &as_png(halves())[..60];
     let rows: [(&str, &[u8], &str); 7] = [
         (
             "a b.webp",
             b"RIFF\0\0\0\0WEBPVP8 ",
-            "`a b.webp` is a WebP picture; PNG and JPEG are read, and ImageMagick converts it: `magick 'a b.webp' out.png`",
+            "`a b.webp` is a WebP picture; PNG and JPEG are read, and ImageMagick converts it: `magick FILE out.png`",
         ),
         (
             "a.heic",
@@ -153,7 +153,7 @@ fn a_file_that_is_no_picture_is_named_with_what_to_do() {
         (
             "a.png",
             &wide,
-            "`a.png` is 8193 by 1 pixels; at most 8192 by 8192 pixels are accepted: `magick a.png -resize",
+            "`a.png` is 8193 by 1 pixels; at most 8192 by 8192 pixels are accepted: `magick FILE -resize",
         ),
     ];
     for (name, bytes, told) in rows {
@@ -193,7 +193,7 @@ fn a_depth_picture_is_a_grey_png() {
     assert_eq!(load_depth(&path).unwrap().get_pixel(1, 0).0, [0.2]);
     let levels =
         image::ImageBuffer::from_fn(2, 1, |column, _| Luma([[650, u16::MAX][column as usize]]));
-    fs::write(&path, encoded(levels)).unwrap();
+    fs::write(&path, as_png(levels)).unwrap();
     assert_eq!(load_depth(&path).unwrap().into_raw(), [0.65, 0.0]);
     for (bytes, told) in [
         (
@@ -201,7 +201,7 @@ fn a_depth_picture_is_a_grey_png() {
             "is a JPEG picture; a depth picture is a grey PNG, of 8 or 16 bits, since a format for photographs changes distances",
         ),
         (
-            encoded(halves()),
+            as_png(halves()),
             "is a picture in Rgb8, not a depth picture",
         ),
         (b"\x93NUMPY\x01\0".to_vec(), "is an array of NumPy (`.npy`)"),

@@ -4,7 +4,6 @@
 
 use super::*;
 use image::Rgb;
-use std::fs;
 
 const RED: [u8; 3] = [200, 0, 0];
 const WHITE: [u8; 3] = [250, 250, 250];
@@ -16,15 +15,15 @@ fn spot(column: u32, row: u32) -> RgbImage {
     picture
 }
 
-fn palette() -> Palette {
-    Palette::new([RED, WHITE])
+fn animation() -> Animation {
+    Animation::new([20, 12], vec![RED, WHITE])
 }
 
 /// Decodes a file: rectangle and delay of each frame, and the pictures as a viewer composes them.
-fn decoded(path: &Path) -> (Vec<[u16; 5]>, Vec<Vec<u8>>) {
+fn decoded(bytes: &[u8]) -> (Vec<[u16; 5]>, Vec<Vec<u8>>) {
     let mut options = gif::DecodeOptions::new();
     options.set_color_output(gif::ColorOutput::RGBA);
-    let mut decoder = options.read_info(fs::File::open(path).unwrap()).unwrap();
+    let mut decoder = options.read_info(bytes).unwrap();
     let (width, height) = (usize::from(decoder.width()), usize::from(decoder.height()));
     let (mut frames, mut pictures) = (Vec::new(), Vec::new());
     let mut canvas = vec![0; 3 * width * height];
@@ -51,52 +50,28 @@ fn decoded(path: &Path) -> (Vec<[u16; 5]>, Vec<Vec<u8>>) {
 
 #[test]
 fn pictures_come_back_whole() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.gif");
-    let mut animation = Animation::create(&path, [20, 12], palette()).unwrap();
+    let mut animation = animation();
     let pictures = [spot(3, 4), spot(5, 4), spot(5, 9)];
     for picture in &pictures {
-        assert!(animation.show(picture).unwrap());
+        assert!(animation.show(picture));
         animation.hold(8);
-        assert!(!animation.show(picture).unwrap());
+        assert!(!animation.show(picture));
         animation.hold(5);
     }
-    assert!(!path.exists());
-    let written = animation.finish().unwrap().unwrap();
+    let written = animation.finish().unwrap();
     assert_eq!((written.pictures, written.shown_cs), (3, 39));
-    assert_eq!(written.bytes, fs::metadata(&path).unwrap().len());
-    let (frames, found) = decoded(&path);
+    let (frames, found) = decoded(&written.bytes);
     assert_eq!(frames, [[0, 0, 20, 12, 13]; 3]);
     assert_eq!(found, pictures.map(RgbImage::into_raw));
+    assert_eq!(super::tests::animation().finish(), None);
 }
 
 #[test]
-fn a_colour_becomes_the_nearest_of_the_palette() {
-    let mut palette = Palette::new([[0, 0, 0], [100, 0, 0], [100, 0, 0], [0, 200, 0]]);
-    let numbers = [[10, 10, 10], [90, 9, 9], [60, 150, 0]].map(|colour| palette.number(colour));
+fn a_colour_becomes_the_nearest_of_the_list() {
+    let colours = vec![[0, 0, 0], [100, 0, 0], [100, 0, 0], [0, 200, 0]];
+    let mut animation = Animation::new([1, 1], colours);
+    let numbers = [[10, 10, 10], [90, 9, 9], [60, 150, 0]].map(|colour| animation.number(colour));
     assert_eq!(numbers, [0, 1, 3]);
-    assert_eq!(Palette::new([[7; 3]; 300]).colours.len(), MAX_COLOURS);
-}
-
-#[test]
-fn an_animation_without_pictures_or_without_an_end_leaves_no_file() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.gif");
-    let empty = Animation::create(&path, [20, 12], palette()).unwrap();
-    assert_eq!(empty.finish().unwrap(), None);
-    let mut dropped = Animation::create(&path, [20, 12], palette()).unwrap();
-    dropped.show(&spot(1, 1)).unwrap();
-    drop(dropped);
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
-    let nowhere = folder.path().join("absent/a.gif");
-    let refused = Animation::create(&nowhere, [20, 12], palette())
-        .err()
-        .unwrap();
-    assert!(refused.to_string().contains("absent/a.gif"), "{refused}");
-    let mut narrow = Animation::create(&path, [19, 12], palette()).unwrap();
-    let refused = narrow.show(&spot(1, 1)).unwrap_err().to_string();
-    assert_eq!(
-        refused,
-        "a picture of [20, 12] pixels does not fit an animation of [19, 12]"
-    );
+    let many = Animation::new([1, 1], vec![[7; 3]; 300]);
+    assert_eq!(many.colours.len(), MAX_COLOURS);
 }

@@ -3,15 +3,13 @@
 //! In: the points and values of a question. Out: the lines of an answer, in the form that the prompt asks for. Another
 //! stand-in may change a decision before it is worded.
 
-use super::prompt::{self, AnswerLine, Choice};
+use super::prompt::{self, Choice};
 use fab_program::PixelPoint;
 
 /// An action, and what the question offered.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Decision {
-    /// The point to pick.
     pub pick: PixelPoint,
-    /// Where it goes.
     pub end: End,
     /// The listed corners.
     pub picks: Vec<PixelPoint>,
@@ -25,23 +23,18 @@ pub struct Decision {
     pub why: String,
 }
 
-/// Where a picked point goes.
+/// Where a picked point goes, and what was offered.
 #[derive(Clone, Debug, PartialEq)]
 pub enum End {
-    /// To a listed point.
+    /// To a point.
     Place {
-        /// The point.
         at: PixelPoint,
-        /// All listed points.
         offered: Vec<PixelPoint>,
     },
-    /// Some way in a direction.
+    /// In a direction, degrees counter-clockwise from the picture's right, over a distance, multiples of the cloth's side.
     Pull {
-        /// The direction, degrees counter-clockwise from the picture's right.
         direction: Choice,
-        /// The distance, multiples of the cloth's side.
         distance: Choice,
-        /// All offered directions.
         offered: Vec<Choice>,
     },
 }
@@ -49,23 +42,22 @@ pub enum End {
 impl Decision {
     /// Writes the answer; `asked` is everything that was said in the conversation.
     pub fn worded(&self, asked: &str) -> String {
-        let point = |field, at| AnswerLine::asked_for(field, asked).with(at);
-        let quadrant = self
-            .center
-            .and_then(|center| prompt::quadrant_line(asked, self.pick, center));
-        let end = match &self.end {
-            End::Place { at, .. } => vec![point("place", *at)],
+        let quadrant = |center| prompt::quadrant_line(asked, self.pick, center);
+        let mut lines: Vec<String> = self.center.and_then(quadrant).into_iter().collect();
+        lines.push(format!("Pick Point = {}", self.pick));
+        match &self.end {
+            End::Place { at, .. } => lines.push(format!("Place Point = {at}")),
             End::Pull {
                 direction,
                 distance,
                 ..
-            } => vec![
+            } => lines.extend([
                 format!("Direction = {}", direction.words),
                 format!("Distance = {}", distance.words),
-            ],
-        };
-        let lines = quadrant.into_iter().chain([point("pick", self.pick)]);
-        let lines = lines.chain(end).chain([self.why.clone()]);
-        lines.collect::<Vec<_>>().join("\n")
+            ]),
+        }
+        lines.push(self.why.clone());
+        lines.extend(prompt::manner_lines(asked));
+        lines.join("\n")
     }
 }

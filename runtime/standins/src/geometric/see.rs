@@ -1,28 +1,20 @@
-//! Analyses a step's pictures: the cloth's outline, and the arrow on the first one.
+//! Describes a step that pictures show: stage one of a fold.
 //!
-//! In: encoded pictures, of which the first shows the cloth before a step with the arrow drawn on it. Out: a
-//! [`Sighting`], or what is missing. Colours are not known in advance: the table's are taken from the pictures' borders,
-//! cloth is everything else, and the arrow is black. `super::words` puts folds into words.
+//! In: a conversation with pictures, of which the last turn's first shows the cloth before a step with the arrow drawn on
+//! it. Out: a sentence of `super::instruction`, or what is missing. Colours are not known in advance: the table's are
+//! taken from the pictures' borders, cloth is everything else, and the arrow is black.
 
-use fab_picture::arrow::{self, Arrow, ArrowFault};
+use super::frame::Frame;
+use super::instruction::Instruction;
+use super::pictures;
+use fab_model::{Message, Speaker};
+use fab_picture::arrow::{self, ArrowFault};
+use fab_picture::camera::center_of;
 use fab_picture::hull::{self, Point};
 use fab_picture::{Mask, png, regions};
 use image::RgbImage;
+use std::f64::consts::FRAC_PI_4;
 use std::path::Path;
-
-/// The contents of the first picture. Points are `[right, up]` from the picture's bottom
-/// left corner, pixels.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Sighting {
-    /// The cloth's convex outline, counter-clockwise.
-    pub outline: Vec<Point>,
-    /// The arrow's ring: the point that is picked.
-    pub tail: Point,
-    /// The arrow's head: the point that it is placed on.
-    pub tip: Point,
-    /// The picture's middle.
-    pub middle: Point,
-}
 
 const SIDE_PX: std::ops::RangeInclusive<u32> = 32..=4096;
 
@@ -33,25 +25,83 @@ const LEAST_CLOTH: f64 = 0.003;
 /// and as much again for an arrow drawn by hand.
 const TAIL_SLACK_PX: f64 = 8.0;
 
-/// Recognises a step from its pictures; the first one shows the arrow. Fails with what is missing.
-pub fn see(pictures: &[&[u8]]) -> Result<Sighting, String> {
+/// Corners of the rectangle that the cloth misses by this fraction of the short side are mentioned.
+const BARE_FROM: f64 = 0.3;
+
+/// How far a point may be from the middle of the picture, where the cloth's center lay at first, and still count as the
+/// center, as a fraction of the long side. Folds towards the center may end a tenth of their length early.
+const CENTER_WITHIN: f64 = 0.1;
+
+/// Describes the pictures of the last turn that has any; `None` if there are no pictures at all.
+pub fn describe(messages: &[Message]) -> Option<String> {
+    let users = messages.iter().filter(|it| it.speaker == Speaker::User);
+    let shown = users.map(pictures).rfind(|pictures| !pictures.is_empty())?;
+    Some(match instruction(&shown) {
+        Ok(instruction) => format!(
+            "Instructions: {instruction}.\nExplanation: This is where the black arrow on the first picture begins and \
+             ends, in the rectangle around the cloth."
+        ),
+        Err(why) => format!("I cannot describe this step: {why}."),
+    })
+}
+
+/// Recognises a step from its pictures; points are `[right, up]` from the first one's bottom left corner, pixels.
+fn instruction(pictures: &[&[u8]]) -> Result<Instruction, String> {
     let pictures = pictures.iter().map(|bytes| decode(bytes));
     let pictures = pictures.collect::<Result<Vec<_>, _>>()?;
-    let first = pictures.first().ok_or("there is no picture")?;
+    let first = &pictures[0];
+    let [width, height] = [first.width(), first.height()].map(f64::from);
     // Smaller pictures have arrows of the same size, for legibility.
-    let scale = (f64::from(first.width().max(first.height())) / 224.0).max(1.0);
+    let scale = (width.max(height) / 224.0).max(1.0);
     let drawn = arrow::find(&arrow::near_black(first), scale).map_err(|fault| match fault {
         ArrowFault::Many => "I see more than one arrow on the first picture",
         ArrowFault::None => "I see no arrow on the first picture",
     })?;
     let table = regions::border_colours(&pictures.iter().collect::<Vec<_>>());
     let cloth = cloth(first, &table, &drawn.stroke)?;
-    let up = |[column, row]: [f64; 2]| [column, f64::from(first.height()) - row];
-    Ok(Sighting {
-        outline: outline_with_arrow(&cloth, &drawn, scale)?,
-        tail: up(drawn.tail),
-        tip: up(drawn.tip),
-        middle: [first.width(), first.height()].map(|side| f64::from(side) / 2.0),
+    let up = |[column, row]: Point| [column, height - row];
+    let is_rim = |&(column, row): &(u32, u32)| {
+        !cloth.contains_at(column + 1, row) || !cloth.contains_at(column.wrapping_sub(1), row)
+    };
+    let rims = cloth.columns_and_rows().filter(is_rim);
+    let corners = rims.flat_map(|(column, row)| {
+        let [left, right] = [column, column + 1].map(f64::from);
+        let [top, bottom] = [row, row + 1].map(f64::from);
+        [[left, top], [left, bottom], [right, top], [right, bottom]]
+    });
+    let bare = hull::around(corners.map(up));
+    // The ring hides the corner below it, so the arrow's ends count as cloth if they are close to it.
+    let is_near = |point: &Point| {
+        hull::is_inside(&bare, *point)
+            || hull::distance_to_outline(&bare, *point) <= TAIL_SLACK_PX * scale
+    };
+    let ends = [up(drawn.tail), up(drawn.tip)];
+    if !is_near(&ends[0]) {
+        return Err("the arrow on the first picture does not start on the cloth".to_owned());
+    }
+    let outline = hull::around(bare.iter().copied().chain(ends.into_iter().filter(is_near)));
+    let fitted = Frame::fit(&outline).ok_or("the cloth has no area")?;
+    // The names of headings begin with the one below the picture's right.
+    let steps = (fitted.angle() / FRAC_PI_4).round() as i32 + 1;
+    let (heading, frame) = match steps.rem_euclid(8) as usize {
+        heading @ 0..4 => (heading, fitted),
+        behind => (behind - 4, fitted.turned(2)),
+    };
+    let [pick, place] = ends.map(|point| {
+        let off = hull::distance(point, [width / 2.0, height / 2.0]);
+        let eighths = |share: f64| (share * 8.0).round().clamp(0.0, 8.0) as u8;
+        let is_center = off <= CENTER_WITHIN * frame.long_side();
+        (!is_center).then(|| frame.share_of(point).map(eighths))
+    });
+    if pick == place {
+        return Err("the arrow is too short to tell its two ends apart".to_owned());
+    }
+    Ok(Instruction {
+        pick,
+        place,
+        heading,
+        is_long: frame.has_long_sides(),
+        bare: frame.corner_gaps(&outline).map(|gap| gap >= BARE_FROM),
     })
 }
 
@@ -60,8 +110,7 @@ pub fn outline(picture: &[u8]) -> Result<Vec<Point>, String> {
     let seen = decode(picture)?;
     let nothing = Mask::from_pixels(seen.width(), seen.height(), &[]);
     let cloth = cloth(&seen, &regions::border_colours(&[&seen]), &nothing)?;
-    let middles = cloth.pixels().map(fab_picture::camera::center_of);
-    Ok(hull::around(middles))
+    Ok(hull::around(cloth.pixels().map(center_of)))
 }
 
 fn decode(bytes: &[u8]) -> Result<RgbImage, String> {
@@ -76,52 +125,18 @@ fn decode(bytes: &[u8]) -> Result<RgbImage, String> {
 
 /// The pixels of the cloth: the largest patch that is not table, minus the arrow drawn over it.
 fn cloth(picture: &RgbImage, table: &[[f64; 3]], stroke: &Mask) -> Result<Mask, String> {
-    let unseen = "I see no cloth on the picture";
+    let (width, height) = picture.dimensions();
     // Include the stroke here, or an arrow across the cloth would cut it in two.
-    let patch = Mask::from_fn(picture.width(), picture.height(), |column, row| {
+    let patch = Mask::from_fn(width, height, |column, row| {
         stroke.contains_at(column, row)
             || !regions::is_table(picture.get_pixel(column, row).0, table)
     });
-    let mut largest = regions::components(&patch)
-        .into_iter()
-        .max_by_key(Vec::len)
-        .ok_or(unseen)?;
+    let patches = regions::components(&patch).into_iter();
+    let mut largest = patches.max_by_key(Vec::len).unwrap_or_default();
     // A stroke softened by scaling has grey rims that are neither table nor cloth.
     largest.retain(|&(column, row)| !stroke.touches(column, row));
-    let least = LEAST_CLOTH * f64::from(picture.width()) * f64::from(picture.height());
-    if (largest.len() as f64) < least {
-        return Err(unseen.to_owned());
+    if (largest.len() as f64) < LEAST_CLOTH * f64::from(width) * f64::from(height) {
+        return Err("I see no cloth on the picture".to_owned());
     }
-    Ok(Mask::from_pixels(
-        picture.width(),
-        picture.height(),
-        &largest,
-    ))
-}
-
-/// The cloth's hull. The ring hides the corner below it, so the arrow's ends count as cloth if they are close to it.
-fn outline_with_arrow(cloth: &Mask, arrow: &Arrow, scale: f64) -> Result<Vec<Point>, String> {
-    let height = f64::from(cloth.height());
-    let up = |[column, row]: [f64; 2]| [column, height - row];
-    let rims = (0..cloth.height()).flat_map(|row| {
-        let columns = (0..cloth.width()).filter(move |&column| cloth.contains_at(column, row));
-        let (least, most) = columns.fold((u32::MAX, 0), |(l, m), c| (l.min(c), m.max(c + 1)));
-        [(least, row), (least, row + 1), (most, row), (most, row + 1)]
-            .into_iter()
-            .filter(move |_| least < most)
-    });
-    let rim_points = rims.map(|(column, row)| up([f64::from(column), f64::from(row)]));
-    let bare = hull::around(rim_points);
-    let is_near = |point: Point| {
-        hull::is_inside(&bare, point)
-            || hull::distance_to_outline(&bare, point) <= TAIL_SLACK_PX * scale
-    };
-    let (tail, tip) = (up(arrow.tail), up(arrow.tip));
-    if !is_near(tail) {
-        return Err("the arrow on the first picture does not start on the cloth".to_owned());
-    }
-    let ends = [Some(tail), Some(tip).filter(|&tip| is_near(tip))];
-    Ok(hull::around(
-        bare.iter().copied().chain(ends.into_iter().flatten()),
-    ))
+    Ok(Mask::from_pixels(width, height, &largest))
 }

@@ -1,16 +1,16 @@
 //! Smoothing: pulls the corner that is farthest from the center outward, to where a corner of the flat cloth would lie.
 //!
 //! In: a conversation whose question offers directions and distances, and lists corners or shows the cloth. Out: a
-//! [`Decision`]. Two kinds of sentences limit it: points to stay away from, and how far from a point it may place.
-//! After a correction it takes the next pull that the correction leaves.
+//! [`Decision`]. Two kinds of sentences limit it: points to stay away from, and how far from a point it may place. It
+//! repeats no pull that was refused.
 
 use super::decision::{Decision, End};
 use super::prompt::{self, Choice};
-use super::{Refused, see, spoken};
-use fab_model::{Message, Part, Speaker};
+use super::{all_words, pictures, refused, see, spoken};
+use fab_model::{Message, Speaker};
+use fab_picture::camera::center_of;
 use fab_picture::hull::{self, Point};
 use fab_program::PixelPoint;
-use std::cmp::Ordering;
 
 /// How far a pull may deviate from the outward direction, degrees: half a direction less than a quarter turn.
 const OUTWARD_DEG: f64 = 67.0;
@@ -32,137 +32,121 @@ pub fn is_asked(text: &str) -> bool {
 
 /// Chooses a pull; fails with the reason.
 pub fn choose(messages: &[Message]) -> Result<Decision, String> {
-    let shows = |message: &Message| {
-        let is_image = |part: &Part| matches!(part, Part::Image(_));
-        message.speaker == Speaker::User && message.parts.iter().any(is_image)
+    let corners = |message: &Message| prompt::listed(&spoken(message)).corners;
+    let last = |is_it: &dyn Fn(&Message) -> bool| {
+        messages
+            .iter()
+            .rposition(|it| it.speaker == Speaker::User && is_it(it))
     };
-    let lists = |message: &Message| message.speaker == Speaker::User && !listed(message).is_empty();
-    let at = messages.iter().rposition(lists);
-    let at = at.or_else(|| messages.iter().rposition(shows));
-    let at = at.ok_or("no corners are listed, and there is no picture")?;
-    let texts: Vec<String> = messages[..=at].iter().map(spoken).collect();
-    let question = texts.join("\n");
-    let limits = Limits::read(&question)?;
-    let mut picks = listed(&messages[at]);
+    let at = last(&|it| !corners(it).is_empty())
+        .or_else(|| last(&|it| !pictures(it).is_empty()))
+        .ok_or("no corners are listed, and there is no picture")?;
+    let question = all_words(&messages[..=at]);
+    let mut picks = corners(&messages[at]);
     if picks.is_empty() {
-        picks = of_picture(&messages[at])?;
+        picks = of_picture(pictures(&messages[at])[0])?;
     }
-    let center = match prompt::center(&question) {
-        Some(center) => middle_of(center),
-        None => box_center(&picks),
+    let center = prompt::listed(&question).center;
+    let last = |word| prompt::lengths(&question, word).pop();
+    let (_, side_px) = last("edge").ok_or("no sentence says how many px an edge is")?;
+    let rules = Rules {
+        center: center.map_or_else(|| box_center(&picks), center_of),
+        side_px,
+        avoided: last("away from").unwrap_or_default(),
+        reach: last("farther than").unwrap_or_default(),
     };
-    let refused = Refused::read(&messages[at..]);
-    let mut pulls = pulls(&picks, center, &question, &limits);
-    pulls.retain(|(pick, direction, distance)| refused.leaves_pull(*pick, direction, distance));
-    let (pick, direction, distance) = pulls
-        .into_iter()
-        .next()
-        .ok_or("no pull leads outward, ends where the rules allow and was not refused")?;
+    let refused = refused(&messages[at..]);
+    let is_new = |pick, direction: &Choice, distance: &Choice| {
+        refused.iter().all(|answer| {
+            let is_stated = |field, it| prompt::choices(answer, field).first() == Some(it);
+            prompt::points(answer).first() != Some(&pick)
+                || !is_stated("direction", direction)
+                || !is_stated("distance", distance)
+        })
+    };
+    let offered = prompt::choices(&question, "direction");
+    let distances = prompt::choices(&question, "distance");
+    let mut best: Option<([f64; 4], PixelPoint, &Choice, &Choice)> = None;
+    for &pick in &picks {
+        for (direction, distance) in offered
+            .iter()
+            .flat_map(|it| distances.iter().map(move |at| (it, at)))
+        {
+            let Some(order) = rules.order(pick, direction, distance) else {
+                continue;
+            };
+            if best.as_ref().is_none_or(|(least, ..)| order < *least)
+                && is_new(pick, direction, distance)
+            {
+                best = Some((order, pick, direction, distance));
+            }
+        }
+    }
+    let (_, pick, direction, distance) =
+        best.ok_or("no pull leads outward, ends where the rules allow and was not refused")?;
     Ok(Decision {
         pick,
         end: End::Pull {
-            direction,
-            distance,
-            offered: prompt::choices(&question, "direction"),
+            direction: direction.clone(),
+            distance: distance.clone(),
+            offered,
         },
         picks,
-        center: prompt::center(&question),
+        center,
         question,
-        corrections: refused.0.len(),
+        corrections: refused.len(),
         why: "This is the corner farthest from the center, and it goes outward to where a corner of the flat cloth would lie."
             .to_owned(),
     })
 }
 
-/// Returns the corners that a turn lists; a sentence about points to avoid may mention corners, too.
-fn listed(message: &Message) -> Vec<PixelPoint> {
-    let text = spoken(message);
-    let is_list = |line: &&str| !line.contains("away from") && !line.contains("farther than");
-    prompt::corners(&text.lines().filter(is_list).collect::<Vec<_>>().join("\n"))
-}
-
-/// What a prompt says of lengths in the picture, pixels.
-struct Limits {
+/// What a prompt says of the picture, pixels.
+struct Rules {
+    center: Point,
     /// The cloth's side.
     side_px: f64,
     /// Points to avoid, and the least distance from them.
     avoided: (Vec<PixelPoint>, f64),
-    /// A point, and the greatest distance from it at which a corner may be placed.
-    reach: Option<(PixelPoint, f64)>,
+    /// Points, and the greatest distance from the first at which a corner may be placed.
+    reach: (Vec<PixelPoint>, f64),
 }
 
-impl Limits {
-    fn read(text: &str) -> Result<Limits, String> {
-        let side = prompt::lengths(text, "edge").last();
-        let (_, side_px) = side.ok_or("no sentence says how many px an edge is")?;
-        let avoided = prompt::lengths(text, "away from").last();
-        let reach = prompt::lengths(text, "farther than").last();
-        Ok(Limits {
-            side_px,
-            avoided: avoided.unwrap_or_default(),
-            reach: reach.and_then(|(points, px)| Some((*points.first()?, px))),
-        })
-    }
-}
-
-/// Lists the pulls that lead outward within the limits: the farthest corner first, then the most outward direction, then
-/// the end nearest to where a corner of the flat cloth would lie. Those of corners to avoid come last: a task may accept
-/// one if there is no other.
-fn pulls(
-    picks: &[PixelPoint],
-    center: Point,
-    question: &str,
-    limits: &Limits,
-) -> Vec<(PixelPoint, Choice, Choice)> {
-    let (points, least_px) = &limits.avoided;
-    let mut found = Vec::new();
-    for &pick in picks {
-        let from = middle_of(pick);
+impl Rules {
+    /// Returns numbers of which the least belong to the best pull: no corner to avoid, the farthest corner, the most
+    /// outward direction, the end nearest to where a corner of the flat cloth would lie. `None` if a pull leads inward
+    /// or too far. A task may accept a corner to avoid if there is no other.
+    fn order(&self, pick: PixelPoint, direction: &Choice, distance: &Choice) -> Option<[f64; 4]> {
+        let (from, center) = (center_of(pick), self.center);
         let off_px = hull::distance(from, center).max(f64::MIN_POSITIVE);
         let out = [0, 1].map(|axis| (from[axis] - center[axis]) / off_px);
-        let goal = [0, 1].map(|axis| center[axis] + out[axis] * CORNER * limits.side_px);
-        let is_near = |point: &PixelPoint| point.distance_px(pick) <= least_px + SLACK_PX;
-        let is_avoided = points.iter().any(is_near);
-        for direction in prompt::choices(question, "direction") {
-            // Rows run down, while a prompt's angles are counter-clockwise.
-            let (sin, cos) = (-direction.value.to_radians()).sin_cos();
-            let outward = out[0] * cos + out[1] * sin;
-            if outward < OUTWARD_DEG.to_radians().cos() {
-                continue;
-            }
-            for distance in prompt::choices(question, "distance") {
-                let length_px = distance.value * limits.side_px;
-                let to = [from[0] + length_px * cos, from[1] + length_px * sin];
-                let is_within = limits.reach.is_none_or(|(point, most_px)| {
-                    hull::distance(middle_of(point), to) <= most_px - SLACK_PX
-                });
-                if is_within {
-                    let order = [-off_px, -outward, hull::distance(to, goal)];
-                    found.push((is_avoided, order, (pick, direction.clone(), distance)));
-                }
-            }
+        let goal = [0, 1].map(|axis| center[axis] + out[axis] * CORNER * self.side_px);
+        // Rows run down, while a prompt's angles are counter-clockwise.
+        let (sin, cos) = (-direction.value.to_radians()).sin_cos();
+        let outward = out[0] * cos + out[1] * sin;
+        let length_px = distance.value * self.side_px;
+        let to = [from[0] + length_px * cos, from[1] + length_px * sin];
+        let (reach, most_px) = &self.reach;
+        let mut reach = reach
+            .iter()
+            .take(1)
+            .map(|point| hull::distance(center_of(*point), to));
+        if outward < OUTWARD_DEG.to_radians().cos() || reach.any(|px| px > most_px - SLACK_PX) {
+            return None;
         }
+        let (points, least_px) = &self.avoided;
+        let is_near = |point: &PixelPoint| point.distance_px(pick) <= least_px + SLACK_PX;
+        let avoided = f64::from(u8::from(points.iter().any(is_near)));
+        Some([avoided, -off_px, -outward, hull::distance(to, goal)])
     }
-    found.sort_by(|(a, by, _), (b, other, _)| {
-        let parts = by.iter().zip(other).map(|(a, b)| a.total_cmp(b));
-        a.cmp(b).then(parts.fold(Ordering::Equal, Ordering::then))
-    });
-    found.into_iter().map(|(.., pull)| pull).collect()
 }
 
-/// Returns points a little inside the corners of the cloth's outline in a question's picture.
-fn of_picture(question: &Message) -> Result<Vec<PixelPoint>, String> {
-    let mut pictures = question.parts.iter().filter_map(|part| match part {
-        Part::Image(png) => Some(png),
-        Part::Text(_) => None,
+/// Returns points a little inside the corners of the cloth's outline in a picture.
+fn of_picture(picture: &[u8]) -> Result<Vec<PixelPoint>, String> {
+    let outline = see::outline(picture)?;
+    let middle = [0, 1].map(|axis| {
+        let sum: f64 = outline.iter().map(|corner| corner[axis]).sum();
+        sum / outline.len() as f64
     });
-    let picture = pictures.next().ok_or("there is no picture")?;
-    let outline = see::outline(picture.bytes())?;
-    let n_corners = outline.len() as f64;
-    let sum = outline.iter().fold([0.0, 0.0], |sum: Point, point| {
-        [sum[0] + point[0], sum[1] + point[1]]
-    });
-    let middle = sum.map(|total| total / n_corners);
     let inward = |corner: &Point| {
         let [u, v] = [0, 1].map(|axis| corner[axis] + INWARD * (middle[axis] - corner[axis]));
         PixelPoint::new(u as i32, v as i32)
@@ -177,9 +161,4 @@ fn box_center(points: &[PixelPoint]) -> Point {
         (f64::from(least.unwrap_or(0)) + f64::from(most.unwrap_or(0)) + 1.0) / 2.0
     };
     [middle(|point| point.u), middle(|point| point.v)]
-}
-
-/// The middle of a pixel.
-fn middle_of(pixel: PixelPoint) -> Point {
-    [f64::from(pixel.u) + 0.5, f64::from(pixel.v) + 0.5]
 }

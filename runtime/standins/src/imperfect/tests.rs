@@ -40,7 +40,7 @@ const RIGHT: [&str; 3] = [
 
 #[test]
 fn errors_come_at_their_rate_and_in_four_kinds() {
-    let model = Imperfect::new(0.3, 1).unwrap();
+    let model = Imperfect::new(0.3, 1, Errors::Mixed).unwrap();
     let answers = (0..400).map(|start| asked(&model, &request(PULL, start, 1)));
     let answers: Vec<String> = answers.collect();
     let count = |wanted: [&str; 3]| answers.iter().filter(|it| action(it) == wanted).count();
@@ -60,7 +60,7 @@ fn errors_come_at_their_rate_and_in_four_kinds() {
 
 #[test]
 fn a_reworded_prompt_meets_the_same_errors() {
-    let model = Imperfect::new(0.5, 3).unwrap();
+    let model = Imperfect::new(0.5, 3, Errors::Mixed).unwrap();
     let reworded = format!("Be careful with the cloth.\n{PULL}");
     let mut wrong = 0;
     for start in 0..40 {
@@ -74,7 +74,7 @@ fn a_reworded_prompt_meets_the_same_errors() {
 
 #[test]
 fn examples_change_no_draw_and_corrections_do() {
-    let model = Imperfect::new(0.5, 3).unwrap();
+    let model = Imperfect::new(0.5, 3, Errors::Mixed).unwrap();
     let with = |before: &[(&str, &str)], after: &[(&str, &str)], start| {
         let turns = |pairs: &[(&str, &str)], first, second| -> Vec<Message> {
             let pairs = pairs.iter();
@@ -111,7 +111,7 @@ fn examples_change_no_draw_and_corrections_do() {
 #[test]
 fn candidates_starts_and_steps_have_draws_of_their_own_and_persistent_errors_none() {
     let answers = |errors, change: fn(&mut Request, u64)| {
-        let model = Imperfect::with_errors(0.5, 5, errors).unwrap();
+        let model = Imperfect::new(0.5, 5, errors).unwrap();
         let answers = (0..30).map(|number| {
             let mut question = request(PULL, 7, 1);
             change(&mut question, number);
@@ -131,7 +131,7 @@ fn candidates_starts_and_steps_have_draws_of_their_own_and_persistent_errors_non
 
 #[test]
 fn a_neighbour_is_the_offered_point_nearest_to_the_right_one() {
-    let model = Imperfect::with_errors(1.0, 1, Errors::Neighbour).unwrap();
+    let model = Imperfect::new(1.0, 1, Errors::Neighbour).unwrap();
     let text = asked(&model, &request(PULL, 1, 1));
     let beside = ["Pick Point = (300, 100)", RIGHT[1], RIGHT[2]];
     assert_eq!(action(&text), beside);
@@ -140,6 +140,6 @@ fn a_neighbour_is_the_offered_point_nearest_to_the_right_one() {
 #[test]
 fn a_rate_outside_of_0_to_1_is_none() {
     for rate in [-0.1, 1.1, f64::NAN] {
-        assert!(Imperfect::new(rate, 1).is_none(), "{rate}");
+        assert!(Imperfect::new(rate, 1, Errors::Mixed).is_none(), "{rate}");
     }
 }

@@ -11,7 +11,7 @@ use opencv::imgproc;
 
 impl From<opencv::Error> for VisionError {
     fn from(error: opencv::Error) -> Self {
-        VisionError::OpenCv(error.message)
+        VisionError(format!("OpenCV failed: {}", error.message))
     }
 }
 

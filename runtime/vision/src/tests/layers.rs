@@ -2,6 +2,7 @@
 
 use super::super::*;
 use super::apart;
+use super::assert_refused;
 use crate::recorded::recorded_data;
 use fab_picture::Mask;
 use fab_program::PixelPoint;
@@ -138,10 +139,7 @@ fn numbers_lie_inside_the_picture_beside_their_points() {
 
 #[test]
 fn a_picture_without_pixels_is_refused() {
-    assert!(matches!(
-        draw_layers(&RgbImage::new(0, 3), &[]),
-        Err(VisionError::Size { .. })
-    ));
+    assert_refused(draw_layers(&RgbImage::new(0, 3), &[]), "cannot be used");
 }
 
 fn any_point() -> impl Strategy<Value = PixelPoint> {

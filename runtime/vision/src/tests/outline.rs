@@ -1,6 +1,7 @@
 //! Tests of boxes and outlines.
 
 use super::super::*;
+use super::assert_refused;
 use fab_picture::Mask;
 use fab_picture::SubpixelPoint;
 use fab_program::PixelPoint;
@@ -161,10 +162,10 @@ fn empty_masks_and_lists_give_nothing() {
 #[test]
 fn a_tolerance_out_of_range_is_refused() {
     for tolerance_px in [-1.0, f64::NAN, f64::INFINITY] {
-        match contour(&rectangle(), tolerance_px) {
-            Err(VisionError::Setting { name, .. }) => assert_eq!(name, "tolerance"),
-            other => panic!("{tolerance_px}: {other:?}"),
-        }
+        assert_refused(
+            contour(&rectangle(), tolerance_px),
+            &format!("`{}` is", "tolerance"),
+        );
     }
 }
 

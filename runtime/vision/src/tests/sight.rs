@@ -2,7 +2,7 @@
 
 use super::super::sight::detector_picture;
 use super::super::*;
-use super::harris;
+use super::{assert_refused, harris};
 use crate::recorded::recorded_data;
 use fab_picture::DepthImage;
 use fab_picture::Mask;
@@ -184,15 +184,15 @@ fn a_picture_or_block_that_does_not_fit_is_refused() {
             block_px,
             ..harris()
         };
-        match corners(&depth, &rgb, &mask, &search) {
-            Err(VisionError::Setting { name, .. }) => assert_eq!(name, "block"),
-            other => panic!("{block_px}: {other:?}"),
-        }
+        assert_refused(
+            corners(&depth, &rgb, &mask, &search),
+            &format!("`{}` is", "block"),
+        );
     }
-    assert!(matches!(
+    assert_refused(
         corners(&depth, &RgbImage::new(64, 63), &mask, &harris()),
-        Err(VisionError::OtherSize { .. })
-    ));
+        "the depth image",
+    );
 }
 
 /// The recordings used a grey picture of the camera's size, which shows more than a mask does.

@@ -1,11 +1,12 @@
 //! Films of a simulated cloth: the whole motion as an animated picture from one side, for people.
 //!
-//! In: the cloth after every step, while a world or a verb moves it. Out: one GIF file, written as the motion goes on.
+//! In: the cloth after every step, while a world or a verb moves it. Out: one GIF file, written at the end.
 //! A film changes nothing in the simulation. It keeps below [`MAX_BYTES`] by leaving out pictures where a motion is too
-//! long for all of them, and counts those. Faults do not stop the motion; [`Recorder::finish`] returns the first one.
+//! long for all of them, and counts those.
 
+use fab_base::files;
 use fab_base::interrupt::Interrupt;
-use fab_picture::animation::{Animation, AnimationError, MAX_COLOURS, Palette, Written};
+use fab_picture::animation::{Animation, MAX_COLOURS, Written};
 use fab_program as program;
 use fab_sim::{
     CameraError, ImageUp, Look, Manner, Marker, PickAndPlace, SimError, Simulator, SlantedCamera,
@@ -36,7 +37,7 @@ const PLANNED_STEPS: u64 = 520;
 /// The share of the size that may be spent ahead of the plan, since motions differ.
 const AHEAD: f64 = 0.15;
 /// Width and height of the pictures, pixels.
-const SIZE_PX: [u32; 2] = [384, 288];
+const SIZE_PX: [u16; 2] = [384, 288];
 
 /// What a film is to show and where it goes.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,15 +84,23 @@ impl fmt::Display for Film {
     }
 }
 
+/// A film's file cannot be written.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write `{path}`: {why}")]
+pub struct FilmError {
+    path: PathBuf,
+    why: std::io::Error,
+}
+
 /// Takes a film; clones write the same one.
 #[derive(Clone)]
 pub struct Recorder(Arc<Mutex<Recording>>);
 
 struct Recording {
     plan: FilmPlan,
+    camera: SlantedCamera,
     /// `None` until there is a cloth.
     open: Option<Open>,
-    fault: Option<AnimationError>,
 }
 
 /// A film under way.
@@ -108,61 +117,84 @@ struct Open {
 }
 
 impl Recorder {
-    /// Begins a film; its file is begun with the first cloth.
-    pub fn new(plan: FilmPlan) -> Recorder {
-        Recorder(Arc::new(Mutex::new(Recording {
+    /// Begins a film.
+    pub fn new(plan: FilmPlan) -> Result<Recorder, CameraError> {
+        Ok(Recorder(Arc::new(Mutex::new(Recording {
+            camera: slanted(&plan.camera)?,
             plan,
             open: None,
-            fault: None,
-        })))
+        }))))
     }
 
     /// Shows the cloth before the first motion.
     pub fn begin(&self, cloth: &Simulator, look: &Look) {
-        self.locked()
-            .attempt(|recording| recording.begin(cloth, look));
+        let mut recording = self.locked();
+        let view = SlantedView::new(recording.camera, look);
+        let mut animation = Animation::new(SIZE_PX, palette(look));
+        animation.show(&picture(&view, cloth, None));
+        animation.hold(START_CS);
+        recording.open = Some(Open {
+            animation,
+            view,
+            at_step: cloth.steps(),
+            still_cs: 0,
+            granted: recording.plan.max_bytes as f64 * AHEAD,
+            left_out: 0,
+        });
     }
 
     /// Shows the cloth after a step, if a picture is due; cheap if not.
     pub fn step(&self, cloth: &Simulator) {
-        if cloth.steps().is_multiple_of(STEPS_A_PICTURE) {
-            self.locked().attempt(|recording| recording.step(cloth));
+        if !cloth.steps().is_multiple_of(STEPS_A_PICTURE) {
+            return;
         }
+        let Recording { plan, open, .. } = &mut *self.locked();
+        let Some(open) = open else { return };
+        let max_bytes = plan.max_bytes as f64;
+        let planned_steps = u64::from(plan.motions.max(1)) * PLANNED_STEPS;
+        let share = STEPS_A_PICTURE as f64 / planned_steps as f64;
+        // The end of what may be spent is for the ends of motions.
+        let most = max_bytes * (1.0 - AHEAD);
+        open.granted = (open.granted + share * max_bytes * (1.0 - 2.0 * AHEAD)).min(most);
+        open.show(cloth, open.granted);
     }
 
     /// Shows the cloth after a motion, or where it was interrupted.
     pub fn end_motion(&self, cloth: &Simulator) {
-        self.locked()
-            .attempt(|recording| recording.end_motion(cloth));
+        let Recording { plan, open, .. } = &mut *self.locked();
+        let Some(open) = open else { return };
+        // Half of that is for the last picture of all, whose end is not known in advance.
+        if open.show(cloth, plan.max_bytes as f64 * (1.0 - 0.5 * AHEAD)) {
+            open.animation.hold(END_OF_MOTION_CS);
+        }
     }
 
-    /// Ends the film; `None`, and no file, if no cloth was ever laid.
+    /// Ends the film and writes its file; `None`, and no file, if no cloth was ever laid.
     ///
-    /// Fails with the first fault, and then leaves no file. Nothing is recorded afterwards.
-    pub fn finish(&self) -> Result<Option<Film>, AnimationError> {
+    /// Nothing is recorded afterwards.
+    pub fn finish(&self) -> Result<Option<Film>, FilmError> {
         let mut recording = self.locked();
-        let open = recording.open.take();
-        if let Some(fault) = recording.fault.take() {
-            return Err(fault);
-        }
-        let Some(mut open) = open else {
+        let Some(mut open) = recording.open.take() else {
             return Ok(None);
         };
         open.animation.hold(END_CS);
         let Some(Written {
-            path,
+            bytes,
             pictures,
             shown_cs,
-            bytes,
-        }) = open.animation.finish()?
+        }) = open.animation.finish()
         else {
             return Ok(None);
         };
+        let path = recording.plan.path.clone();
+        if let Err(why) = files::write_whole(&path, &bytes) {
+            return Err(FilmError { path, why });
+        }
         Ok(Some(Film {
             file: path,
             pictures,
             shown_s: shown_cs as f64 / 100.0,
-            bytes,
+            bytes: bytes.len() as u64,
             left_out: open.left_out,
         }))
     }
@@ -173,89 +205,26 @@ impl Recorder {
     }
 }
 
-impl Recording {
-    /// Does something, unless there was a fault; keeps the first fault.
-    fn attempt(&mut self, work: impl FnOnce(&mut Recording) -> Result<(), AnimationError>) {
-        if self.fault.is_none()
-            && let Err(fault) = work(self)
-        {
-            self.fault = Some(fault);
-            self.open = None;
-        }
-    }
-
-    fn begin(&mut self, cloth: &Simulator, look: &Look) -> Result<(), AnimationError> {
-        let camera = slanted(&self.plan.camera).map_err(|error| AnimationError::Unwritable {
-            path: self.plan.path.clone(),
-            why: error.to_string(),
-        })?;
-        let view = SlantedView::new(camera, look);
-        let mut animation = Animation::create(&self.plan.path, SIZE_PX, palette(look))?;
-        animation.show(&picture(&view, cloth, None))?;
-        animation.hold(START_CS);
-        self.open = Some(Open {
-            animation,
-            view,
-            at_step: cloth.steps(),
-            still_cs: 0,
-            granted: self.plan.max_bytes as f64 * AHEAD,
-            left_out: 0,
-        });
-        Ok(())
-    }
-
-    fn step(&mut self, cloth: &Simulator) -> Result<(), AnimationError> {
-        let max_bytes = self.plan.max_bytes as f64;
-        let planned_steps = u64::from(self.plan.motions.max(1)) * PLANNED_STEPS;
-        let Some(open) = &mut self.open else {
-            return Ok(());
-        };
-        open.pass_time(cloth);
-        let share = STEPS_A_PICTURE as f64 / planned_steps as f64;
-        // The end of what may be spent is for the ends of motions.
-        let most = max_bytes * (1.0 - AHEAD);
-        open.granted = (open.granted + share * max_bytes * (1.0 - 2.0 * AHEAD)).min(most);
-        if open.animation.bytes() as f64 > open.granted {
-            open.left_out += 1;
-            return Ok(());
-        }
-        open.show(cloth)
-    }
-
-    fn end_motion(&mut self, cloth: &Simulator) -> Result<(), AnimationError> {
-        let max_bytes = self.plan.max_bytes as f64;
-        let Some(open) = &mut self.open else {
-            return Ok(());
-        };
-        open.pass_time(cloth);
-        // Half of that is for the last picture of all, whose end is not known in advance.
-        if open.animation.bytes() as f64 > max_bytes * (1.0 - 0.5 * AHEAD) {
-            open.left_out += 1;
-            return Ok(());
-        }
-        open.show(cloth)?;
-        open.animation.hold(END_OF_MOTION_CS);
-        Ok(())
-    }
-}
-
 impl Open {
-    /// Shows the last picture for the time since then; what stands still is shortened.
-    fn pass_time(&mut self, cloth: &Simulator) {
+    /// Shows the last picture for the time since then, and the cloth, unless the film has more bytes than granted.
+    ///
+    /// The time in which nothing changes is shortened. Returns whether there was room.
+    fn show(&mut self, cloth: &Simulator, granted: f64) -> bool {
         let steps = cloth.steps().saturating_sub(self.at_step);
         self.at_step = cloth.steps();
         let longer = (steps * STEP_CS).min(MAX_STILL_CS.saturating_sub(self.still_cs));
         self.still_cs += longer;
         self.animation
             .hold(u32::try_from(longer).unwrap_or(u32::MAX));
-    }
-
-    fn show(&mut self, cloth: &Simulator) -> Result<(), AnimationError> {
+        if self.animation.bytes() as f64 > granted {
+            self.left_out += 1;
+            return false;
+        }
         let picture = picture(&self.view, cloth, Some(&cloth.marker()));
-        if self.animation.show(&picture)? {
+        if self.animation.show(&picture) {
             self.still_cs = 0;
         }
-        Ok(())
+        true
     }
 }
 
@@ -277,7 +246,12 @@ fn slanted(above: &TopDownCamera) -> Result<SlantedCamera, CameraError> {
     };
     let [x, y] = turned(aside, back);
     let [target_x, target_y] = turned(0.0, 0.02 * half_m);
-    SlantedCamera::new([x, y, up], [target_x, target_y, 0.0], 0.76, SIZE_PX)
+    SlantedCamera::new(
+        [x, y, up],
+        [target_x, target_y, 0.0],
+        0.76,
+        SIZE_PX.map(u32::from),
+    )
 }
 
 /// Carries a cloth as [`Simulator::pick_and_place_in`] does, and films it if there is a recorder.
@@ -311,59 +285,27 @@ pub fn table_camera(camera: &program::Camera) -> Result<TopDownCamera, CameraErr
     Ok(TopDownCamera::new(height_m, fov_rad, camera.image_px)?.with_up(up))
 }
 
-/// Chooses a film's colours: every shade of the cloth's sides, of table and marker, and what lies between them.
-fn palette(look: &Look) -> Palette {
-    let times = |colour: [u8; 3], brightness: f32| {
-        colour.map(|channel| (f32::from(channel) * brightness).min(255.0) as u8)
-    };
-    let between = |a: [u8; 3], b: [u8; 3], share: f32| {
-        [0, 1, 2].map(|channel| {
-            let [a, b] = [a, b].map(|colour| f32::from(colour[channel]));
-            (a + share * (b - a)) as u8
-        })
-    };
-    let ramp = |low: f32, high: f32, n: u32| {
-        (0..n).map(move |step| low + (high - low) * step as f32 / (n - 1) as f32)
-    };
-    let sides = [look.top, look.underside];
-    // First what must be exact: the colours themselves.
-    let mut colours: Vec<[u8; 3]> = look.tiles.into_iter().chain(sides).collect();
-    for side in sides {
-        colours.extend(ramp(0.26, 1.12, 52).map(|brightness| times(side, brightness)));
-    }
-    let tiles = [
-        look.tiles[0],
-        look.tiles[1],
-        times(look.tiles[0], 0.8),
-        times(look.tiles[1], 0.8),
-    ];
-    for tile in tiles {
-        for side in sides {
-            for brightness in [0.64, 0.95] {
-                let edge = times(side, brightness);
-                colours.extend(ramp(0.25, 0.75, 3).map(|share| between(tile, edge, share)));
-            }
-        }
-        colours.extend(ramp(0.25, 0.75, 3).map(|share| between(tile, times(tile, 0.8), share)));
-    }
-    for holds in [false, true] {
-        let marker = Marker {
+/// Chooses a film's colours: those of the table, and shades of the cloth's sides, the table and the picker's marker.
+fn palette(look: &Look) -> Vec<[u8; 3]> {
+    let marker = |holds| {
+        Marker {
             tip: [0.0; 3],
             holds,
-        };
-        let colour = marker.colour();
-        colours.extend(ramp(0.4, 1.1, 9).map(|brightness| times(colour, brightness)));
-        for other in [look.tiles[0], look.top, look.underside] {
-            colours.extend(ramp(0.25, 0.75, 3).map(|share| between(colour, other, share)));
         }
+        .colour()
+    };
+    let shaded = [look.top, look.underside].map(|colour| (colour, 80));
+    let few =
+        [look.tiles[0], look.tiles[1], marker(false), marker(true)].map(|colour| (colour, 23));
+    let mut colours = look.tiles.to_vec();
+    for (colour, n) in shaded.into_iter().chain(few) {
+        colours.extend((0..n).map(|step| {
+            let brightness = 0.26 + 0.86 * step as f32 / (n - 1) as f32;
+            colour.map(|level| (f32::from(level) * brightness).min(255.0) as u8)
+        }));
     }
-    for brightness in [0.64, 0.95] {
-        let [top, underside] = sides.map(|side| times(side, brightness));
-        colours.extend(ramp(0.2, 0.8, 4).map(|share| between(top, underside, share)));
-    }
-    colours.dedup();
     debug_assert!(colours.len() <= MAX_COLOURS, "{}", colours.len());
-    Palette::new(colours)
+    colours
 }
 
 #[cfg(test)]

@@ -238,7 +238,7 @@ fn imperfect(rate: &str, more: &[&str]) -> Option<Box<dyn Model>> {
         [seed, errors] => (seed.parse().ok()?, Errors::from_word(errors)?),
         _ => return None,
     };
-    let model = Imperfect::with_errors(rate.parse().ok()?, seed, errors)?;
+    let model = Imperfect::new(rate.parse().ok()?, seed, errors)?;
     Some(Box::new(model))
 }
 

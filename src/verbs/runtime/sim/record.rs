@@ -90,7 +90,7 @@ pub fn run(arguments: &RecordArguments, io: &Io) -> Result<Exit, Failure> {
         camera: render::camera(CameraArgument::Folding, None)?,
         motions: arguments.moves.len() as u32,
         max_bytes: film::MAX_BYTES,
-    });
+    })?;
     recorder.begin(&cloth, &simulated::look(material.as_ref()));
     let mut moves = Vec::new();
     for (number, asked) in (1..).zip(arguments.moves.iter().copied()) {

@@ -81,7 +81,7 @@ fn pictures_that_show_nothing_are_named() {
 #[test]
 fn prompts_that_lack_something_are_answered_without_points() {
     let square = "(10, 10), (90, 10), (90, 90), (10, 90)";
-    let words = "- Instruction: Pick the top left corner and place it on the center";
+    let words = "- Instruction: pick 0-8, place center, in eighths along the sides to the right and across them";
     for (prompt, why) in [
         ("Hello.".to_owned(), "no line names a point"),
         (String::new(), "no line names a point"),
@@ -117,7 +117,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
     #[test]
-    fn no_text_makes_it_panic(text in "[\\PC\n]{0,200}", tail in "(Pick|the|left|end|of|top|side|corner|middle|place|;|one quarter|\\(1, 2\\)|\n| ){0,60}") {
+    fn no_text_makes_it_panic(text in "[\\PC\n]{0,200}", tail in "(pick|place|0-8|9-1|center|to|right|long|corner|bare|;|\\(1, 2\\)|\n| ){0,60}") {
         ask(ModelRole::Text, vec![Message::text(Speaker::User, format!("{text}{tail}"))]);
     }
 

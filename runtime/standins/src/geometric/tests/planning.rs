@@ -12,60 +12,29 @@ const CORNERS: [PixelPoint; 5] = [
 ];
 const CENTER: PixelPoint = PixelPoint::new(110, 115);
 const WORDS: &str =
-    "Pick the left end of the top long side and place it on the left end of the bottom long side";
+    "pick 0-8, place 0-0, in eighths along the long sides to the right and across them";
 
 fn turn(speaker: Speaker, text: &str) -> Message {
     Message::text(speaker, text)
 }
 
 #[test]
-fn the_answer_begins_with_the_two_lines_that_the_prompt_asks_for() {
-    let system = "Begin your answer with these two lines, then give your reason:\n\
-                  PICK: [x, y]!\n  Put the Place at = (x, y)";
+fn the_answer_begins_with_the_two_lines_of_the_format() {
     let prompt = planning_prompt(WORDS, &CORNERS, CENTER);
-    let reply = ask(
-        ModelRole::Text,
-        vec![turn(Speaker::System, system), turn(Speaker::User, &prompt)],
-    );
+    let reply = ask(ModelRole::Text, vec![turn(Speaker::User, &prompt)]);
     let lines: Vec<&str> = reply.lines().collect();
     assert_eq!(
         lines[..2],
-        ["PICK: [40, 60]!", "Put the Place at = (40, 170)"]
+        ["Pick Point = (40, 60)", "Place Point = (40, 170)"]
     );
-    assert!(
-        lines.len() >= 3 && lines[2].contains("turned by about 0 degrees"),
-        "{reply}"
-    );
-}
-
-#[test]
-fn plainer_words_are_understood() {
-    let lower_left = planned(
-        "pick the Upper-Left corner and place it on the bottom left corner",
-        &CORNERS,
-        CENTER,
-    );
-    assert_eq!(lower_left, [CORNERS[0], CORNERS[3]]);
-    let to_center = planned(
-        "Take hold: pick the top right corner, place it at the centre",
-        &CORNERS,
-        CENTER,
-    );
-    assert_eq!(to_center, [CORNERS[1], CENTER]);
-    let middle = planned(
-        "Pick the middle of the top side and place it on the right end of the bottom side",
-        &CORNERS,
-        CENTER,
-    );
-    assert_eq!(middle, [CORNERS[4], CORNERS[2]]);
+    assert!(lines[2].contains("turned by about 0 degrees"), "{reply}");
 }
 
 /// Both left corners of a square are folded in, and one of the five remaining corners was not detected. Then a pixel's
 /// difference decides whether an upright or a slanted rectangle is the tightest.
 #[test]
 fn a_corner_that_was_not_detected_does_not_slant_the_rectangle() {
-    let words = "Pick the right end of the top side and place it on the center of the cloth; the cloth does not \
-                 reach the left end of the bottom side, nor the left end of the top side";
+    let words = "pick 8-8, place center, in eighths along the sides to the right and across them; bare 0-0 0-8";
     for shift in 0..81 {
         let [a, b, c, d] =
             [shift % 3, shift / 3 % 3, shift / 9 % 3, shift / 27].map(|shift| shift - 1);
@@ -82,16 +51,6 @@ fn a_corner_that_was_not_detected_does_not_slant_the_rectangle() {
             "{listed:?}"
         );
     }
-}
-
-#[test]
-fn a_list_that_goes_on_over_lines_is_read_whole() {
-    let prompt = format!(
-        "- Instruction: {WORDS}\n- Detected corners:\n  unsorted corners [180, 170], [180, 60],\n  [40, 170],\n  [40, 60]\n\
-         - Center of the cloth: [110, 115]"
-    );
-    let reply = ask(ModelRole::Text, vec![turn(Speaker::User, &prompt)]);
-    assert_eq!(points_of(&reply), [CORNERS[0], CORNERS[3]]);
 }
 
 #[test]
@@ -113,27 +72,9 @@ fn refused_answers_are_not_repeated() {
 }
 
 #[test]
-fn a_correction_of_one_point_changes_that_point() {
-    let corrected = |correction: &str| {
-        let prompt = planning_prompt(WORDS, &CORNERS, CENTER);
-        let first = ask(ModelRole::Text, vec![turn(Speaker::User, &prompt)]);
-        let talk = vec![
-            turn(Speaker::User, &prompt),
-            turn(Speaker::Assistant, &first),
-            turn(Speaker::User, correction),
-        ];
-        points_of(&ask(ModelRole::Text, talk))
-    };
-    let [pick, place] = corrected("The pick point (40, 60) is not on the cloth.");
-    assert!(pick != CORNERS[0] && place == CORNERS[3], "{pick} {place}");
-    let [pick, place] = corrected("The place point (40, 170) is out of reach.");
-    assert!(pick == CORNERS[0] && place != CORNERS[3], "{pick} {place}");
-}
-
-#[test]
 fn when_everything_was_refused_it_says_so() {
     let corners = &CORNERS[..3];
-    let words = "Pick the top left corner and place it on the top right corner";
+    let words = "pick 0-8, place 8-8, in eighths along the sides to the right and across them";
     let mut talk = vec![turn(
         Speaker::User,
         &planning_prompt(words, corners, CENTER),
@@ -154,7 +95,7 @@ fn when_everything_was_refused_it_says_so() {
 #[test]
 fn examples_in_earlier_turns_are_not_the_question() {
     let example = planning_prompt(
-        "Pick the top right corner and place it on the center",
+        "pick 8-8, place center, in eighths along the sides to the right and across them",
         &CORNERS[..4],
         CENTER,
     );
@@ -194,8 +135,8 @@ proptest! {
         center in (0..224_i32, 0..224_i32),
         words in prop::sample::select(vec![
             WORDS,
-            "Pick the middle of the top side and place it on the center of the cloth",
-            "Pick the lower right end of the lower left side and place it on the point one eighth from the upper left to the lower right end of the upper right side",
+            "pick 4-8, place center, in eighths along the sides to the right and across them",
+            "pick 8-0, place 1-8, in eighths along the sides to the lower-right and across them",
         ]),
     ) {
         let corners: Vec<PixelPoint> = points.iter().map(|&(u, v)| PixelPoint::new(u, v)).collect();
@@ -215,7 +156,7 @@ fn how_to_carry_is_answered_with_the_value_nearest_to_the_usual() {
                  Speed = 0.1 m/s | 0.4 m/s\n- Release height = 0 mm";
     assert_eq!(
         prompt::manner_lines(asked),
-        ["Lift = 40 mm", "Speed = 0.4 m/s", "- Release height = 0 mm"]
+        ["Lift = 40 mm", "Speed = 0.4 m/s", "Release height = 0 mm"]
     );
     assert_eq!(prompt::asks_for_more(asked), None);
     let grip = "Lift = 0 mm | 40 mm\nGrip = soft | firm";

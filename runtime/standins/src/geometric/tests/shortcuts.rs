@@ -28,11 +28,11 @@ fn assert_carried_over(fold: &Fold, shown: &View, real: &View) {
 fn the_words_name_the_arrows_ends() {
     assert_eq!(
         instruction(&VIEW.pictures(&rectangle_fold())),
-        "Pick the left end of the top long side and place it on the left end of the bottom long side"
+        "pick 0-8, place 0-0, in eighths along the long sides to the right and across them"
     );
     assert_eq!(
         instruction(&VIEW.pictures(&square_fold())),
-        "Pick the right end of the top side and place it on the left end of the bottom side"
+        "pick 8-8, place 0-0, in eighths along the sides to the right and across them"
     );
 }
 
@@ -51,26 +51,9 @@ fn an_arrow_to_the_middle_is_placed_on_the_center() {
         ..square_fold()
     };
     let words = instruction(&VIEW.pictures(&fold));
-    assert!(
-        words.ends_with("and place it on the center of the cloth"),
-        "{words}"
-    );
+    assert!(words.contains("place center"), "{words}");
     let [pick, place] = planned(&words, &corners(&VIEW, &fold), center(&VIEW));
     assert_eq!((pick, place), (VIEW.whole_pixel([0.5, 0.5]), center(&VIEW)));
-}
-
-#[test]
-fn words_hold_no_digits() {
-    for fold in [rectangle_fold(), square_fold(), triangle_fold()] {
-        let words = described(
-            &View {
-                turn_deg: 20.0,
-                ..VIEW
-            }
-            .pictures(&fold),
-        );
-        assert!(!words.contains(|c: char| c.is_ascii_digit()), "{words}");
-    }
 }
 
 #[test]
@@ -226,11 +209,7 @@ fn an_arrow_that_leaves_the_cloth_keeps_its_ends() {
         tip: [-0.2, -0.5],
     };
     let words = instruction(&VIEW.pictures(&fold));
-    assert!(
-        words.starts_with("Pick the left end of the top long side and place it on "),
-        "{words}"
-    );
-    assert!(words.contains("of the bottom long side"), "{words}");
+    assert!(words.starts_with("pick 0-8, place 2-0,"), "{words}");
 }
 
 #[test]
