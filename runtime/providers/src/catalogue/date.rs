@@ -12,7 +12,7 @@ const DAY_SECS: u64 = 24 * 60 * 60;
 const LAST_DAY: u64 = 2_932_896;
 
 /// A day.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Date {
     /// Since 1970-01-01.

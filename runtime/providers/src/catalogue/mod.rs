@@ -14,7 +14,7 @@ pub mod tokens;
 
 pub use date::{Date, NoDate};
 pub use facts::{Accepted, Facts, MaxTokensField, PositionFormat, ReasoningFacts, ReasoningKind};
-pub use price::{Price, Priced, SAFETY};
+pub use price::{Price, SAFETY};
 pub(crate) use provider::is_key_name;
 pub use provider::{KeyNeed, Provider, RunsOn, Wire};
 pub use tokens::{ImageTokens, Tokens};
@@ -86,7 +86,7 @@ pub struct Catalogue {
 }
 
 /// Everything known about one model at one provider.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Profile {
     /// The provider that offers it.
     pub provider: Provider,
@@ -182,15 +182,16 @@ impl Catalogue {
             let start = error.span().map_or(0, |span| span.start);
             wrong(start, error.message().to_owned())
         })?;
-        for provider in read.provider {
-            let start = provider.span().start;
-            let result = self.lay_provider(provider.into_inner());
-            result.map_err(|why| wrong(start, why))?;
-        }
-        for model in read.model {
-            let start = model.span().start;
-            let result = self.lay_model(model.into_inner());
-            result.map_err(|why| wrong(start, why))?;
+        type Lay = fn(&mut Catalogue, Table) -> Result<(), String>;
+        let kinds: [(_, Lay); 2] = [
+            (read.provider, Catalogue::lay_provider),
+            (read.model, Catalogue::lay_model),
+        ];
+        for (entries, lay) in kinds {
+            for entry in entries {
+                let start = entry.span().start;
+                lay(&mut self, entry.into_inner()).map_err(|why| wrong(start, why))?;
+            }
         }
         Ok(self)
     }
@@ -259,12 +260,11 @@ impl Catalogue {
 
     /// Finds a model by `PROVIDER:NAME`; for a name that matches no entry nothing is known.
     pub fn find(&self, model: &str) -> Result<Profile, CatalogueError> {
-        let no_model = || CatalogueError::NoModel(model.chars().take(80).collect());
-        let (provider, id) = model.split_once(':').ok_or_else(no_model)?;
+        let split = model.split_once(':');
+        let split = split.filter(|(_, id)| !id.is_empty() && !id.chars().any(char::is_control));
+        let (provider, id) =
+            split.ok_or_else(|| CatalogueError::NoModel(model.chars().take(80).collect()))?;
         let provider = self.provider(provider)?;
-        if id.is_empty() || id.chars().any(char::is_control) {
-            return Err(no_model());
-        }
         let (facts, _) = self.known(Some(provider), id);
         let of_provider = |entry: &&Entry| entry.head.provider.as_deref() == Some(provider.owner());
         let ids = self.entries.iter().filter(of_provider);
@@ -285,15 +285,13 @@ impl Catalogue {
         let mut listed: Vec<Listed> = Vec::new();
         for head in heads {
             let owner = head.provider.as_deref();
-            if let (Some(wanted), Some(owner)) = (wanted, owner)
-                && wanted.owner() != owner
-            {
+            if wanted.is_some_and(|wanted| owner.is_some_and(|owner| wanted.owner() != owner)) {
                 continue;
             }
             let provider = owner.and_then(|owner| wanted.or(self.provider(owner).ok()));
-            let (name, end) = match (&head.id, head.family.first()) {
-                (Some(id), _) => (id.as_str(), ""),
-                (None, family) => (family.map_or("", String::as_str), "*"),
+            let (name, end) = match &head.id {
+                Some(id) => (id.as_str(), ""),
+                None => (head.family[0].as_str(), "*"),
             };
             let at = provider.map_or(String::new(), |provider| format!("{}:", provider.name));
             let model = format!("{at}{name}{end}");
@@ -371,13 +369,8 @@ fn fit(head: &Head, id: &str) -> Option<usize> {
 /// Returns an id, or the beginning of one, in lower case and with `-` for each separator.
 fn comparable(id: &str) -> String {
     let id = id.chars().flat_map(char::to_lowercase);
-    let separated = id.map(|c| {
-        if c.is_alphanumeric() || c == '.' {
-            c
-        } else {
-            '-'
-        }
-    });
+    let is_separator = |c: &char| !c.is_alphanumeric() && *c != '.';
+    let separated = id.map(|c| if is_separator(&c) { '-' } else { c });
     separated.collect()
 }
 

@@ -122,11 +122,21 @@ impl fmt::Debug for Key {
 
 /// Reads a key file.
 fn entries(path: &Path) -> Result<BTreeMap<String, String>, KeyError> {
-    refuse_open_file(path)?;
-    let text = files::read_text(path, MAX_FILE_BYTES).map_err(|why| KeyError::Unreadable {
+    let unreadable = |why: String| KeyError::Unreadable {
         path: path.to_owned(),
         why,
-    })?;
+    };
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        let information = std::fs::metadata(path).map_err(|error| unreadable(error.to_string()))?;
+        let mode = information.permissions().mode() & 0o777;
+        if information.is_file() && mode & 0o077 != 0 {
+            let path = path.to_owned();
+            return Err(KeyError::Open { path, mode });
+        }
+    }
+    let text = files::read_text(path, MAX_FILE_BYTES).map_err(unreadable)?;
     let wrong_at = |start: usize| KeyError::NotAList {
         path: path.to_owned(),
         line: line_of(&text, start),
@@ -143,28 +153,6 @@ fn entries(path: &Path) -> Result<BTreeMap<String, String>, KeyError> {
     Ok(entries
         .map(|(name, value)| (name.into_inner(), value))
         .collect())
-}
-
-#[cfg(unix)]
-fn refuse_open_file(path: &Path) -> Result<(), KeyError> {
-    use std::os::unix::fs::PermissionsExt;
-    let information = std::fs::metadata(path).map_err(|error| KeyError::Unreadable {
-        path: path.to_owned(),
-        why: error.to_string(),
-    })?;
-    let mode = information.permissions().mode() & 0o777;
-    if information.is_file() && mode & 0o077 != 0 {
-        return Err(KeyError::Open {
-            path: path.to_owned(),
-            mode,
-        });
-    }
-    Ok(())
-}
-
-#[cfg(not(unix))]
-fn refuse_open_file(_: &Path) -> Result<(), KeyError> {
-    Ok(())
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 //! In: a server's address, wire format and key. Out: the ids in the reply to `GET /models`, which every wire format has; or
 //! why there are none. It asks no model and is not billed: one short reply, within a few seconds.
 
-use super::transport::{Incoming, Obstacle, Transport, TransportError};
+use super::transport::{Incoming, Obstacle, Transport};
 use super::wire::error::ErrorBody;
 use super::{Key, Redactor, Settings, headers, status};
 use fab_base::interrupt::Interrupt;
@@ -70,24 +70,21 @@ pub fn served_models(
 
 /// Asks through a transport that is there already.
 pub(super) fn ask(settings: &Settings, transport: &Transport, interrupt: &Interrupt) -> Served {
-    let url = settings.base_url.models(settings.wire);
-    let version = settings.wire.version_header();
-    let headers = headers(settings, version.as_slice());
+    let wire = settings.profile.provider.wire;
+    let url = settings.base_url.models(wire);
+    let headers = headers(settings, wire.version_header().as_slice());
     match transport.get(&url, &headers, (MAX_BYTES, TIMEOUT), interrupt) {
         Ok(incoming) => read(&incoming),
-        Err(TransportError::Failed(nothing)) if nothing.obstacle == Obstacle::Refused => {
-            Err(NotListed::Absent)
-        }
-        Err(TransportError::Failed(nothing)) => Err(NotListed::Unreachable(nothing.words)),
-        Err(TransportError::Interrupted) => Err(NotListed::Unreachable("interrupted".to_owned())),
+        Err(nothing) if nothing.obstacle == Obstacle::Refused => Err(NotListed::Absent),
+        Err(nothing) => Err(NotListed::Unreachable(nothing.words)),
     }
 }
 
 fn read(incoming: &Incoming) -> Served {
     let status = incoming.status;
     if status != 200 {
-        let refusal = status::judge(status, &ErrorBody::of_bytes(&incoming.body));
-        return Err(match refusal.fault {
+        let (fault, _) = status::judge(status, &ErrorBody::of_bytes(&incoming.body));
+        return Err(match fault {
             Fault::NotAuthorised => NotListed::Unauthorised { status },
             _ => NotListed::Other(format!("HTTP {status}")),
         });

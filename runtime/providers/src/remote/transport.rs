@@ -55,14 +55,6 @@ pub(super) struct Incoming {
     pub body: Vec<u8>,
 }
 
-/// Why there is no reply.
-pub(super) enum TransportError {
-    /// The user stopped it.
-    Interrupted,
-    /// Something failed.
-    Failed(NoReply),
-}
-
 /// What failed, and the system's words for it.
 pub(super) struct NoReply {
     pub obstacle: Obstacle,
@@ -88,16 +80,37 @@ pub(super) enum Obstacle {
     Cut,
     /// The reply is longer than the limit.
     TooLong,
+    /// The user stopped it.
+    Interrupted,
 }
 
 impl Obstacle {
-    /// Returns the fault, and whether the call may be billed.
-    pub(super) fn fault(self) -> (Fault, Billing) {
+    /// Returns what happened in words, the fault, and whether the call may be billed.
+    pub(super) fn meaning(self) -> (&'static str, Fault, Billing) {
+        use Billing::{No, Possibly};
+        use Fault::{ConnectionCut, InvalidReply, TimedOut, Unreachable};
         match self {
-            Obstacle::Timeout => (Fault::TimedOut, Billing::Possibly),
-            Obstacle::NoHttp | Obstacle::Cut => (Fault::ConnectionCut, Billing::Possibly),
-            Obstacle::TooLong => (Fault::InvalidReply, Billing::Possibly),
-            _ => (Fault::Unreachable, Billing::No),
+            Obstacle::Refused => ("the connection was refused", Unreachable, No),
+            Obstacle::Unconnected => ("no connection could be made", Unreachable, No),
+            Obstacle::Certificate => {
+                let words = "the server's certificate is not trusted";
+                (words, Unreachable, No)
+            }
+            Obstacle::Tls => ("no encrypted connection could be made", Unreachable, No),
+            Obstacle::Timeout => ("no complete reply came in time", TimedOut, Possibly),
+            Obstacle::NoHttp => ("the reply is not HTTP", ConnectionCut, Possibly),
+            Obstacle::Cut => {
+                let words = "the connection ended before the reply was complete";
+                (words, ConnectionCut, Possibly)
+            }
+            Obstacle::TooLong => {
+                let words = "the reply is longer than the limit";
+                (words, InvalidReply, Possibly)
+            }
+            Obstacle::Interrupted => {
+                let words = "interrupted before the whole answer was there";
+                (words, ConnectionCut, Possibly)
+            }
         }
     }
 
@@ -167,7 +180,7 @@ impl Transport {
         headers: &HeaderMap,
         body: &[u8],
         interrupt: &Interrupt,
-    ) -> Result<Incoming, TransportError> {
+    ) -> Result<Incoming, NoReply> {
         let request = self.client.post(url.clone()).headers(headers.clone());
         self.send(request.body(body.to_vec()), MAX_REPLY_BYTES, interrupt)
     }
@@ -179,7 +192,7 @@ impl Transport {
         headers: &HeaderMap,
         (max_bytes, timeout): (usize, Duration),
         interrupt: &Interrupt,
-    ) -> Result<Incoming, TransportError> {
+    ) -> Result<Incoming, NoReply> {
         let request = self.client.get(url.clone()).headers(headers.clone());
         self.send(request.timeout(timeout), max_bytes, interrupt)
     }
@@ -202,10 +215,12 @@ impl Transport {
         request: RequestBuilder,
         max_bytes: usize,
         interrupt: &Interrupt,
-    ) -> Result<Incoming, TransportError> {
+    ) -> Result<Incoming, NoReply> {
         let whole = self.wait(self.exchange(request, max_bytes), interrupt);
-        let whole = whole.ok_or(TransportError::Interrupted)?;
-        whole.map_err(TransportError::Failed)
+        whole.unwrap_or(Err(NoReply {
+            obstacle: Obstacle::Interrupted,
+            words: "interrupted".to_owned(),
+        }))
     }
 
     async fn exchange(
