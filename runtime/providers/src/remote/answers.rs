@@ -12,9 +12,6 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-/// Format of the cached files; other formats are ignored.
-const FORMAT: u32 = 1;
-
 /// Cached answers by key; shared by all rollouts.
 #[derive(Debug)]
 pub struct Answers {
@@ -25,9 +22,7 @@ pub struct Answers {
 
 /// A cached answer.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub(super) struct Cached {
-    format: u32,
     pub text: String,
     pub usage: Option<Usage>,
 }
@@ -75,7 +70,9 @@ impl Answers {
             }
             if !asked.contains(&key) {
                 // Under the lock, so nobody can ask between lookup and claim.
-                if let Some(kept) = self.read(&key) {
+                let kept = self.cache.get(&key);
+                let kept = kept.and_then(|bytes| serde_json::from_slice(&bytes).ok());
+                if let Some(kept) = kept {
                     return Lookup::Cached(kept);
                 }
                 asked.insert(key.clone());
@@ -84,11 +81,6 @@ impl Answers {
             let waited = self.settled.wait_timeout(asked, INTERRUPT_POLL);
             asked = waited.unwrap_or_else(PoisonError::into_inner).0;
         }
-    }
-
-    fn read(&self, key: &str) -> Option<Cached> {
-        let kept: Cached = serde_json::from_slice(&self.cache.get(key)?).ok()?;
-        (kept.format == FORMAT).then_some(kept)
     }
 
     fn asked(&self) -> MutexGuard<'_, BTreeSet<String>> {
@@ -100,7 +92,6 @@ impl Claim<'_> {
     /// Caches the answer.
     pub(super) fn keep(&self, text: &str, usage: Option<Usage>) {
         let kept = Cached {
-            format: FORMAT,
             text: text.to_owned(),
             usage,
         };

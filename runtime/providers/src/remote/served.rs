@@ -9,7 +9,7 @@ use super::{Key, Redactor, Settings, headers, status};
 use fab_base::interrupt::Interrupt;
 use fab_base::wording::shown;
 use fab_model::calls::Fault;
-use serde::Deserialize;
+use serde_json::Value;
 use std::time::Duration;
 
 /// The longest list accepted, bytes; that of a gateway before many vendors has about 300 KB.
@@ -38,21 +38,6 @@ pub enum NotListed {
     Absent,
     /// It does not answer.
     Unreachable(String),
-}
-
-/// A list; Gemini calls it `models`, and llama.cpp sends both. Ollama without a model has `null` there.
-#[derive(Deserialize)]
-struct List {
-    object: Option<String>,
-    data: Option<Vec<Entry>>,
-    models: Option<Vec<Entry>>,
-}
-
-/// An entry; Gemini calls its id `name`, and begins it with `models/`.
-#[derive(Deserialize)]
-struct Entry {
-    id: Option<String>,
-    name: Option<String>,
 }
 
 /// Returns the ids of the models that a server says it serves, in its order.
@@ -89,17 +74,19 @@ fn read(incoming: &Incoming) -> Served {
             _ => NotListed::Other(format!("HTTP {status}")),
         });
     }
-    let list = serde_json::from_slice::<List>(&incoming.body).ok();
-    let entries = list.and_then(|list| {
-        let is_list = list.object.as_deref() == Some("list");
-        list.data.or(list.models).or(is_list.then(Vec::new))
-    });
-    let Some(entries) = entries else {
-        return Err(NotListed::Other("a reply that lists no models".to_owned()));
+    let list: Value = serde_json::from_slice(&incoming.body).unwrap_or_default();
+    // Gemini calls it `models`, and llama.cpp sends both. Ollama without a model has `null` there.
+    let lists = [&list["data"], &list["models"]];
+    let Some(entries) = lists.into_iter().find_map(Value::as_array) else {
+        return match list["object"].as_str() {
+            Some("list") => Ok(Vec::new()),
+            _ => Err(NotListed::Other("a reply that lists no models".to_owned())),
+        };
     };
-    let ids = entries.into_iter().filter_map(|entry| {
-        let id = entry.id.or(entry.name)?;
-        Some(shown(id.strip_prefix("models/").unwrap_or(&id), MAX_ID))
+    let ids = entries.iter().filter_map(|entry| {
+        // Gemini's begin with `models/`.
+        let id = entry["id"].as_str().or(entry["name"].as_str())?;
+        Some(shown(id.strip_prefix("models/").unwrap_or(id), MAX_ID))
     });
     Ok(ids.collect())
 }

@@ -4,11 +4,10 @@
 
 use super::content::{base64, framed, stated, turn};
 use super::error::refuse_error;
-use super::{Answer, Ending, Failure, Sent, Unfit, count, read};
+use super::{Answer, Ending, Failure, Sent, Unfit, count, elements, read};
 use fab_model::calls::Usage;
 use fab_model::{Message, Part, Reasoning};
 use fab_program::ReasoningLevel;
-use serde::Deserialize;
 use serde_json::{Value, json};
 
 /// The version that accepts sampling parameters; it also lists models.
@@ -66,31 +65,6 @@ fn blocks(message: &Message) -> Value {
     blocks.collect()
 }
 
-#[derive(Deserialize)]
-struct Reply {
-    content: Option<Vec<ContentBlock>>,
-    stop_reason: Option<String>,
-    stop_details: Option<Details>,
-    usage: Option<Value>,
-    error: Option<Value>,
-}
-
-#[derive(Deserialize)]
-struct Details {
-    explanation: Option<String>,
-}
-
-#[derive(Deserialize)]
-#[serde(tag = "type", rename_all = "snake_case")]
-enum ContentBlock {
-    Text {
-        text: String,
-    },
-    ToolUse {},
-    #[serde(other)]
-    Other,
-}
-
 fn usage(bill: &Value) -> Option<Usage> {
     let cached = count(bill, "/cache_read_input_tokens").unwrap_or(0);
     let written = count(bill, "/cache_creation_input_tokens").unwrap_or(0);
@@ -105,19 +79,22 @@ fn usage(bill: &Value) -> Option<Usage> {
 }
 
 pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
-    let reply: Reply = read(bytes)?;
-    let usage = reply.usage.as_ref().and_then(usage);
-    refuse_error(reply.error.as_ref(), usage)?;
+    let reply = read(bytes)?;
+    let usage = usage(&reply["usage"]);
+    refuse_error(&reply["error"], usage)?;
+    let explanation = reply["stop_details"]["explanation"].as_str();
     let mut ending = Ending {
-        reason: reply.stop_reason.as_deref(),
-        explanation: reply.stop_details.and_then(|details| details.explanation),
+        reason: reply["stop_reason"].as_str(),
+        explanation: explanation.map(str::to_owned),
         ..Ending::default()
     };
-    for said in reply.content.unwrap_or_default() {
-        match said {
-            ContentBlock::Text { text } => ending.text.push_str(&text),
-            ContentBlock::ToolUse {} => ending.is_tool_call = true,
-            ContentBlock::Other => {}
+    for block in elements(&reply["content"]) {
+        match block["type"].as_str() {
+            Some("text") => ending
+                .text
+                .push_str(block["text"].as_str().unwrap_or_default()),
+            Some("tool_use") => ending.is_tool_call = true,
+            _ => {}
         }
     }
     ending.answer(usage)

@@ -162,13 +162,12 @@ impl ErrorBody {
 /// Fails if `error` in a reply with status 200 says that something went wrong.
 ///
 /// Some servers send an empty one beside an answer.
-pub(super) fn refuse_error(error: Option<&Value>, usage: Option<Usage>) -> Result<(), Failure> {
-    let is_empty =
-        |error: &Value| ["null", "false", "\"\"", "[]", "{}"].contains(&error.to_string().as_str());
-    match error.filter(|error| !is_empty(error)) {
-        Some(error) => Err(ErrorBody::of(error).failure(usage)),
-        None => Ok(()),
+pub(super) fn refuse_error(error: &Value, usage: Option<Usage>) -> Result<(), Failure> {
+    let empty = ["null", "false", "\"\"", "[]", "{}"];
+    if empty.contains(&error.to_string().as_str()) {
+        return Ok(());
     }
+    Err(ErrorBody::of(error).failure(usage))
 }
 
 /// Returns a provider's words as they are repeated: on one line, and not at any length.

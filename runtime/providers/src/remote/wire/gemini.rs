@@ -4,11 +4,10 @@
 
 use super::content::{base64, framed, stated, words};
 use super::error::{refuse_error, repeated};
-use super::{Answer, Ending, Failure, Sent, Unfit, count, read};
+use super::{Answer, Ending, Failure, Sent, Unfit, count, elements, read};
 use fab_model::calls::{Fault, Usage};
 use fab_model::{Message, Part, Reasoning, Speaker};
 use fab_program::ReasoningLevel;
-use serde::Deserialize;
 use serde_json::{Value, json};
 
 pub(super) fn body(messages: &[Message], sent: Sent) -> Result<Value, Unfit> {
@@ -48,42 +47,6 @@ fn content(message: &Message) -> Result<Value, Unfit> {
     Ok(json!({ "role": role, "parts": parts.collect::<Value>() }))
 }
 
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct Reply {
-    candidates: Option<Vec<Candidate>>,
-    prompt_feedback: Option<Feedback>,
-    usage_metadata: Option<Value>,
-    error: Option<Value>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct Candidate {
-    content: Option<AnswerContent>,
-    finish_reason: Option<String>,
-    finish_message: Option<String>,
-}
-
-#[derive(Deserialize)]
-struct AnswerContent {
-    parts: Option<Vec<AnswerPart>>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct AnswerPart {
-    text: Option<String>,
-    thought: Option<bool>,
-    function_call: Option<Value>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct Feedback {
-    block_reason: Option<String>,
-}
-
 fn usage(bill: &Value) -> Option<Usage> {
     let hidden = count(bill, "/thoughtsTokenCount");
     // Hidden reasoning is counted separately from the answer.
@@ -97,30 +60,29 @@ fn usage(bill: &Value) -> Option<Usage> {
 }
 
 pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
-    let reply: Reply = read(bytes)?;
-    let usage = reply.usage_metadata.as_ref().and_then(usage);
-    refuse_error(reply.error.as_ref(), usage)?;
-    if let Some(reason) = reply.prompt_feedback.and_then(|said| said.block_reason) {
-        let reason = repeated(&reason);
+    let reply = read(bytes)?;
+    let usage = usage(&reply["usageMetadata"]);
+    refuse_error(&reply["error"], usage)?;
+    if let Some(reason) = reply["promptFeedback"]["blockReason"].as_str() {
+        let reason = repeated(reason);
         let why = format!("the provider's filter refused the question: `{reason}`");
         return Err(Failure::new(Fault::ContentFiltered, why, usage));
     }
-    let Some(candidate) = reply.candidates.unwrap_or_default().into_iter().next() else {
+    let candidate = &reply["candidates"][0];
+    if !candidate.is_object() {
         let why = "the reply holds no candidate";
         return Err(Failure::new(Fault::InvalidReply, why, usage));
-    };
+    }
     let mut ending = Ending {
-        reason: candidate.finish_reason.as_deref(),
-        explanation: candidate.finish_message,
+        reason: candidate["finishReason"].as_str(),
+        explanation: candidate["finishMessage"].as_str().map(str::to_owned),
         ..Ending::default()
     };
-    let parts = candidate.content.and_then(|content| content.parts);
-    for part in parts.unwrap_or_default() {
-        ending.is_tool_call |= part.function_call.is_some();
-        if part.thought != Some(true) {
-            ending
-                .text
-                .push_str(part.text.as_deref().unwrap_or_default());
+    for part in elements(&candidate["content"]["parts"]) {
+        ending.is_tool_call |= part["functionCall"].is_object();
+        if part["thought"] != true {
+            let text = part["text"].as_str();
+            ending.text.push_str(text.unwrap_or_default());
         }
     }
     ending.answer(usage)

@@ -15,9 +15,8 @@ use super::settings::{Lengths, Parameter, Settings};
 use crate::catalogue::{Accepted, Wire};
 use fab_model::calls::{Fault, Usage};
 use fab_model::{Reasoning, Request, Speaker};
-use serde::de::DeserializeOwned;
-use serde_json::Value;
 use serde_json::error::Category;
+use serde_json::{Map, Value};
 
 /// An encoded question.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -243,8 +242,8 @@ impl Failure {
 ///
 /// Hidden tokens are added where a server counts them beside those of the answer, and not in them. That is certain if there
 /// are more of them, or if only then the sum is the reported total.
-fn openai_usage(bill: Option<&Value>, [input, output]: [&str; 2]) -> Option<Usage> {
-    let count = |name: String| count(bill?, &name);
+fn openai_usage(bill: &Value, [input, output]: [&str; 2]) -> Option<Usage> {
+    let count = |name: String| count(bill, &name);
     let input_tokens = count(format!("/{input}_tokens"))?;
     let visible = count(format!("/{output}_tokens")).unwrap_or(0);
     let reasoning_tokens = count(format!("/{output}_tokens_details/reasoning_tokens"));
@@ -359,8 +358,15 @@ fn fault_of_end(reason: &str) -> Option<Fault> {
 }
 
 /// Reads a reply with status 200.
-fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Failure> {
-    serde_json::from_slice(bytes).map_err(|error| Failure::invalid(&error))
+fn read(bytes: &[u8]) -> Result<Value, Failure> {
+    let read = serde_json::from_slice::<Map<String, Value>>(bytes);
+    read.map(Value::from)
+        .map_err(|error| Failure::invalid(&error))
+}
+
+/// Returns the elements of a list; none if it is something else.
+fn elements(list: &Value) -> impl Iterator<Item = &Value> {
+    list.as_array().into_iter().flatten()
 }
 
 #[cfg(test)]

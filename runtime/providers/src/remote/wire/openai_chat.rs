@@ -5,11 +5,10 @@
 
 use super::content::{data_url, stated, turn};
 use super::error::{refuse_error, repeated};
-use super::{Answer, Ending, Failure, Sent, Unfit, openai_usage, read};
+use super::{Answer, Ending, Failure, Sent, Unfit, elements, openai_usage, read};
 use crate::catalogue::{Facts, MaxTokensField};
 use fab_model::calls::Fault;
 use fab_model::{Message, Part, Reasoning};
-use serde::Deserialize;
 use serde_json::{Value, json};
 
 /// - `tokens_field`: the server's own name for a number of hidden tokens.
@@ -58,79 +57,38 @@ fn asked(message: &Message) -> Value {
     pieces.collect()
 }
 
-#[derive(Deserialize)]
-struct Completion {
-    choices: Option<Vec<Choice>>,
-    usage: Option<Value>,
-    error: Option<Value>,
-}
-
-#[derive(Deserialize)]
-struct Choice {
-    message: Option<AnswerMessage>,
-    finish_reason: Option<String>,
-    /// Some gateways put a provider's error here, in a reply with status 200.
-    error: Option<Value>,
-}
-
-#[derive(Deserialize)]
-struct AnswerMessage {
-    content: Option<Text>,
-    refusal: Option<String>,
-    tool_calls: Option<Vec<Value>>,
-    function_call: Option<Value>,
-    /// llama.cpp's and older vLLM's name for thoughts.
-    reasoning_content: Option<Value>,
-    /// Newer vLLM's, Ollama's and OpenRouter's name.
-    reasoning: Option<Value>,
-}
-
-/// Text as a string or, from some servers, in pieces.
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum Text {
-    Whole(String),
-    Pieces(Vec<TextPiece>),
-}
-
-#[derive(Deserialize)]
-struct TextPiece {
-    text: Option<String>,
-}
-
 pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
-    let completion: Completion = read(bytes)?;
-    let usage = openai_usage(completion.usage.as_ref(), ["prompt", "completion"]);
-    refuse_error(completion.error.as_ref(), usage)?;
-    let choice = completion.choices.unwrap_or_default().into_iter().next();
-    let error = choice.as_ref().and_then(|choice| choice.error.as_ref());
-    refuse_error(error, usage)?;
-    let Some(Choice {
-        message: Some(said),
-        finish_reason,
-        ..
-    }) = choice
-    else {
+    let reply = read(bytes)?;
+    let usage = openai_usage(&reply["usage"], ["prompt", "completion"]);
+    refuse_error(&reply["error"], usage)?;
+    let choice = &reply["choices"][0];
+    // Some gateways put a provider's error here, in a reply with status 200.
+    refuse_error(&choice["error"], usage)?;
+    let said = &choice["message"];
+    if !said.is_object() {
         let why = "the reply holds no choice with a message";
         return Err(Failure::new(Fault::InvalidReply, why, usage));
-    };
-    if let Some(refusal) = said.refusal.filter(|refusal| !refusal.is_empty()) {
-        return Err(Failure::new(Fault::Refused, repeated(&refusal), usage));
     }
-    let text = match said.content {
-        None => String::new(),
-        Some(Text::Whole(text)) => text,
-        Some(Text::Pieces(pieces)) => pieces.into_iter().filter_map(|piece| piece.text).collect(),
+    if let Some(refusal) = said["refusal"].as_str().filter(|it| !it.is_empty()) {
+        return Err(Failure::new(Fault::Refused, repeated(refusal), usage));
+    }
+    // A string or, from some servers, pieces.
+    let text = match &said["content"] {
+        Value::String(text) => text.clone(),
+        pieces => elements(pieces)
+            .filter_map(|it| it["text"].as_str())
+            .collect(),
     };
-    let named = |name, text: Option<Value>| Some((name, text?.as_str()?.to_owned()));
-    let reasoning = named("reasoning_content", said.reasoning_content);
+    let named = |name| Some((name, said[name].as_str()?.to_owned()));
+    // llama.cpp's and older vLLM's name for thoughts; that of newer vLLM, Ollama and OpenRouter.
+    let reasoning = named("reasoning_content").or_else(|| named("reasoning"));
     let ending = Ending {
         text,
-        reason: finish_reason.as_deref(),
+        reason: choice["finish_reason"].as_str(),
         explanation: None,
-        reasoning: reasoning.or_else(|| named("reasoning", said.reasoning)),
-        is_tool_call: said.tool_calls.is_some_and(|calls| !calls.is_empty())
-            || said.function_call.is_some(),
+        reasoning,
+        is_tool_call: elements(&said["tool_calls"]).next().is_some()
+            || said["function_call"].is_object(),
     };
     ending.answer(usage)
 }

@@ -4,10 +4,9 @@
 
 use super::content::{BETWEEN, data_url, stated, turn};
 use super::error::{refuse_error, repeated};
-use super::{Answer, Ending, Failure, Sent, Unfit, fault_of_end, openai_usage, read};
+use super::{Answer, Ending, Failure, Sent, Unfit, elements, fault_of_end, openai_usage, read};
 use fab_model::calls::Fault;
 use fab_model::{Message, Part, Reasoning};
-use serde::Deserialize;
 use serde_json::{Value, json};
 
 pub(super) fn body(model: &str, messages: &[Message], sent: Sent) -> Result<Value, Unfit> {
@@ -42,72 +41,36 @@ fn pieces(message: &Message) -> Value {
     pieces.collect()
 }
 
-#[derive(Deserialize)]
-struct Response {
-    status: Option<String>,
-    error: Option<Value>,
-    incomplete_details: Option<Incomplete>,
-    output: Option<Vec<Item>>,
-    usage: Option<Value>,
-}
-
-#[derive(Deserialize)]
-struct Incomplete {
-    reason: Option<String>,
-}
-
-#[derive(Deserialize)]
-struct Item {
-    r#type: String,
-    status: Option<String>,
-    phase: Option<String>,
-    content: Option<Vec<ContentPart>>,
-}
-
-#[derive(Deserialize)]
-#[serde(tag = "type", rename_all = "snake_case")]
-enum ContentPart {
-    OutputText {
-        text: String,
-    },
-    Refusal {
-        refusal: String,
-    },
-    #[serde(other)]
-    Other,
-}
-
 pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
-    let response: Response = read(bytes)?;
-    let usage = openai_usage(response.usage.as_ref(), ["input", "output"]);
-    refuse_error(response.error.as_ref(), usage)?;
-    let details = response.incomplete_details;
-    let named = details.as_ref().and_then(|it| it.reason.as_deref());
-    let mut end = match response.status.as_deref() {
+    let reply = read(bytes)?;
+    let usage = openai_usage(&reply["usage"], ["input", "output"]);
+    refuse_error(&reply["error"], usage)?;
+    let named = reply["incomplete_details"]["reason"].as_str();
+    let mut end = match reply["status"].as_str() {
         Some("incomplete") => named
             .filter(|it| fault_of_end(it).is_some())
             .or(Some("incomplete")),
         status => status,
     };
-    let output = response.output.unwrap_or_default();
-    let is_tool_call = output.iter().any(|item| item.r#type.ends_with("_call"));
-    // Remarks on the way to the answer are no part of it.
-    let is_answer =
-        |item: &Item| item.r#type == "message" && item.phase.as_deref() != Some("commentary");
-    let mut texts = Vec::new();
-    for message in output.into_iter().filter(is_answer) {
+    let (mut texts, mut is_tool_call) = (Vec::new(), false);
+    for item in elements(&reply["output"]) {
+        let kind = item["type"].as_str().unwrap_or_default();
+        is_tool_call |= kind.ends_with("_call");
+        // Remarks on the way to the answer are no part of it.
+        if kind != "message" || item["phase"] == "commentary" {
+            continue;
+        }
         // Some gateways leave out the status of the whole.
-        if message.status.as_deref() == Some("incomplete") {
+        if item["status"] == "incomplete" {
             end = end.or(Some("incomplete"));
         }
         let mut text = String::new();
-        for said in message.content.unwrap_or_default() {
-            match said {
-                ContentPart::OutputText { text: more } => text.push_str(&more),
-                ContentPart::Refusal { refusal } => {
-                    return Err(Failure::new(Fault::Refused, repeated(&refusal), usage));
-                }
-                ContentPart::Other => {}
+        for part in elements(&item["content"]) {
+            if let Some(refusal) = part["refusal"].as_str() {
+                return Err(Failure::new(Fault::Refused, repeated(refusal), usage));
+            }
+            if part["type"] == "output_text" {
+                text.push_str(part["text"].as_str().unwrap_or_default());
             }
         }
         texts.push(text);
