@@ -17,9 +17,6 @@ use std::num::NonZeroU32;
 pub struct Facts {
     /// Whether it takes pictures.
     pub vision: Option<bool>,
-    /// Whether a message may hold several pictures.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub several_pictures: Option<bool>,
     /// Whether it supports a JSON Schema for its answer.
     pub structured_output: Option<bool>,
     /// The sampling temperatures that it accepts.

@@ -42,37 +42,18 @@ const OF_THE_INTERFACE: [&str; 3] = ["price", "structured_output", "max_tokens_f
 /// Why facts cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CatalogueError {
-    /// The file cannot be read.
-    #[error("cannot read `{file}`: {why}")]
-    Unreadable {
-        /// The file.
-        file: String,
-        /// The system's error.
-        why: String,
-    },
-    /// It is not TOML, or an entry is wrong.
-    #[error("`{file}`, line {line}: {why}")]
-    Wrong {
-        /// The file.
-        file: String,
-        /// Where the fault or the entry with the fault begins, from 1.
-        line: usize,
-        /// What is wrong, and what would be right.
-        why: String,
-    },
+    /// The file cannot be read, with the system's error.
+    #[error("cannot read `{0}`: {1}")]
+    Unreadable(String, String),
+    /// The file is not TOML, or the entry that begins in this line is wrong, and why.
+    #[error("`{0}`, line {1}: {2}")]
+    Wrong(String, usize, String),
     /// A model name is not in the form PROVIDER:NAME.
     #[error("`{0}` is not a model; write PROVIDER:NAME, on one line")]
     NoModel(String),
-    /// There is no such provider.
-    #[error("there is no provider `{name}`{near}; there is {among}", near = meant(near.as_deref()))]
-    NoProvider {
-        /// The requested name.
-        name: String,
-        /// The one that was probably meant.
-        near: Option<String>,
-        /// All providers.
-        among: String,
-    },
+    /// There is no such provider; with the one that was probably meant, and all of them.
+    #[error("there is no provider `{0}`{near}; there is {2}", near = meant(.1.as_deref()))]
+    NoProvider(String, Option<String>, String),
 }
 
 /// Everything known about models.
@@ -172,10 +153,8 @@ impl Catalogue {
     ///
     /// `file` names it in errors.
     pub fn overlaid(mut self, text: &str, file: &str) -> Result<Catalogue, CatalogueError> {
-        let wrong = |offset: usize, why: String| CatalogueError::Wrong {
-            file: file.to_owned(),
-            line: line_of(text, offset),
-            why,
+        let wrong = |start: usize, why: String| {
+            CatalogueError::Wrong(file.to_owned(), line_of(text, start), why)
         };
         // Only the message: an excerpt of the file could show a key.
         let read: File = toml::from_str(text).map_err(|error| {
@@ -200,25 +179,22 @@ impl Catalogue {
     pub fn overlaid_by(self, path: &Path) -> Result<Catalogue, CatalogueError> {
         let name = path.display().to_string();
         let text = files::read_text(path, MAX_BYTES);
-        let text = text.map_err(|why| CatalogueError::Unreadable {
-            file: name.clone(),
-            why,
-        })?;
-        self.overlaid(&text, &name)
+        let text = text.map_err(|why| CatalogueError::Unreadable(name.clone(), why));
+        self.overlaid(&text?, &name)
     }
 
     fn lay_provider(&mut self, changes: Table) -> Result<(), String> {
         let name = changes.get("name").and_then(|name| name.as_str());
-        let before = { self.providers.iter() }.position(|it| Some(it.name.as_str()) == name);
-        let mut table = match before {
-            Some(index) => Table::try_from(&self.providers[index]).map_err(|it| it.to_string())?,
-            None => Table::new(),
-        };
+        let mut table = Table::new();
+        let before = self.provider(name.unwrap_or_default()).ok();
+        if let Some(before) = before {
+            table = Table::try_from(before).map_err(|error| error.to_string())?;
+        }
         table.extend(changes);
         let provider: Provider = from_table(table)?;
         provider.check()?;
-        match before {
-            Some(index) => self.providers[index] = provider,
+        match { self.providers.iter_mut() }.find(|it| it.name == provider.name) {
+            Some(before) => *before = provider,
             None => self.providers.push(provider),
         }
         Ok(())
@@ -251,10 +227,10 @@ impl Catalogue {
     pub fn provider(&self, name: &str) -> Result<&Provider, CatalogueError> {
         let names = || self.providers.iter().map(|provider| provider.name.as_str());
         let found = self.providers.iter().find(|provider| provider.name == name);
-        found.ok_or_else(|| CatalogueError::NoProvider {
-            name: name.chars().take(40).collect(),
-            near: nearest(name, names()).map(str::to_owned),
-            among: among(names()),
+        found.ok_or_else(|| {
+            let near = nearest(name, names()).map(str::to_owned);
+            let name = name.chars().take(40).collect();
+            CatalogueError::NoProvider(name, near, among(names()))
         })
     }
 

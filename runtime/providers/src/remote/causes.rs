@@ -120,12 +120,12 @@ const CAUSES: &[Cause] = &[
         help: "fabc asks again by itself; if that does not suffice, the log of the server at `{address}` says why",
     },
     Cause {
-        applies: |e| e.failed.fault == Fault::InvalidReply && is_empty(e),
+        applies: is_empty,
         cause: "all of the model's text went into its reasoning, or it ended at once",
         help: "let the server leave it in the answer (llama.cpp: `--reasoning-format none`, or `--reasoning-budget 0` for no thoughts; vLLM: another `--reasoning-parser`, or none), ask with `--reasoning none`, or allow more `tokens`",
     },
     Cause {
-        applies: |e| e.failed.fault == Fault::InvalidReply && has_another_form(e),
+        applies: |e| has_problem(e, "the reply ") || has_problem(e, "the answer is empty"),
         cause: "the reply is not in the form of {interface}; it may come from another interface, a streaming server, a login page or a proxy",
         help: "check the base URL {base}, choose the provider whose interface the server speaks (`fabc models --help`), or look into the log of the server",
     },
@@ -245,12 +245,6 @@ fn is_empty(exchange: &Exchange<'_>) -> bool {
     let is_chat = exchange.settings.profile.provider.wire == Wire::OpenaiChat;
     let has_form = is_chat || !exchange.says(&["chat.completion"]);
     has_form && has_problem(exchange, "the answer is empty")
-}
-
-/// Returns whether a reply is not of the form that the interface promises. Without it, no text is found.
-fn has_another_form(exchange: &Exchange<'_>) -> bool {
-    let is_blank = has_problem(exchange, "the answer is empty");
-    has_problem(exchange, "the reply ") || is_blank && !is_empty(exchange)
 }
 
 /// Returns whether what is wrong with a reply of status 200 begins so.

@@ -93,7 +93,7 @@ impl Exchange<'_> {
         let (headline, reply) = match &self.failed.reply {
             Ok(incoming) => (self.headline(incoming.status), described(incoming)),
             Err(nothing) => (
-                nothing.obstacle.meaning().0.to_owned(),
+                nothing.obstacle.words().to_owned(),
                 format!("none ({})", shown(&nothing.words, MAX_EXCERPT)),
             ),
         };

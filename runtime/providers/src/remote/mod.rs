@@ -279,7 +279,7 @@ impl Remote {
         lengths: Lengths,
     ) -> Result<Answer, Failed> {
         let incoming = reply.map_err(|nothing| {
-            let (_, fault, billing) = nothing.obstacle.meaning();
+            let (fault, billing) = nothing.obstacle.fault();
             Failed::of(fault, billing, Err(nothing))
         })?;
         let Settings { profile, .. } = &self.settings;

@@ -58,7 +58,7 @@ pub(super) fn ask(settings: &Settings, transport: &Transport, interrupt: &Interr
     let wire = settings.profile.provider.wire;
     let url = settings.base_url.models(wire);
     let headers = headers(settings, wire.version_header().as_slice());
-    match transport.get(&url, &headers, (MAX_BYTES, TIMEOUT), interrupt) {
+    match transport.get(&url, headers, (MAX_BYTES, TIMEOUT), interrupt) {
         Ok(incoming) => read(&incoming),
         Err(nothing) if nothing.obstacle == Obstacle::Refused => Err(NotListed::Absent),
         Err(nothing) => Err(NotListed::Unreachable(nothing.words)),

@@ -72,45 +72,39 @@ pub(super) enum Obstacle {
     Certificate,
     /// TLS failed in another way.
     Tls,
-    /// The reply was not complete in time.
     Timeout,
-    /// What came is not HTTP.
     NoHttp,
-    /// The connection ended before the reply did.
     Cut,
-    /// The reply is longer than the limit.
     TooLong,
     /// The user stopped it.
     Interrupted,
 }
 
 impl Obstacle {
-    /// Returns what happened in words, the fault, and whether the call may be billed.
-    pub(super) fn meaning(self) -> (&'static str, Fault, Billing) {
-        use Billing::{No, Possibly};
-        use Fault::{ConnectionCut, InvalidReply, TimedOut, Unreachable};
+    /// Says what happened.
+    pub(super) fn words(self) -> &'static str {
         match self {
-            Obstacle::Refused => ("the connection was refused", Unreachable, No),
-            Obstacle::Unconnected => ("no connection could be made", Unreachable, No),
-            Obstacle::Certificate => {
-                let words = "the server's certificate is not trusted";
-                (words, Unreachable, No)
+            Obstacle::Refused => "the connection was refused",
+            Obstacle::Unconnected => "no connection could be made",
+            Obstacle::Certificate => "the server's certificate is not trusted",
+            Obstacle::Tls => "no encrypted connection could be made",
+            Obstacle::Timeout => "no complete reply came in time",
+            Obstacle::NoHttp => "the reply is not HTTP",
+            Obstacle::Cut => "the connection ended before the reply was complete",
+            Obstacle::TooLong => "the reply is longer than the limit",
+            Obstacle::Interrupted => "interrupted before the whole answer was there",
+        }
+    }
+
+    /// Returns the fault, and whether the call may be billed.
+    pub(super) fn fault(self) -> (Fault, Billing) {
+        match self {
+            Obstacle::Timeout => (Fault::TimedOut, Billing::Possibly),
+            Obstacle::TooLong => (Fault::InvalidReply, Billing::Possibly),
+            Obstacle::NoHttp | Obstacle::Cut | Obstacle::Interrupted => {
+                (Fault::ConnectionCut, Billing::Possibly)
             }
-            Obstacle::Tls => ("no encrypted connection could be made", Unreachable, No),
-            Obstacle::Timeout => ("no complete reply came in time", TimedOut, Possibly),
-            Obstacle::NoHttp => ("the reply is not HTTP", ConnectionCut, Possibly),
-            Obstacle::Cut => {
-                let words = "the connection ended before the reply was complete";
-                (words, ConnectionCut, Possibly)
-            }
-            Obstacle::TooLong => {
-                let words = "the reply is longer than the limit";
-                (words, InvalidReply, Possibly)
-            }
-            Obstacle::Interrupted => {
-                let words = "interrupted before the whole answer was there";
-                (words, ConnectionCut, Possibly)
-            }
+            _ => (Fault::Unreachable, Billing::No),
         }
     }
 
@@ -189,11 +183,11 @@ impl Transport {
     pub(super) fn get(
         &self,
         url: &Url,
-        headers: &HeaderMap,
+        headers: HeaderMap,
         (max_bytes, timeout): (usize, Duration),
         interrupt: &Interrupt,
     ) -> Result<Incoming, NoReply> {
-        let request = self.client.get(url.clone()).headers(headers.clone());
+        let request = self.client.get(url.clone()).headers(headers);
         self.send(request.timeout(timeout), max_bytes, interrupt)
     }
 

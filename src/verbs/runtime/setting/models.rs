@@ -153,7 +153,9 @@ impl TargetModel {
             Some(name) => match embedded(name, ModelRole::Text)? {
                 Some(model) => (model.lowering(), None),
                 None => {
-                    let profile = catalogue::profile(name, shown.facts.models.as_deref(), io)?;
+                    let catalogue = catalogue::load(shown.facts.models.as_deref(), io)?;
+                    let profile = catalogue.find(name);
+                    let profile = profile.map_err(|error| Failure::usage(error.to_string()))?;
                     (profile.lowering(), Some(profile))
                 }
             },

@@ -29,15 +29,6 @@ pub(super) fn stated(mut object: Value) -> Value {
     object
 }
 
-/// Returns the most pictures of any message.
-pub(super) fn most_pictures(messages: &[Message]) -> usize {
-    let is_picture = |part: &&Part| matches!(part, Part::Image(_));
-    let counts = messages
-        .iter()
-        .map(|message| message.parts.iter().filter(is_picture).count());
-    counts.max().unwrap_or(0)
-}
-
 /// Returns the bytes of a picture in base64.
 pub(super) fn base64(png: &Png) -> String {
     STANDARD.encode(png.bytes())

@@ -14,7 +14,7 @@ mod reasoning;
 use super::settings::{Lengths, Parameter, Settings};
 use crate::catalogue::{Accepted, Wire};
 use fab_model::calls::{Fault, Usage};
-use fab_model::{Reasoning, Request, Speaker};
+use fab_model::{Part, Reasoning, Request, Speaker};
 use serde_json::error::Category;
 use serde_json::{Map, Value};
 
@@ -166,16 +166,11 @@ impl Sent {
         if { request.messages.iter() }.all(|message| message.speaker == Speaker::System) {
             return Err(Unfit("the request asks nothing".to_owned()));
         }
-        let most = content::most_pictures(&request.messages);
-        if facts.vision == Some(false) && most > 0 {
+        let mut parts = request.messages.iter().flat_map(|message| &message.parts);
+        if facts.vision == Some(false) && parts.any(|part| matches!(part, Part::Image(_))) {
             return Err(Unfit(
                 "the request holds a picture, and it takes text alone".to_owned(),
             ));
-        }
-        if facts.several_pictures == Some(false) && most > 1 {
-            return Err(Unfit(format!(
-                "a message of the request holds {most} pictures, and it takes one in a message"
-            )));
         }
         let is_structured =
             facts.structured_output != Some(false) && settings.sends(Parameter::Schema);
