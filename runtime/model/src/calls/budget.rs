@@ -72,8 +72,7 @@ impl Spent {
         }
     }
 
-    /// Adds another count to this one.
-    pub fn absorb(&mut self, other: &Spent) {
+    fn absorb(&mut self, other: &Spent) {
         self.calls += other.calls;
         self.possibly_billed += other.possibly_billed;
         self.unreported += other.unreported;

@@ -12,7 +12,7 @@ mod provider;
 mod tests;
 pub mod tokens;
 
-pub use date::{Date, NoDate};
+pub use date::Date;
 pub use facts::{Accepted, Facts, MaxTokensField, PositionFormat, ReasoningFacts, ReasoningKind};
 pub use price::{Price, SAFETY};
 pub(crate) use provider::is_key_name;

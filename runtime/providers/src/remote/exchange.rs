@@ -1,6 +1,6 @@
 //! A call that failed: what was sent, what came back, and both in words.
 //!
-//! In: a model's settings, and a reply or the reason why there is none. Out: a [`Message`] with method, URL, status, content
+//! In: a model's settings, and a reply or the reason why there is none. Out: words, with method, URL, status, content
 //! type, the beginning of the body, and the likely cause with its remedy, which [`causes`] knows.
 
 use super::causes;
@@ -41,15 +41,6 @@ pub(super) struct Exchange<'a> {
     pub served: Option<&'a Served>,
 }
 
-/// A failure in words.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Message {
-    /// What happened, on one line.
-    pub headline: String,
-    /// The rest, a line each, which begins with a line break.
-    pub details: String,
-}
-
 impl Failed {
     pub(super) fn of(fault: Fault, billing: Billing, reply: Result<Incoming, NoReply>) -> Failed {
         let body = reply.as_ref().map_or(&[][..], |incoming| &incoming.body);
@@ -88,8 +79,8 @@ impl Exchange<'_> {
         self.failed.error.says(parts)
     }
 
-    /// Describes the failure.
-    pub(super) fn message(&self) -> Message {
+    /// Says what happened, on one line; and the rest, each line of which begins with a line break.
+    pub(super) fn message(&self) -> [String; 2] {
         let (headline, reply) = match &self.failed.reply {
             Ok(incoming) => (self.headline(incoming.status), described(incoming)),
             Err(nothing) => (
@@ -101,7 +92,7 @@ impl Exchange<'_> {
         if let Some((cause, help)) = causes::likely(self) {
             details.push_str(&format!("\n  likely cause: {cause}\n  help: {help}"));
         }
-        Message { headline, details }
+        [headline, details]
     }
 
     fn headline(&self, status: u16) -> String {

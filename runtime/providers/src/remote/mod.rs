@@ -34,8 +34,8 @@ pub use settings::{Lengths, Settings};
 pub use tokio::sync::Semaphore as Gate;
 
 use crate::catalogue::Profile;
-use answers::{Claim, Lookup};
-use exchange::{Exchange, Failed, Message};
+use answers::Cached;
+use exchange::{Exchange, Failed};
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{Billing, Call, CallEnd, Calls, FailedCall, Fault, Usage, Usd};
@@ -162,7 +162,7 @@ impl Remote {
         &self,
         request: &Request,
         mut encoded: Encoded,
-        claim: &Claim<'_>,
+        cached_as: &str,
         calls: &mut dyn Calls,
     ) -> Result<Reply, ModelError> {
         let Settings { profile, price, .. } = &self.settings;
@@ -189,11 +189,13 @@ impl Remote {
             let reply = self.transport.post(&self.url, &headers, body, interrupt);
             let failed = match self.read(reply, &encoded, lengths) {
                 Ok(answer) => {
-                    claim.keep(&answer.text, answer.usage);
+                    let Answer { text, usage } = answer;
+                    let cached = Cached { text, usage };
+                    self.shared.answers.put(cached_as, &cached);
                     let reply = Reply {
-                        cost: self.cost(answer.usage),
-                        text: answer.text,
-                        usage: answer.usage,
+                        cost: self.cost(usage),
+                        text: cached.text,
+                        usage,
                     };
                     calls.end(&CallEnd::Answered(&reply))?;
                     return Ok(reply);
@@ -201,7 +203,7 @@ impl Remote {
                 Err(failed) => failed,
             };
             drop(pass);
-            let Message { headline, details } = self.message(&failed);
+            let [headline, details] = self.message(&failed);
             calls.end(&CallEnd::Failed(&FailedCall {
                 fault: failed.fault,
                 why: format!("{headline}{details}"),
@@ -250,8 +252,8 @@ impl Remote {
         }
     }
 
-    /// Describes a failed call; the result holds no key.
-    fn message(&self, failed: &Failed) -> Message {
+    /// Describes a failed call, in a headline and details; they hold no key.
+    fn message(&self, failed: &Failed) -> [String; 2] {
         let mut exchange = Exchange {
             settings: &self.settings,
             url: &self.url,
@@ -262,13 +264,9 @@ impl Remote {
             let ask = || served::ask(&self.settings, &self.transport, &self.shared.interrupt);
             exchange.served = Some(self.served.get_or_init(ask));
         }
-        let message = exchange.message();
         // A key that the server split over two pieces of text is whole once they are joined.
         let redactor = self.transport.redactor();
-        Message {
-            headline: redactor.text(&message.headline),
-            details: redactor.text(&message.details),
-        }
+        exchange.message().map(|text| redactor.text(&text))
     }
 
     /// Reads a reply; the answer holds no key.
@@ -382,14 +380,19 @@ impl Model for Remote {
     fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {
         let encoded = self.encoded(request)?;
         let key = self.cache_key(request, &encoded);
-        match self.shared.answers.find(key, &self.shared.interrupt) {
-            Lookup::Cached(kept) => Ok(Reply {
+        let Shared {
+            answers, interrupt, ..
+        } = &self.shared;
+        let lock = answers.lock(&key);
+        let asking = self.transport.wait(lock.lock(), interrupt);
+        let _asking = asking.ok_or(ModelError::Interrupted)?;
+        match answers.get(&key) {
+            Some(kept) => Ok(Reply {
                 text: kept.text,
                 usage: kept.usage,
                 cost: Some(Usd::ZERO),
             }),
-            Lookup::Nothing(claim) => self.buy(request, encoded, &claim, calls),
-            Lookup::Interrupted => Err(ModelError::Interrupted),
+            None => self.buy(request, encoded, &key, calls),
         }
     }
 }
