@@ -54,15 +54,15 @@ impl Server {
     /// Asks once, below a path of the server.
     fn ask(&self, path: &str, key: Option<&str>, request: &Request) -> Result<String, ModelError> {
         let base = BaseUrl::parse(&format!("{}{path}", self.address)).unwrap();
-        let settings = Settings {
+        let mut settings = Settings {
             key: key.map(|key| Key::new("FABC_LLAMACPP_KEY", key).unwrap()),
-            key_names: vec!["FABC_LLAMACPP_KEY".to_owned()],
             retry: Retry {
                 calls: 1,
                 ..Retry::default()
             },
             ..Settings::new("llamacpp", "MODEL.gguf", Wire::OpenaiChat, base)
         };
+        settings.profile.provider.key_env = vec!["FABC_LLAMACPP_KEY".to_owned()];
         let shared = Shared {
             gate: Arc::new(Gate::new(1)),
             answers: Arc::new(Answers::none()),

@@ -34,10 +34,9 @@ fn script(verb: &str, folder: &Path) -> usize {
 
 fn settings(wire: Wire) -> Settings {
     let base = BaseUrl::parse("http://localhost").unwrap();
-    Settings {
-        structured_output: Some(true),
-        ..Settings::new("provider", "a-model", wire, base)
-    }
+    let mut settings = Settings::new("provider", "a-model", wire, base);
+    settings.profile.facts.structured_output = Some(true);
+    settings
 }
 
 /// Every form of a request, by name.
@@ -135,10 +134,8 @@ fn peer_the_providers_own_clients_know_every_field_that_is_sent() {
                 MaxTokensField::MaxTokens,
                 MaxTokensField::MaxCompletionTokens,
             ] {
-                let settings = Settings {
-                    max_tokens_field: Some(field),
-                    ..settings(wire)
-                };
+                let mut settings = settings(wire);
+                settings.profile.facts.max_tokens_field = Some(field);
                 let Ok(encoded) = wire.encode(&request, &settings) else {
                     let counts = matches!(wire, Wire::Anthropic | Wire::Gemini);
                     assert!(name == "reasoning_tokens" && !counts, "{name}");

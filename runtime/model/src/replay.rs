@@ -5,13 +5,11 @@
 //! count, because it follows from the task and its scene. The last answer to a question counts; if there is none, its
 //! last failure.
 
-use crate::calls::ledger::{LEDGER_FILE, Line, Question};
+use crate::calls::ledger::{self, LEDGER_FILE, Question};
 use crate::calls::{Calls, Fault, LedgerError};
 use crate::{Lowering, Model, ModelError, ModelKind, ModelRole, Reply, Request};
 use fab_base::difference;
-use fab_base::jsonl::Reader;
 use serde_json::Value;
-use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -38,16 +36,31 @@ impl Replay {
     ///
     /// Fails if a ledger cannot be read, or if there is no answer from a model.
     pub fn load(path: &Path, role: ModelRole) -> Result<Replay, LedgerError> {
-        let mut exchanges = Vec::new();
+        let mut exchanges: Vec<(Question, End)> = Vec::new();
         let mut by_key = BTreeMap::new();
         let mut models = BTreeSet::new();
         let role = serde_json::json!(role);
         for file in ledgers(path)? {
-            read(&file, &mut exchanges, &mut by_key, &mut |question| {
+            let mut noted = ledger::read_file(&file)?;
+            for question in noted.questions {
                 if question.request["role"] == role {
                     models.insert(question.model.clone());
                 }
-            })?;
+                let end = match noted.answered.remove(&question.key) {
+                    Some(reply) => Ok(reply),
+                    None => match noted.failed.remove(&question.key) {
+                        Some(failed) => Err((failed.fault, failed.why)),
+                        None => continue,
+                    },
+                };
+                let next = exchanges.len();
+                let index = *{ by_key.entry(question_key(&question.request)) }.or_insert(next);
+                if index == next {
+                    exchanges.push((question, end));
+                } else if end.is_ok() || exchanges[index].1.is_err() {
+                    exchanges[index] = (question, end);
+                }
+            }
         }
         let questions = || exchanges.iter().map(|(question, _)| question);
         let mut own: Vec<&Question> = questions()
@@ -122,65 +135,14 @@ fn collect(folder: &Path, depth: u32, found: &mut Vec<PathBuf>) -> std::io::Resu
     let file = folder.join(LEDGER_FILE);
     if file.is_file() {
         found.push(file);
-        return Ok(());
-    }
-    if depth == 0 {
-        return Ok(());
-    }
-    let entries: Result<Vec<_>, _> = fs::read_dir(folder)?.collect();
-    let mut folders: Vec<PathBuf> = entries?
-        .into_iter()
-        .filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()))
-        .map(|entry| entry.path())
-        .collect();
-    folders.sort();
-    folders
-        .iter()
-        .try_for_each(|folder| collect(folder, depth - 1, found))
-}
-
-/// Adds the questions of a ledger that have an end.
-///
-/// - `each`: gets every question, also one without an end.
-fn read(
-    file: &Path,
-    exchanges: &mut Vec<(Question, End)>,
-    by_key: &mut BTreeMap<String, usize>,
-    each: &mut dyn FnMut(&Question),
-) -> Result<(), LedgerError> {
-    let mut lines = Reader::open(file, u64::MAX).map_err(|why| unusable(file, &why))?;
-    let mut asked: BTreeMap<String, Question> = BTreeMap::new();
-    let mut calls: BTreeMap<u64, String> = BTreeMap::new();
-    while let Some(line) = lines.read().map_err(|why| unusable(file, &why))? {
-        let (key, end) = match line {
-            Line::Question(question) => {
-                each(&question);
-                asked.insert(question.key.clone(), question);
-                continue;
-            }
-            Line::Begin { call, key, .. } => {
-                calls.insert(call, key);
-                continue;
-            }
-            Line::Answered { call, reply } => (calls.remove(&call), Ok(reply)),
-            Line::Failed { call, failed } => (calls.remove(&call), Err((failed.fault, failed.why))),
-            Line::Kept { key, reply } => (Some(key), Ok(reply)),
-        };
-        // What a program answered has no question of a model.
-        let Some(question) = key.and_then(|key| asked.get(&key)) else {
-            continue;
-        };
-        match by_key.entry(question_key(&question.request)) {
-            Entry::Vacant(free) => {
-                free.insert(exchanges.len());
-                exchanges.push((question.clone(), end));
-            }
-            Entry::Occupied(known) => {
-                let known = &mut exchanges[*known.get()];
-                if end.is_ok() || known.1.is_err() {
-                    *known = (question.clone(), end);
-                }
-            }
+    } else if depth > 0 {
+        let entries = fs::read_dir(folder)?.collect::<Result<Vec<_>, _>>()?;
+        let is_folder = |entry: &fs::DirEntry| entry.file_type().is_ok_and(|kind| kind.is_dir());
+        let folders = entries.into_iter().filter(is_folder);
+        let mut folders: Vec<PathBuf> = folders.map(|entry| entry.path()).collect();
+        folders.sort();
+        for folder in folders {
+            collect(&folder, depth - 1, found)?;
         }
     }
     Ok(())

@@ -6,9 +6,10 @@
 //! failure. Likely is that every step is taken and answered at once, in [`ANSWER_TOKENS`]. Hidden reasoning is in the
 //! bound alone, since no vendor says how long a model thinks.
 
-use crate::catalogue::{Date, ImageTokens, Profile, SAFETY, tokens};
+use crate::catalogue::{Date, ImageTokens, Profile, SAFETY, Tokens, tokens};
+use crate::remote::Lengths;
 use fab_model::calls::{Usage, Usd};
-use fab_model::{Message, Part};
+use fab_model::{Part, Request};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::fmt;
@@ -24,36 +25,23 @@ pub const ANSWER_TOKENS: u64 = 56;
 /// `geometric` for 20 steps and stages of `double_straight` and `double_triangle`, cloths of 28 and 30 particles a side.
 const CALLS_PER_TEN_RETRIED_STEPS: u64 = 14;
 
-/// A stage and its first messages, as sent in the first step.
+/// A stage and its first question, as sent in the first step.
 #[derive(Clone, Copy, Debug)]
 pub struct Question<'a> {
     /// Name of the stage.
     pub stage: &'a str,
     /// The profile of the model.
     pub profile: &'a Profile,
-    /// The first messages.
-    pub messages: &'a [Message],
-    /// The JSON Schema of the answer, if one is sent.
-    pub schema: Option<&'a serde_json::Value>,
-    /// The longest answer that can be seen, tokens, if the task states a limit.
-    pub max_tokens: Option<u32>,
-    /// The hidden tokens allowed on top; no later question repeats them.
-    pub hidden_tokens: u32,
+    /// The first request.
+    pub request: &'a Request,
+    /// The longest answer; no later question repeats its hidden tokens.
+    pub lengths: Lengths,
     /// The rollouts that are likely to ask it anew; the others share an answer of another method of their suite.
     pub fresh: u64,
     /// Further candidates that a rehearsal asks for, each with all its attempts.
     pub candidates: u32,
     /// Revisions of the best candidate, each with a picture.
     pub revisions: u32,
-}
-
-/// The contents of a correction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Correction {
-    /// Words alone.
-    Words,
-    /// Also the refused action, drawn on a picture as large as the stage's largest.
-    Picture,
 }
 
 /// Questions and how often they may be asked.
@@ -67,8 +55,8 @@ pub struct Plan<'a> {
     pub actions_per_step: u32,
     /// The most questions per stage and action.
     pub attempts: u32,
-    /// The contents of a correction.
-    pub correction: Correction,
+    /// Whether a correction shows the refused action, on a picture as large as the stage's largest.
+    pub shows_correction: bool,
     /// Number of rollouts.
     pub rollouts: u64,
     /// The date that determines the prices.
@@ -115,24 +103,6 @@ impl Amount {
             cost: self.cost.zip(other.cost).map(|(one, other)| one + other),
         }
     }
-
-    /// Sets the cost of the calls at a model's price.
-    fn priced(mut self, profile: &Profile, today: Date) -> Amount {
-        let cost = || {
-            let usage = Usage {
-                input_tokens: self.input_tokens?,
-                output_tokens: self.output_tokens?,
-                ..Usage::default()
-            };
-            Some(profile.price_on(today)?.cost(usage))
-        };
-        self.cost = if profile.is_free() {
-            Some(Usd::ZERO)
-        } else {
-            cost()
-        };
-        self
-    }
 }
 
 impl Estimate {
@@ -164,34 +134,51 @@ impl Plan<'_> {
                 at_most: self.at_most(question, most_told),
                 unknown: self.unknown(question),
             };
-            likely_told += likely_answer(question);
-            most_told = sum(most_told, question.max_tokens.map(u64::from));
+            likely_told += question.likely_answer();
+            most_told = sum(most_told, question.visible());
             stage
         });
         Estimate::total(stages)
     }
 
     fn unknown(&self, question: &Question<'_>) -> BTreeSet<String> {
-        let profile = question.profile;
-        let model = profile.title();
-        let mut unknown = BTreeSet::new();
-        if tokens::of_messages(question.messages, formula(question)).is_none() {
-            unknown.insert(format!("how many tokens a picture has for {model}"));
-        }
-        if question.max_tokens.is_none() {
-            unknown.insert(format!(
-                "the longest answer of the stage `{}`: state `tokens`",
-                question.stage
-            ));
-        }
-        if profile.price_on(self.today).is_none() {
-            unknown.insert(format!("the price of {model}"));
-        }
-        unknown
+        let model = question.profile.title();
+        let stage = question.stage;
+        let tokens = question.tokens(tokens::of_text);
+        let price = question.profile.price_on(self.today);
+        let unknown = [
+            (tokens.is_none()).then(|| format!("how many tokens a picture has for {model}")),
+            (question.visible().is_none())
+                .then(|| format!("the longest answer of the stage `{stage}`: state `tokens`")),
+            (price.is_none()).then(|| format!("the price of {model}")),
+        ];
+        unknown.into_iter().flatten().collect()
     }
 
     fn steps(&self, rollouts: u64) -> u64 {
         rollouts.saturating_mul(self.horizon.into())
+    }
+
+    fn amount(&self, profile: &Profile, calls: u64, tokens: [Option<u64>; 2]) -> Amount {
+        let [input_tokens, output_tokens] = tokens;
+        let cost = || {
+            let usage = Usage {
+                input_tokens: input_tokens?,
+                output_tokens: output_tokens?,
+                ..Usage::default()
+            };
+            Some(profile.price_on(self.today)?.cost(usage))
+        };
+        Amount {
+            calls,
+            input_tokens,
+            output_tokens,
+            cost: if profile.is_free() {
+                Some(Usd::ZERO)
+            } else {
+                cost()
+            },
+        }
     }
 
     /// Returns what a stage likely takes.
@@ -200,25 +187,21 @@ impl Plan<'_> {
     fn likely(&self, question: &Question<'_>, told: u64) -> Amount {
         let first = self.steps(question.fresh);
         let asked = if self.actions_per_step > 1 {
+            let tenths = first.saturating_mul(CALLS_PER_TEN_RETRIED_STEPS);
             // Rounded to the nearest.
-            first
-                .saturating_mul(CALLS_PER_TEN_RETRIED_STEPS)
-                .saturating_add(5)
-                / 10
+            tenths.saturating_add(5) / 10
         } else {
             first
         };
         // No other method shares the answers of a rehearsal.
         let more = u64::from(question.candidates) + u64::from(question.revisions);
         let calls = asked.saturating_add(self.steps(self.rollouts).saturating_mul(more));
-        let input = tokens::likely_of_messages(question.messages, formula(question));
-        let amount = Amount {
-            calls,
-            input_tokens: input.map(|input| input.saturating_add(told).saturating_mul(calls)),
-            output_tokens: Some(likely_answer(question).saturating_mul(calls)),
-            cost: None,
-        };
-        amount.priced(question.profile, self.today)
+        let input = question.tokens(tokens::likely_of_text).map(|input| {
+            let each = input.at_least.midpoint(input.at_most).saturating_add(told);
+            each.saturating_mul(calls)
+        });
+        let output = question.likely_answer().saturating_mul(calls);
+        self.amount(question.profile, calls, [input, Some(output)])
     }
 
     /// Returns what a stage takes at most.
@@ -232,45 +215,38 @@ impl Plan<'_> {
             .saturating_add(question.revisions.into());
         let calls = actions.saturating_mul(calls_per_action);
         let input = self.most_input(question, told);
-        let amount = Amount {
-            calls,
-            input_tokens: input.map(|input| input.saturating_mul(actions)),
-            output_tokens: question.max_tokens.map(|visible| {
-                let tokens = u64::from(visible) + u64::from(question.hidden_tokens);
-                tokens.saturating_mul(calls)
-            }),
-            cost: None,
-        };
-        amount.priced(question.profile, self.today)
+        let input = input.map(|input| input.saturating_mul(actions));
+        let output = question.visible().map(|visible| {
+            let tokens = visible + u64::from(question.lengths.hidden);
+            tokens.saturating_mul(calls)
+        });
+        self.amount(question.profile, calls, [input, output])
     }
 
     /// Returns the most input tokens of all attempts at one action: each question repeats the previous ones with their
     /// answers and corrections.
     fn most_input(&self, question: &Question<'_>, told: Option<u64>) -> Option<u64> {
-        let formula = formula(question);
         // Revisions go on where a candidate's attempts ended.
         let attempts = u64::from(self.attempts) + u64::from(question.revisions);
-        let schema = question.schema.map(|schema| schema.to_string());
+        let schema = question.request.schema.as_ref();
+        let schema = schema.map_or(0, |schema| tokens::of_text(&schema.to_string()));
         // A step that is tried again begins with a remark.
         let remark = if self.actions_per_step > 1 {
             CORRECTION_TOKENS
         } else {
             0
         };
-        let each = tokens::of_messages(question.messages, formula)?
-            .at_most
-            .saturating_add(told?)
-            .saturating_add(schema.map_or(0, |schema| tokens::of_text(&schema)))
-            .saturating_add(remark);
+        let each = question.tokens(tokens::of_text)?.at_most;
+        let each = { each.saturating_add(told?).saturating_add(schema) }.saturating_add(remark);
         let mut all = each.saturating_mul(attempts);
         if attempts > 1 {
-            let picture = match (self.correction, question.revisions) {
-                (Correction::Words, 0) => 0,
-                _ => largest_picture(question.messages, formula)?,
+            let picture = if self.shows_correction || question.revisions > 0 {
+                question.largest_picture()?
+            } else {
+                0
             };
-            let more = u64::from(question.max_tokens?)
-                .saturating_add(CORRECTION_TOKENS)
-                .saturating_add(picture);
+            let more = question.visible()?.saturating_add(CORRECTION_TOKENS);
+            let more = more.saturating_add(picture);
             // 0 corrections before the first question, 1 before the second, and so on.
             let repeated = attempts.saturating_mul(attempts - 1) / 2;
             all = all.saturating_add(more.saturating_mul(repeated));
@@ -280,21 +256,34 @@ impl Plan<'_> {
     }
 }
 
-fn formula<'a>(question: &Question<'a>) -> Option<&'a ImageTokens> {
-    question.profile.facts.image_tokens.as_ref()
-}
+impl Question<'_> {
+    fn formula(&self) -> Option<&ImageTokens> {
+        self.profile.facts.image_tokens.as_ref()
+    }
 
-fn likely_answer(question: &Question<'_>) -> u64 {
-    let most = question.max_tokens.map_or(u64::MAX, u64::from);
-    ANSWER_TOKENS.min(most)
-}
+    fn tokens(&self, of_text: fn(&str) -> u64) -> Option<Tokens> {
+        tokens::of_messages(&self.request.messages, self.formula(), of_text)
+    }
 
-fn largest_picture(messages: &[Message], formula: Option<&ImageTokens>) -> Option<u64> {
-    let mut parts = messages.iter().flat_map(|message| &message.parts);
-    parts.try_fold(0, |largest, part| match part {
-        Part::Text(_) => Some(largest),
-        Part::Image(png) => Some(tokens::of_picture(png, formula)?.at_most.max(largest)),
-    })
+    fn largest_picture(&self) -> Option<u64> {
+        let messages = self.request.messages.iter();
+        let mut parts = messages.flat_map(|message| &message.parts);
+        parts.try_fold(0, |largest, part| match part {
+            Part::Text(_) => Some(largest),
+            Part::Image(png) => {
+                let tokens = tokens::of_picture(png, self.formula())?;
+                Some(tokens.at_most.max(largest))
+            }
+        })
+    }
+
+    fn visible(&self) -> Option<u64> {
+        self.lengths.visible.map(u64::from)
+    }
+
+    fn likely_answer(&self) -> u64 {
+        self.visible().unwrap_or(u64::MAX).min(ANSWER_TOKENS)
+    }
 }
 
 fn sum(one: Option<u64>, other: Option<u64>) -> Option<u64> {

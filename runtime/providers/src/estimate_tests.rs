@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::catalogue::Catalogue;
-use fab_model::{Png, Speaker};
+use fab_model::{Message, ModelRole, Png, Speaker};
 
 /// 100 estimated tokens, and 58 likely ones.
 fn words() -> Message {
@@ -27,29 +27,31 @@ fn estimate(
     text: &str,
     change: &dyn Fn(&mut Plan<'_>, &mut [Question<'_>; 2]),
 ) -> Estimate {
-    let (shown, words) = ([shown()], [words()]);
+    let asking = |message| Request::new(ModelRole::Vision, vec![message]);
+    let (shown, words) = (asking(shown()), asking(words()));
     let (vision, text) = (find(vision), find(text));
-    let question = |stage, profile, messages| Question {
+    let question = |stage, profile, request| Question {
         stage,
         profile,
-        messages,
-        schema: None,
-        max_tokens: Some(100),
-        hidden_tokens: 0,
+        request,
+        lengths: Lengths {
+            visible: Some(100),
+            hidden: 0,
+        },
         fresh: 5,
         candidates: 0,
         revisions: 0,
     };
     let mut questions = [
-        question("look", &vision, shown.as_slice()),
-        question("plan", &text, words.as_slice()),
+        question("look", &vision, &shown),
+        question("plan", &text, &words),
     ];
     let mut plan = Plan {
         questions: &[],
         horizon: 3,
         actions_per_step: 1,
         attempts: 1,
-        correction: Correction::Words,
+        shows_correction: false,
         rollouts: 5,
         today: "2026-11-20".parse().expect("a date"),
     };
@@ -88,7 +90,9 @@ fn where_each_question_is_asked_once_the_bound_differs_by_the_answers_and_the_sa
         "likely: calls 30, input tokens 3465, output tokens 1680, cost 0.0237 USD\n\
          at most: calls 30, input tokens 16155, output tokens 3000, cost 0.0623 USD"
     );
-    let short = estimate(SOL, SOL, &|_, questions| questions[0].max_tokens = Some(9));
+    let short = estimate(SOL, SOL, &|_, questions| {
+        questions[0].lengths.visible = Some(9)
+    });
     assert_eq!(short.likely.output_tokens, Some(15 * 9 + 15 * 56));
 }
 
@@ -99,7 +103,7 @@ fn hidden_tokens_are_bounded_with_the_answers_and_repeated_in_no_question() {
             plan.attempts = 2;
             questions
                 .iter_mut()
-                .for_each(|it| it.hidden_tokens = hidden);
+                .for_each(|it| it.lengths.hidden = hidden);
         })
     };
     let (plain, thinking) = (with(0), with(1024));
@@ -133,7 +137,7 @@ fn conversations_that_grow_by_corrections_are_counted_as_they_are_played_out() {
     assert_eq!(found.likely.calls, 30 * 14 / 10);
     let pictured = estimate(SOL, SOL, &|plan, _| {
         change(plan);
-        plan.correction = Correction::Picture;
+        plan.shows_correction = true;
     });
     // Stage `look` repeats the refused action's picture once before its second question, twice before its third.
     assert_eq!(
@@ -145,7 +149,9 @@ fn conversations_that_grow_by_corrections_are_counted_as_they_are_played_out() {
 #[test]
 fn what_is_not_known_is_named_and_leaves_the_amounts_open() {
     let found = estimate("google:gemini-4-argon", "openai:o3", &|_, questions| {
-        questions.iter_mut().for_each(|it| it.max_tokens = None);
+        questions
+            .iter_mut()
+            .for_each(|it| it.lengths.visible = None);
     });
     for amount in [found.likely, found.at_most] {
         assert_eq!((amount.calls, amount.cost), (30, None));
@@ -182,7 +188,7 @@ fn no_plan_makes_a_sum_overflow() {
         plan.attempts = u32::MAX;
         plan.actions_per_step = u32::MAX;
         for question in questions {
-            question.max_tokens = Some(u32::MAX);
+            question.lengths.visible = Some(u32::MAX);
             question.candidates = u32::MAX;
             question.revisions = u32::MAX;
             question.fresh = u64::MAX;

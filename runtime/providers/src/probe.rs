@@ -259,22 +259,24 @@ fn dots(
 
 /// Returns every known convention of models, the stated one first.
 fn lowerings(asked: Lowering) -> Vec<Lowering> {
-    let plain = CoordinateUnit::ALL
-        .into_iter()
-        .flat_map(|unit| Order::ALL.map(|order| (unit, order, asked.resize)));
-    let of_px = MULTIPLES_OF_PX;
-    let resized =
-        Order::ALL.map(|order| (CoordinateUnit::Pixels, order, Resize::Multiples { of_px }));
+    let multiples = Resize::Multiples {
+        of_px: MULTIPLES_OF_PX,
+    };
     let mut lowerings = vec![asked];
-    for (unit, order, resize) in plain.chain(resized) {
-        let lowering = Lowering {
-            unit,
-            order,
-            resize,
-            ..asked
-        };
-        if !lowerings.contains(&lowering) {
-            lowerings.push(lowering);
+    for resize in [asked.resize, multiples] {
+        for unit in CoordinateUnit::ALL {
+            for order in Order::ALL {
+                let lowering = Lowering {
+                    unit,
+                    order,
+                    resize,
+                    ..asked
+                };
+                let exists = unit == CoordinateUnit::Pixels || resize == asked.resize;
+                if exists && !lowerings.contains(&lowering) {
+                    lowerings.push(lowering);
+                }
+            }
         }
     }
     lowerings
@@ -317,23 +319,15 @@ fn places(side_px: u32, chance: &mut Chance) -> Vec<[u32; 2]> {
 }
 
 fn question(side_px: u32, places: &[[u32; 2]], asked: Lowering) -> Request {
-    let mut drawn = RgbImage::from_pixel(side_px, side_px, Rgb(GROUND));
-    let radius = i64::from(side_px / 45).max(4);
-    let around = |middle: u32| {
-        let least = i64::from(middle) - radius;
-        (least.max(0)..=least + 2 * radius).filter_map(|at| u32::try_from(at).ok())
-    };
-    for ((_, colour), [column, row]) in DOTS.iter().zip(places) {
-        for (x, y) in around(*row).flat_map(|y| around(*column).map(move |x| (x, y))) {
-            let (dx, dy) = (
-                i64::from(x) - i64::from(*column),
-                i64::from(y) - i64::from(*row),
-            );
-            if dx * dx + dy * dy <= radius * radius && x < side_px && y < side_px {
-                drawn.put_pixel(x, y, Rgb(*colour));
-            }
-        }
-    }
+    let radius = f64::from(side_px / 45).max(4.0);
+    let drawn = RgbImage::from_fn(side_px, side_px, |x, y| {
+        let is_here = |at: &[u32; 2]| {
+            let [dx, dy] = [(x, at[0]), (y, at[1])].map(|(a, b)| f64::from(a) - f64::from(b));
+            dx * dx + dy * dy <= radius * radius
+        };
+        let dot = places.iter().position(is_here);
+        Rgb(dot.map_or(GROUND, |dot| DOTS[dot].1))
+    });
     let colours = DOTS.map(|(colour, _)| colour);
     let pointing = asked.pointing([side_px; 2]);
     let lines = colours.map(|colour| format!("{colour}: {}", pointing.form()));

@@ -12,7 +12,7 @@ use clap::Args;
 use fab_base::interrupt::Interrupt;
 use fab_base::parallel::in_parallel;
 use fab_providers::catalogue::{Catalogue, KeyNeed, Provider, RunsOn};
-use fab_providers::remote::{BaseUrl, Key, NotListed, Settings, served_models};
+use fab_providers::remote::{BaseUrl, Key, KeyError, NotListed, Settings, served_models};
 use serde::Serialize;
 use std::fmt::Display;
 use std::path::Path;
@@ -63,46 +63,46 @@ enum Readiness {
     Broken,
 }
 
-impl Finding {
-    fn ready(name: &str, found: impl Display) -> Finding {
-        Finding {
-            name: name.to_owned(),
-            state: Ready,
-            found: found.to_string(),
-            help: None,
-        }
-    }
-
-    fn broken(name: &str, error: impl Display) -> Finding {
-        Finding {
-            state: Broken,
-            ..Finding::ready(name, error)
-        }
-    }
-
-    fn missing(name: &str, found: impl Display, help: impl Display) -> Finding {
-        Finding {
-            state: Missing,
-            help: Some(help.to_string()),
-            ..Finding::ready(name, found)
-        }
+/// Makes the finding of a check: what is ready, or what is missing and the line that sets it up.
+fn finding<E: Display>(name: &str, result: Result<Found, E>) -> Finding {
+    let (state, found, help) = match result {
+        Ok(Ok(found)) => (Ready, found, None),
+        Ok(Err([found, help])) => (Missing, found, Some(help)),
+        Err(error) => (Broken, error.to_string(), None),
+    };
+    let name = name.to_owned();
+    Finding {
+        name,
+        state,
+        found,
+        help,
     }
 }
 
 /// Checks everything and lists it.
 pub fn run(arguments: &DoctorArguments, io: &Io) -> Result<Exit, Failure> {
-    let (catalogue, facts) = facts(arguments.facts.models.as_deref(), io);
-    let keys = keys(io);
+    let flag = arguments.facts.models.as_deref();
+    let (catalogue, facts) = match catalogue::load(flag, io) {
+        Ok(catalogue) => (catalogue, Ok(facts(flag, io))),
+        // Without the user's file.
+        Err(error) => (Catalogue::builtin(), Err(error)),
+    };
+    let keys = finding("keys", keys(io));
     let is_broken = keys.state == Broken;
+    let keypoints = fab_vision::detectors().map(|whose| Ok(format!("found by {whose}")));
     let mut findings = vec![
-        Finding::ready("fabc", env!("CARGO_PKG_VERSION")),
-        keypoints(),
-        facts,
+        finding::<String>("fabc", Ok(Ok(env!("CARGO_PKG_VERSION").to_owned()))),
+        finding("keypoints", keypoints),
+        finding("facts about models", facts),
         keys,
     ];
     // In parallel, so that ten missing servers take no longer than one.
     let providers = catalogue.providers();
-    let look = |index: usize| Ok::<_, Failure>(Some(look(&providers[index], is_broken, io)));
+    let look = |index: usize| {
+        let provider: &Provider = &providers[index];
+        let found = finding(&provider.name, look(provider, is_broken, io));
+        Ok::<_, Failure>(Some(found))
+    };
     let found = in_parallel(providers.len(), providers.len(), look, |_| {})?;
     findings.extend(found.into_iter().flatten());
     let checkup = Checkup {
@@ -117,111 +117,86 @@ pub fn run(arguments: &DoctorArguments, io: &Io) -> Result<Exit, Failure> {
     })
 }
 
-fn keypoints() -> Finding {
-    match fab_vision::detectors() {
-        Ok(whose) => Finding::ready("keypoints", format!("found by {whose}")),
-        Err(error) => Finding::broken("keypoints", error),
-    }
+/// What is ready, or what is missing and the line that sets it up.
+type Found = Result<String, [String; 2]>;
+
+fn missing(found: impl Into<String>, help: impl Into<String>) -> Found {
+    Err([found.into(), help.into()])
 }
 
-/// Returns the model catalogue; without the user's file if that is unusable.
-fn facts(flag: Option<&Path>, io: &Io) -> (Catalogue, Finding) {
-    let name = "facts about models";
-    let catalogue = match catalogue::load(flag, io) {
-        Ok(catalogue) => catalogue,
-        Err(error) => return (Catalogue::builtin(), Finding::broken(name, error)),
-    };
-    let file = catalogue::facts_file(flag, io).filter(UserFile::counts);
-    let finding = match file {
-        Some(file) => Finding::ready(name, file.path.display()),
-        None => Finding::missing(
-            name,
+fn facts(flag: Option<&Path>, io: &Io) -> Found {
+    match catalogue::facts_file(flag, io).filter(UserFile::counts) {
+        Some(file) => Ok(file.path.display().to_string()),
+        None => missing(
             "none of yours; the embedded ones are used",
             "`fabc models --help` says how to add or correct facts",
         ),
-    };
-    (catalogue, finding)
+    }
 }
 
-fn keys(io: &Io) -> Finding {
+fn keys(io: &Io) -> Result<Found, KeyError> {
     let file = catalogue::keys_file(io);
     let path = file.as_ref().map(|file| file.path.display().to_string());
     let path = path.unwrap_or_else(|| "a file that FABC_KEYS names".to_owned());
-    match file.filter(UserFile::counts) {
-        None => Finding::missing(
-            "keys",
+    Ok(match file.filter(UserFile::counts) {
+        None => missing(
             "no file of keys",
             format!(
                 "keys may stand in variables, or in {path} (chmod 600), a line each: NAME = \"KEY\""
             ),
         ),
-        Some(file) => match Key::names_in(&file.path) {
-            Ok(names) => Finding::ready("keys", format!("{path}: {}", names.join(", "))),
-            Err(error) => Finding::broken("keys", error),
-        },
-    }
+        Some(file) => Ok(format!("{path}: {}", Key::names_in(&file.path)?.join(", "))),
+    })
 }
 
 /// Looks for a provider's key, and asks a server that is not a vendor's for its models.
 ///
 /// - `is_broken`: whether the file of keys is; its own finding says so.
-fn look(provider: &Provider, is_broken: bool, io: &Io) -> Finding {
-    let name = &provider.name;
+fn look(provider: &Provider, is_broken: bool, io: &Io) -> Result<Found, Failure> {
     let key = match remote::key(&provider.key_env, io) {
-        Ok(key) => key,
         Err(_) if is_broken => None,
-        Err(error) => return Finding::broken(name, error),
+        key => key?,
     };
     let with = key.as_ref().map(|key| format!(", key: {}", key.name()));
     let with = with.unwrap_or_default();
     let Some(base_url) = &provider.base_url else {
         let found = format!("any server that speaks its interface{with}");
-        return Finding::missing(name, found, "name its address with --base-url");
+        return Ok(missing(found, "name its address with --base-url"));
     };
     if provider.runs_on == Some(RunsOn::Vendor) {
-        return if key.is_none() && provider.key == KeyNeed::Required {
-            Finding::missing(name, "no key", export(provider))
+        return Ok(if key.is_none() && provider.key == KeyNeed::Required {
+            missing("no key", export(provider))
         } else {
-            Finding::ready(name, format!("{base_url}{with}; not tried"))
-        };
+            Ok(format!("{base_url}{with}; not tried"))
+        });
     }
-    match BaseUrl::parse(base_url) {
-        Ok(base_url) => served(provider, base_url, key, &with),
-        Err(error) => Finding::broken(name, error),
-    }
+    let base_url = BaseUrl::parse(base_url).map_err(Failure::environment)?;
+    Ok(served(provider, base_url, key, &with))
 }
 
 /// Asks a server for its models.
-fn served(provider: &Provider, base_url: BaseUrl, key: Option<Key>, with: &str) -> Finding {
-    let name = &provider.name;
+fn served(provider: &Provider, base_url: BaseUrl, key: Option<Key>, with: &str) -> Found {
     let at = provider.base_url.as_deref().unwrap_or_default();
     let settings = Settings {
         key: key.filter(|_| base_url.keeps_secrets()),
         timeout: LIST_TIME,
-        ..Settings::new(name, "", provider.wire, base_url)
+        ..Settings::new(&provider.name, "", provider.wire, base_url)
     };
     let start = provider.start.as_deref().unwrap_or("start its server");
     let start = format!("{start}, or name its address with --base-url");
     match served_models(&settings, &[], &Interrupt::default()) {
-        Ok(models) if models.is_empty() => Finding::missing(
-            name,
+        Ok(models) if models.is_empty() => missing(
             format!("answers at {at} and serves no model yet{with}"),
             "load a model in it",
         ),
-        Ok(models) => {
-            let found = format!("serves {} at {at}{with}", models.join(", "));
-            Finding::ready(name, found)
-        }
+        Ok(models) => Ok(format!("serves {} at {at}{with}", models.join(", "))),
         Err(NotListed::Unauthorised { status }) => {
             let a = if with.is_empty() { "a" } else { "another" };
             let found = format!("answers at {at} and wants {a} key (HTTP {status}){with}");
-            Finding::missing(name, found, export(provider))
+            missing(found, export(provider))
         }
-        Err(NotListed::Absent) => {
-            Finding::missing(name, format!("nothing answers at {at}{with}"), start)
-        }
-        Err(NotListed::Other(why) | NotListed::Unreachable(why)) => Finding::missing(
-            name,
+        Err(NotListed::Absent) => missing(format!("nothing answers at {at}{with}"), start),
+        Err(NotListed::Other(why) | NotListed::Unreachable(why)) => missing(
             format!("no list of models came from {at} ({why}){with}"),
             format!("look into its log, or whether another program has its port; {start}"),
         ),

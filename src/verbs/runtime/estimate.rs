@@ -6,7 +6,7 @@ use crate::verbs::runtime::setting::catalogue;
 use crate::verbs::runtime::setting::models::Answering;
 use fab_agent::rollout::FirstQuestion;
 use fab_program::Program;
-use fab_providers::estimate::{ANSWER_TOKENS, Correction, Estimate, Plan, Question};
+use fab_providers::estimate::{ANSWER_TOKENS, Estimate, Plan, Question};
 
 /// Rollouts that ask the same questions.
 pub struct Asking<'a> {
@@ -29,15 +29,13 @@ pub fn estimate(asking: &Asking<'_>, io: &Io) -> Estimate {
     let program = asking.program;
     let questions = asking.questions.iter().zip(asking.fresh);
     let sent = questions.filter_map(|(FirstQuestion { stage, request }, fresh)| {
-        let lengths = asking.answering.lengths(request);
+        let remote = asking.answering.remote(request.role)?;
         let [candidates, revisions] = rehearsed(program, stage);
         Some(Question {
             stage,
-            profile: asking.answering.profile(request.role)?,
-            messages: &request.messages,
-            schema: request.schema.as_ref(),
-            max_tokens: lengths.visible,
-            hidden_tokens: lengths.hidden,
+            profile: remote.profile(),
+            request,
+            lengths: remote.lengths(request),
             fresh: *fresh,
             candidates,
             revisions,
@@ -49,11 +47,7 @@ pub fn estimate(asking: &Asking<'_>, io: &Io) -> Estimate {
         horizon: asking.horizon,
         actions_per_step: program.actions_per_step(),
         attempts: program.verify.attempts,
-        correction: if program.verify.with_picture {
-            Correction::Picture
-        } else {
-            Correction::Words
-        },
+        shows_correction: program.verify.with_picture,
         rollouts: asking.rollouts,
         today: catalogue::today(io),
     };

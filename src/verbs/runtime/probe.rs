@@ -15,7 +15,6 @@ use fab_model::{Model, ModelError};
 use fab_providers::catalogue::{Facts, Profile};
 use fab_providers::probe::{Dots, Findings, MOST_QUESTIONS, probe};
 use serde::Serialize;
-use std::cell::RefCell;
 
 /// Arguments of `probe`.
 #[derive(Args)]
@@ -70,23 +69,20 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
     let [base_url, _] = models::by_role("--base-url", &reach.base_url)?;
     let providers = Providers::new(&reach, &io.interrupt()?, io)?;
     let profile = providers.profile(&arguments.model)?;
-    let providers = RefCell::new(providers);
-    let make = |facts: &Facts| {
+    // Fails here rather than between questions if there is no key or no address.
+    providers.model(&profile, base_url, Purpose::Asking)?;
+    let under = |facts: &Facts| {
         let profile = Profile {
             facts: facts.clone(),
             ..profile.clone()
         };
-        let mut providers = providers.borrow_mut();
-        providers.model(&profile, base_url, Purpose::Asking)
-    };
-    // Fails here rather than between questions if there is no key or no address.
-    make(&profile.facts)?;
-    let under = |facts: &Facts| match make(facts) {
-        Ok(model) => Ok(Box::new(model) as Box<dyn Model>),
-        Err(failure) => Err(ModelError::Unsupported {
-            model: profile.title(),
-            why: failure.to_string(),
-        }),
+        match providers.model(&profile, base_url, Purpose::Asking) {
+            Ok(model) => Ok(Box::new(model) as Box<dyn Model>),
+            Err(failure) => Err(ModelError::Unsupported {
+                model: profile.title(),
+                why: failure.to_string(),
+            }),
+        }
     };
     let most_calls = arguments.caps.max_calls.unwrap_or(2 * MOST_QUESTIONS);
     io.talk(&format!(

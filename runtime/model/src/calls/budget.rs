@@ -7,6 +7,7 @@
 
 use super::{Billing, CallEnd, CallRefused, CapReached, FailedCall, Usage, Usd};
 use fab_base::interrupt::Interrupt;
+use fab_base::wording::counted;
 use serde::{Deserialize, Serialize};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -71,8 +72,7 @@ impl Spent {
         }
     }
 
-    /// Adds another count to this one.
-    pub fn absorb(&mut self, other: &Spent) {
+    fn absorb(&mut self, other: &Spent) {
         self.calls += other.calls;
         self.possibly_billed += other.possibly_billed;
         self.unreported += other.unreported;
@@ -84,26 +84,23 @@ impl Spent {
 
     /// Describes the total cost.
     pub fn in_words(&self) -> String {
-        let mut text = match self.known_cost() {
+        let known = self.known_cost();
+        let mut text = match known {
             Some(cost) => cost.to_string(),
             None if self.unpriced > 0 => "cost unknown".to_owned(),
             None => format!("at most {}", self.at_most()),
         };
-        let calls = |count: u64, some: &str| match count {
-            1 => format!("; 1 {some}call"),
-            _ => format!("; {count} {some}calls"),
-        };
         if self.unreported > 0 {
-            text.push_str(&calls(self.unreported, ""));
-            text.push_str(" reported no usage");
-            if self.known_cost().is_none() && self.unpriced == 0 {
+            let calls = counted(self.unreported as usize, "call");
+            text.push_str(&format!("; {calls} reported no usage"));
+            if known.is_none() && self.unpriced == 0 {
                 text.push_str(" and may have cost what was reserved");
             }
         }
         if self.possibly_billed > 0 {
-            text.push_str(&calls(self.possibly_billed, "unanswered "));
-            text.push_str(" may also have been billed");
-            if self.known_cost().is_some() {
+            let calls = counted(self.possibly_billed as usize, "unanswered call");
+            text.push_str(&format!("; {calls} may also have been billed"));
+            if known.is_some() {
                 text.push_str(&format!(", up to {}", self.possibly));
             }
         }
@@ -156,52 +153,51 @@ struct State {
     under_way: Vec<Option<Usd>>,
 }
 
-/// The answer to a call that asks for permission.
-#[derive(Debug)]
-enum Admission {
-    /// It may be sent.
-    Granted,
-    /// It fits only if calls under way cost less than is reserved for them.
-    Wait,
-    /// A cap is reached.
-    Refused(CapReached),
-}
-
 impl State {
-    fn admit(&mut self, caps: Caps, at_most: Option<Usd>) -> Admission {
+    /// Reserves what a call may cost; `false`: it fits only if calls under way cost less than is reserved for them.
+    fn admit(&mut self, caps: Caps, at_most: Option<Usd>) -> Result<bool, CapReached> {
         let under_way = self.under_way.len() as u64;
+        let refused = |why: String, raise| Err(CapReached { why, raise });
         // Each call under way will count, whatever its end, so waiting would not help.
-        if let Some(cap) = caps
-            .calls
-            .filter(|cap| self.spent.calls + under_way >= *cap)
+        if let Some(cap) = caps.calls
+            && self.spent.calls + under_way >= cap
         {
-            let noun = if cap == 1 { "call" } else { "calls" };
-            return Admission::Refused(CapReached {
-                why: format!("the cap of {cap} {noun} is reached"),
-                raise: Some("--max-calls"),
-            });
+            let calls = counted(cap as usize, "call");
+            return refused(
+                format!("the cap of {calls} is reached"),
+                Some("--max-calls"),
+            );
         }
         if let Some(cap) = caps.cost {
             let Some(at_most) = at_most else {
-                return Admission::Refused(CapReached {
-                    why: format!(
-                        "the cost cap of {cap} cannot be enforced, because the price of this model is unknown; use \
-                         `--max-calls` instead"
-                    ),
-                    raise: None,
-                });
+                let why = format!(
+                    "the cost cap of {cap} cannot be enforced, because the price of this model is unknown; use \
+                     `--max-calls` instead"
+                );
+                return refused(why, None);
             };
             let taken = self.spent.at_most();
             let reserved: Usd = self.under_way.iter().copied().flatten().sum();
             if taken + reserved + at_most > cap {
                 if under_way > 0 {
-                    return Admission::Wait;
+                    return Ok(false);
                 }
-                return Admission::Refused(no_room(cap, taken, at_most));
+                if taken > cap {
+                    let over = taken.less(cap);
+                    let why = format!(
+                        "the cap of {cap} is passed by {over}: a call cost more than was to be expected"
+                    );
+                    return refused(why, None);
+                }
+                let left = cap.less(taken);
+                let why = format!(
+                    "the next call may cost {at_most}, and of the cap of {cap} {left} is left"
+                );
+                return refused(why, Some("--max-cost"));
             }
         }
         self.under_way.push(at_most);
-        Admission::Granted
+        Ok(true)
     }
 
     /// Gives back what was reserved for a call, and counts the call if it was sent.
@@ -212,25 +208,6 @@ impl State {
         if let Some(end) = end {
             self.spent.count(at_most, end);
         }
-    }
-}
-
-fn no_room(cap: Usd, taken: Usd, at_most: Usd) -> CapReached {
-    if taken > cap {
-        return CapReached {
-            why: format!(
-                "the cap of {cap} is passed by {}: a call cost more than was to be expected",
-                taken.less(cap)
-            ),
-            raise: None,
-        };
-    }
-    CapReached {
-        why: format!(
-            "the next call may cost {at_most}, and of the cap of {cap} {} is left",
-            cap.less(taken)
-        ),
-        raise: Some("--max-cost"),
     }
 }
 
@@ -310,20 +287,18 @@ impl Budget {
             if self.interrupt.is_raised() {
                 return Err(CallRefused::Interrupted);
             }
-            match state.admit(self.caps, at_most) {
-                Admission::Granted => {
-                    return Ok(Reservation {
-                        budget: self,
-                        at_most,
-                        is_settled: false,
-                    });
-                }
-                Admission::Refused(why) => return Err(CallRefused::Budget(why)),
-                Admission::Wait => {
-                    let waited = self.ended.wait_timeout(state, INTERRUPT_POLL);
-                    state = waited.unwrap_or_else(PoisonError::into_inner).0;
-                }
+            if state
+                .admit(self.caps, at_most)
+                .map_err(CallRefused::Budget)?
+            {
+                return Ok(Reservation {
+                    budget: self,
+                    at_most,
+                    is_settled: false,
+                });
             }
+            let waited = self.ended.wait_timeout(state, INTERRUPT_POLL);
+            state = waited.unwrap_or_else(PoisonError::into_inner).0;
         }
     }
 

@@ -11,7 +11,7 @@ use crate::{Lowering, Model, Reply, Request};
 use fab_base::jsonl::{Appender, Reader};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Name of the ledger in a run folder.
@@ -23,7 +23,7 @@ const MAX_BYTES: u64 = 1 << 30;
 /// A line of the ledger.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
-pub(crate) enum Line {
+enum Line {
     /// A question to a model, before its first call.
     Question(Question),
     /// A call is about to be sent.
@@ -74,16 +74,20 @@ impl Question {
 /// The contents of a ledger.
 #[derive(Clone, Debug, Default)]
 pub struct Noted {
-    /// Answers by the key of their question.
+    /// The last answer to each question, by its key.
     pub answered: BTreeMap<String, Reply>,
     /// What the calls added up to.
     pub spent: Spent,
     /// Number of failed calls by fault.
     pub faults: BTreeMap<Fault, u32>,
-    /// Keys of the questions that have a line of their own.
-    questions: BTreeSet<String>,
+    /// The questions to models, in the order in which they were first asked.
+    pub(crate) questions: Vec<Question>,
+    /// The last failure of a call for each question, by its key.
+    pub(crate) failed: BTreeMap<String, FailedCall>,
     /// Calls so far.
     calls: u64,
+    /// Question and reservation of each call that has not ended.
+    open: BTreeMap<u64, (String, Option<Usd>)>,
     /// Bytes up to the end of the last whole line.
     whole_bytes: u64,
 }
@@ -93,53 +97,62 @@ pub struct Noted {
 /// Fails if it cannot be read, or holds a whole line that is not a ledger line.
 pub fn read(folder: &Path) -> Result<Noted, LedgerError> {
     let path = folder.join(LEDGER_FILE);
+    if path.exists() {
+        read_file(&path)
+    } else {
+        Ok(Noted::default())
+    }
+}
+
+/// Reads a ledger.
+pub(crate) fn read_file(path: &Path) -> Result<Noted, LedgerError> {
     let unreadable = |why: String| LedgerError {
-        path: path.clone(),
+        path: path.to_owned(),
         why,
     };
     let mut noted = Noted::default();
-    if !path.exists() {
-        return Ok(noted);
-    }
-    let mut lines = Reader::open(&path, MAX_BYTES).map_err(unreadable)?;
-    let mut open = BTreeMap::new();
+    let mut lines = Reader::open(path, MAX_BYTES).map_err(unreadable)?;
     while let Some(line) = lines.read().map_err(unreadable)? {
-        noted.take(line, &mut open);
+        noted.take(line);
     }
     noted.whole_bytes = lines.whole_bytes();
-    for (_, at_most) in open.into_values() {
-        noted
-            .spent
-            .count(at_most, &CallEnd::Failed(&FailedCall::UNRESOLVED));
+    for (_, at_most) in std::mem::take(&mut noted.open).into_values() {
+        let unresolved = CallEnd::Failed(&FailedCall::UNRESOLVED);
+        noted.spent.count(at_most, &unresolved);
     }
     Ok(noted)
 }
 
 impl Noted {
+    fn has(&self, key: &str) -> bool {
+        self.questions.iter().any(|question| question.key == key)
+    }
+
     /// Takes a line in.
-    ///
-    /// - `open`: question and reservation of each call that has not ended.
-    fn take(&mut self, line: Line, open: &mut BTreeMap<u64, (String, Option<Usd>)>) {
+    fn take(&mut self, line: Line) {
         match line {
             Line::Question(question) => {
-                self.questions.insert(question.key);
+                if !self.has(&question.key) {
+                    self.questions.push(question);
+                }
             }
             Line::Begin {
                 call, key, at_most, ..
             } => {
                 self.calls = self.calls.max(call);
-                open.insert(call, (key, at_most));
+                self.open.insert(call, (key, at_most));
             }
             Line::Answered { call, reply } => {
-                if let Some((key, at_most)) = open.remove(&call) {
+                if let Some((key, at_most)) = self.open.remove(&call) {
                     self.spent.count(at_most, &CallEnd::Answered(&reply));
                     self.answered.insert(key, reply);
                 }
             }
             Line::Failed { call, failed } => {
-                if let Some((_, at_most)) = open.remove(&call) {
+                if let Some((key, at_most)) = self.open.remove(&call) {
                     self.spent.count(at_most, &CallEnd::Failed(&failed));
                     *self.faults.entry(failed.fault).or_default() += 1;
+                    self.failed.insert(key, failed);
                 }
             }
             Line::Kept { key, reply } => {
@@ -168,8 +181,8 @@ pub struct Ledger<'b> {
     noted: Noted,
     /// The question that the next call or stored answer is for, unless it has its line.
     asked: Option<Question>,
-    /// The call in progress: its number, its question, and its part of the budget.
-    open: Option<(u64, String, Reservation<'b>)>,
+    /// The call in progress: its number, and its part of the budget.
+    open: Option<(u64, Reservation<'b>)>,
 }
 
 impl<'b> Ledger<'b> {
@@ -205,7 +218,7 @@ impl<'b> Ledger<'b> {
     /// Says which question the next call or stored answer is for; its line is written with them.
     pub fn asks(&mut self, model: &dyn Model, request: &Request) {
         let question = Question::new(model, request);
-        self.asked = Some(question).filter(|it| !self.noted.questions.contains(&it.key));
+        self.asked = Some(question).filter(|it| !self.noted.has(&it.key));
     }
 
     /// Stores an answer that cost no call, so a resumed rollout does not depend on its source.
@@ -214,29 +227,26 @@ impl<'b> Ledger<'b> {
             return Ok(());
         }
         self.write_question()?;
-        self.write(&Line::Kept {
+        self.write(Line::Kept {
             key: key.to_owned(),
             reply: reply.clone(),
-        })?;
-        self.noted.answered.insert(key.to_owned(), reply.clone());
-        Ok(())
+        })
     }
 
     fn write_question(&mut self) -> Result<(), CallRefused> {
-        let Some(question) = self.asked.take() else {
-            return Ok(());
-        };
-        let key = question.key.clone();
-        self.write(&Line::Question(question))?;
-        self.noted.questions.insert(key);
+        let question = self.asked.take();
+        question.map_or(Ok(()), |question| self.write(Line::Question(question)))
+    }
+
+    fn write(&mut self, line: Line) -> Result<(), CallRefused> {
+        self.append(&line)
+            .map_err(|error| CallRefused::NotNoted(self.unwritable(&error)))?;
+        self.noted.take(line);
         Ok(())
     }
 
-    fn write(&mut self, line: &Line) -> Result<(), CallRefused> {
-        let written = self.append(line);
-        written.map_err(|error| {
-            CallRefused::NotNoted(format!("cannot write `{}`: {error}", self.path.display()))
-        })
+    fn unwritable(&self, error: &std::io::Error) -> String {
+        format!("cannot write `{}`: {error}", self.path.display())
     }
 
     fn append(&mut self, line: &Line) -> std::io::Result<()> {
@@ -263,41 +273,33 @@ impl Calls for Ledger<'_> {
             number: call.number,
             at_most: reserved.at_most,
         };
-        let begun = self.write_question().and_then(|()| self.write(&line));
+        let begun = self.write_question().and_then(|()| self.write(line));
         if begun.is_err() {
             reserved.release();
-            return begun;
+        } else {
+            self.open = Some((number, reserved));
         }
-        self.noted.calls = number;
-        self.open = Some((number, call.key.to_owned(), reserved));
-        Ok(())
+        begun
     }
 
     fn end(&mut self, end: &CallEnd<'_>) -> Result<(), CallRefused> {
-        let Some((call, key, reserved)) = self.open.take() else {
+        let Some((call, reserved)) = self.open.take() else {
             return Ok(());
         };
-        self.noted.spent.count(reserved.at_most, end);
         reserved.settle(end);
         let line = match *end {
-            CallEnd::Answered(reply) => {
-                self.noted.answered.insert(key, reply.clone());
-                Line::Answered {
-                    call,
-                    reply: reply.clone(),
-                }
-            }
-            CallEnd::Failed(failed) => {
-                *self.noted.faults.entry(failed.fault).or_default() += 1;
-                Line::Failed {
-                    call,
-                    failed: failed.clone(),
-                }
-            }
+            CallEnd::Answered(reply) => Line::Answered {
+                call,
+                reply: reply.clone(),
+            },
+            CallEnd::Failed(failed) => Line::Failed {
+                call,
+                failed: failed.clone(),
+            },
         };
-        self.append(&line).map_err(|error| {
-            CallRefused::NotKept(format!("cannot write `{}`: {error}", self.path.display()))
-        })
+        let written = self.append(&line);
+        self.noted.take(line);
+        written.map_err(|error| CallRefused::NotKept(self.unwritable(&error)))
     }
 }
 

@@ -76,9 +76,8 @@ impl Usd {
     pub fn from_dollars(dollars: f64) -> Option<Usd> {
         let nano = (dollars * 1e9).ceil();
         // Below 2^63, so the conversion is exact.
-        (0.0..9.2e18)
-            .contains(&nano)
-            .then_some(Usd { nano: nano as u64 })
+        let is_amount = (0.0..9.2e18).contains(&nano);
+        is_amount.then_some(Usd { nano: nano as u64 })
     }
 
     /// Returns the billionths.

@@ -12,17 +12,12 @@ const DAY_SECS: u64 = 24 * 60 * 60;
 const LAST_DAY: u64 = 2_932_896;
 
 /// A day.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Date {
     /// Since 1970-01-01.
     days: u64,
 }
-
-/// A text that is not a date.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is not a date; write one such as `2026-11-20`")]
-pub struct NoDate(String);
 
 impl Date {
     /// Returns the date this many days after 1970-01-01, e.g. of a system clock in UTC; at most the year 9999.
@@ -34,15 +29,18 @@ impl Date {
 }
 
 impl FromStr for Date {
-    type Err = NoDate;
+    type Err = String;
 
-    fn from_str(text: &str) -> Result<Date, NoDate> {
+    /// Reads a date such as `2026-11-20`; fails with the reason.
+    fn from_str(text: &str) -> Result<Date, String> {
         let start = humantime::parse_rfc3339(&format!("{text}T00:00:00Z"));
         let since = start.ok().and_then(|it| it.duration_since(UNIX_EPOCH).ok());
         let days = since.map(|since| since.as_secs() / DAY_SECS);
-        // A long text is not repeated in full.
-        let days = days.ok_or_else(|| NoDate(text.chars().take(40).collect()))?;
-        Ok(Date { days })
+        days.map(|days| Date { days }).ok_or_else(|| {
+            // A long text is not repeated in full.
+            let text: String = text.chars().take(40).collect();
+            format!("`{text}` is not a date; write one such as `2026-11-20`")
+        })
     }
 }
 
@@ -55,9 +53,9 @@ impl fmt::Display for Date {
 }
 
 impl TryFrom<String> for Date {
-    type Error = NoDate;
+    type Error = String;
 
-    fn try_from(text: String) -> Result<Date, NoDate> {
+    fn try_from(text: String) -> Result<Date, String> {
         text.parse()
     }
 }

@@ -7,7 +7,6 @@ use super::price::Price;
 use super::tokens::ImageTokens;
 use fab_model::lowering::{Lowering, Resize};
 use fab_program::pointing::{CoordinateUnit, Order};
-use fab_program::{Reasoning, ReasoningLevel};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::num::NonZeroU32;
@@ -18,9 +17,6 @@ use std::num::NonZeroU32;
 pub struct Facts {
     /// Whether it takes pictures.
     pub vision: Option<bool>,
-    /// Whether a message may hold several pictures.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub several_pictures: Option<bool>,
     /// Whether it supports a JSON Schema for its answer.
     pub structured_output: Option<bool>,
     /// The sampling temperatures that it accepts.
@@ -125,19 +121,6 @@ fab_base::named! {
         High = "high",
         /// `N tokens`.
         Tokens = "tokens",
-    }
-}
-
-impl ReasoningKind {
-    /// Returns the form of a statement.
-    pub fn of(stated: Reasoning) -> ReasoningKind {
-        match stated {
-            Reasoning::Level(ReasoningLevel::None) => ReasoningKind::None,
-            Reasoning::Level(ReasoningLevel::Low) => ReasoningKind::Low,
-            Reasoning::Level(ReasoningLevel::Medium) => ReasoningKind::Medium,
-            Reasoning::Level(ReasoningLevel::High) => ReasoningKind::High,
-            Reasoning::Tokens(_) => ReasoningKind::Tokens,
-        }
     }
 }
 

@@ -12,9 +12,9 @@ mod provider;
 mod tests;
 pub mod tokens;
 
-pub use date::{Date, NoDate};
+pub use date::Date;
 pub use facts::{Accepted, Facts, MaxTokensField, PositionFormat, ReasoningFacts, ReasoningKind};
-pub use price::{Price, Priced, SAFETY};
+pub use price::{Price, SAFETY};
 pub(crate) use provider::is_key_name;
 pub use provider::{KeyNeed, Provider, RunsOn, Wire};
 pub use tokens::{ImageTokens, Tokens};
@@ -42,37 +42,18 @@ const OF_THE_INTERFACE: [&str; 3] = ["price", "structured_output", "max_tokens_f
 /// Why facts cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CatalogueError {
-    /// The file cannot be read.
-    #[error("cannot read `{file}`: {why}")]
-    Unreadable {
-        /// The file.
-        file: String,
-        /// The system's error.
-        why: String,
-    },
-    /// It is not TOML, or an entry is wrong.
-    #[error("`{file}`, line {line}: {why}")]
-    Wrong {
-        /// The file.
-        file: String,
-        /// Where the fault or the entry with the fault begins, from 1.
-        line: usize,
-        /// What is wrong, and what would be right.
-        why: String,
-    },
+    /// The file cannot be read, with the system's error.
+    #[error("cannot read `{0}`: {1}")]
+    Unreadable(String, String),
+    /// The file is not TOML, or the entry that begins in this line is wrong, and why.
+    #[error("`{0}`, line {1}: {2}")]
+    Wrong(String, usize, String),
     /// A model name is not in the form PROVIDER:NAME.
     #[error("`{0}` is not a model; write PROVIDER:NAME, on one line")]
     NoModel(String),
-    /// There is no such provider.
-    #[error("there is no provider `{name}`{near}; there is {among}", near = meant(near.as_deref()))]
-    NoProvider {
-        /// The requested name.
-        name: String,
-        /// The one that was probably meant.
-        near: Option<String>,
-        /// All providers.
-        among: String,
-    },
+    /// There is no such provider; with the one that was probably meant, and all of them.
+    #[error("there is no provider `{0}`{near}; there is {2}", near = meant(.1.as_deref()))]
+    NoProvider(String, Option<String>, String),
 }
 
 /// Everything known about models.
@@ -86,7 +67,7 @@ pub struct Catalogue {
 }
 
 /// Everything known about one model at one provider.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Profile {
     /// The provider that offers it.
     pub provider: Provider,
@@ -172,25 +153,24 @@ impl Catalogue {
     ///
     /// `file` names it in errors.
     pub fn overlaid(mut self, text: &str, file: &str) -> Result<Catalogue, CatalogueError> {
-        let wrong = |offset: usize, why: String| CatalogueError::Wrong {
-            file: file.to_owned(),
-            line: line_of(text, offset),
-            why,
+        let wrong = |start: usize, why: String| {
+            CatalogueError::Wrong(file.to_owned(), line_of(text, start), why)
         };
         // Only the message: an excerpt of the file could show a key.
         let read: File = toml::from_str(text).map_err(|error| {
             let start = error.span().map_or(0, |span| span.start);
             wrong(start, error.message().to_owned())
         })?;
-        for provider in read.provider {
-            let start = provider.span().start;
-            let result = self.lay_provider(provider.into_inner());
-            result.map_err(|why| wrong(start, why))?;
-        }
-        for model in read.model {
-            let start = model.span().start;
-            let result = self.lay_model(model.into_inner());
-            result.map_err(|why| wrong(start, why))?;
+        type Lay = fn(&mut Catalogue, Table) -> Result<(), String>;
+        let kinds: [(_, Lay); 2] = [
+            (read.provider, Catalogue::lay_provider),
+            (read.model, Catalogue::lay_model),
+        ];
+        for (entries, lay) in kinds {
+            for entry in entries {
+                let start = entry.span().start;
+                lay(&mut self, entry.into_inner()).map_err(|why| wrong(start, why))?;
+            }
         }
         Ok(self)
     }
@@ -199,25 +179,22 @@ impl Catalogue {
     pub fn overlaid_by(self, path: &Path) -> Result<Catalogue, CatalogueError> {
         let name = path.display().to_string();
         let text = files::read_text(path, MAX_BYTES);
-        let text = text.map_err(|why| CatalogueError::Unreadable {
-            file: name.clone(),
-            why,
-        })?;
-        self.overlaid(&text, &name)
+        let text = text.map_err(|why| CatalogueError::Unreadable(name.clone(), why));
+        self.overlaid(&text?, &name)
     }
 
     fn lay_provider(&mut self, changes: Table) -> Result<(), String> {
         let name = changes.get("name").and_then(|name| name.as_str());
-        let before = { self.providers.iter() }.position(|it| Some(it.name.as_str()) == name);
-        let mut table = match before {
-            Some(index) => Table::try_from(&self.providers[index]).map_err(|it| it.to_string())?,
-            None => Table::new(),
-        };
+        let mut table = Table::new();
+        let before = self.provider(name.unwrap_or_default()).ok();
+        if let Some(before) = before {
+            table = Table::try_from(before).map_err(|error| error.to_string())?;
+        }
         table.extend(changes);
         let provider: Provider = from_table(table)?;
         provider.check()?;
-        match before {
-            Some(index) => self.providers[index] = provider,
+        match { self.providers.iter_mut() }.find(|it| it.name == provider.name) {
+            Some(before) => *before = provider,
             None => self.providers.push(provider),
         }
         Ok(())
@@ -250,21 +227,20 @@ impl Catalogue {
     pub fn provider(&self, name: &str) -> Result<&Provider, CatalogueError> {
         let names = || self.providers.iter().map(|provider| provider.name.as_str());
         let found = self.providers.iter().find(|provider| provider.name == name);
-        found.ok_or_else(|| CatalogueError::NoProvider {
-            name: name.chars().take(40).collect(),
-            near: nearest(name, names()).map(str::to_owned),
-            among: among(names()),
+        found.ok_or_else(|| {
+            let near = nearest(name, names()).map(str::to_owned);
+            let name = name.chars().take(40).collect();
+            CatalogueError::NoProvider(name, near, among(names()))
         })
     }
 
     /// Finds a model by `PROVIDER:NAME`; for a name that matches no entry nothing is known.
     pub fn find(&self, model: &str) -> Result<Profile, CatalogueError> {
-        let no_model = || CatalogueError::NoModel(model.chars().take(80).collect());
-        let (provider, id) = model.split_once(':').ok_or_else(no_model)?;
+        let split = model.split_once(':');
+        let split = split.filter(|(_, id)| !id.is_empty() && !id.chars().any(char::is_control));
+        let (provider, id) =
+            split.ok_or_else(|| CatalogueError::NoModel(model.chars().take(80).collect()))?;
         let provider = self.provider(provider)?;
-        if id.is_empty() || id.chars().any(char::is_control) {
-            return Err(no_model());
-        }
         let (facts, _) = self.known(Some(provider), id);
         let of_provider = |entry: &&Entry| entry.head.provider.as_deref() == Some(provider.owner());
         let ids = self.entries.iter().filter(of_provider);
@@ -285,15 +261,13 @@ impl Catalogue {
         let mut listed: Vec<Listed> = Vec::new();
         for head in heads {
             let owner = head.provider.as_deref();
-            if let (Some(wanted), Some(owner)) = (wanted, owner)
-                && wanted.owner() != owner
-            {
+            if wanted.is_some_and(|wanted| owner.is_some_and(|owner| wanted.owner() != owner)) {
                 continue;
             }
             let provider = owner.and_then(|owner| wanted.or(self.provider(owner).ok()));
-            let (name, end) = match (&head.id, head.family.first()) {
-                (Some(id), _) => (id.as_str(), ""),
-                (None, family) => (family.map_or("", String::as_str), "*"),
+            let (name, end) = match &head.id {
+                Some(id) => (id.as_str(), ""),
+                None => (head.family[0].as_str(), "*"),
             };
             let at = provider.map_or(String::new(), |provider| format!("{}:", provider.name));
             let model = format!("{at}{name}{end}");
@@ -371,13 +345,8 @@ fn fit(head: &Head, id: &str) -> Option<usize> {
 /// Returns an id, or the beginning of one, in lower case and with `-` for each separator.
 fn comparable(id: &str) -> String {
     let id = id.chars().flat_map(char::to_lowercase);
-    let separated = id.map(|c| {
-        if c.is_alphanumeric() || c == '.' {
-            c
-        } else {
-            '-'
-        }
-    });
+    let is_separator = |c: &char| !c.is_alphanumeric() && *c != '.';
+    let separated = id.map(|c| if is_separator(&c) { '-' } else { c });
     separated.collect()
 }
 

@@ -81,13 +81,6 @@ fn nano_per_million(dollars: f64) -> u128 {
     (dollars * 1e9).round() as u128
 }
 
-/// A model's price on a date, for bounds on requests and costs of calls.
-#[derive(Clone, Debug)]
-pub struct Priced {
-    profile: Profile,
-    price: Option<Price>,
-}
-
 impl Profile {
     /// Returns the price of a million tokens on a date; `None` if unknown.
     pub fn price_on(&self, today: Date) -> Option<Price> {
@@ -99,39 +92,30 @@ impl Profile {
         begun.max_by_key(|price| price.from).copied()
     }
 
-    /// Fixes the date, so that all calls of a run have the same price.
-    pub fn priced_on(&self, today: Date) -> Priced {
-        Priced {
-            profile: self.clone(),
-            price: self.price_on(today),
-        }
-    }
-}
-
-impl Priced {
-    /// Returns the cost of a call; `None` if the price is unknown.
-    pub fn cost(&self, usage: Usage) -> Option<Usd> {
-        Some(self.price?.cost(usage))
-    }
-
-    /// Returns the most that a request may cost: [`SAFETY`] times its estimated input, and the longest answer.
+    /// Returns the most that a request may cost: [`SAFETY`] times its estimated input, and the longest answer, tokens.
     ///
     /// `None` if the price, the longest answer, or the tokens of one of its pictures are unknown.
-    pub fn at_most(&self, request: &Request) -> Option<Usd> {
-        if self.profile.is_free() {
+    pub fn at_most(
+        &self,
+        price: Option<Price>,
+        request: &Request,
+        longest: Option<u32>,
+    ) -> Option<Usd> {
+        if self.is_free() {
             return Some(Usd::ZERO);
         }
-        let input =
-            tokens::of_messages(&request.messages, self.profile.facts.image_tokens.as_ref());
-        let schema = request
-            .schema
-            .as_ref()
-            .map(|schema| tokens::of_text(&schema.to_string()));
-        let input_tokens = input?.at_most.saturating_add(schema.unwrap_or(0));
-        self.cost(Usage {
+        let input = tokens::of_messages(
+            &request.messages,
+            self.facts.image_tokens.as_ref(),
+            tokens::of_text,
+        );
+        let schema = request.schema.as_ref();
+        let schema = schema.map_or(0, |schema| tokens::of_text(&schema.to_string()));
+        let input_tokens = input?.at_most.saturating_add(schema);
+        Some(price?.cost(Usage {
             input_tokens: input_tokens.saturating_mul(SAFETY),
-            output_tokens: request.max_tokens?.into(),
+            output_tokens: longest?.into(),
             ..Usage::default()
-        })
+        }))
     }
 }

@@ -9,7 +9,7 @@ use std::fmt;
 
 /// A provider of models. All fields but the name have defaults: those of a server of one's own that speaks OpenAI's Chat
 /// Completions.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Provider {
     /// The part of `--model PROVIDER:NAME` before the colon.

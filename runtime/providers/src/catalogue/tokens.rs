@@ -128,20 +128,9 @@ pub(crate) fn of_picture(png: &Png, formula: Option<&ImageTokens>) -> Option<Tok
 }
 
 /// Estimates the tokens of a conversation; `None` if it has pictures with unknown tokens.
-pub fn of_messages(messages: &[Message], formula: Option<&ImageTokens>) -> Option<Tokens> {
-    sum(messages, formula, of_text)
-}
-
-/// Estimates the likely tokens of a conversation, without a margin; `None` if it has pictures with unknown tokens.
-pub(crate) fn likely_of_messages(
-    messages: &[Message],
-    formula: Option<&ImageTokens>,
-) -> Option<u64> {
-    let tokens = sum(messages, formula, likely_of_text)?;
-    Some(tokens.at_least.midpoint(tokens.at_most))
-}
-
-fn sum(
+///
+/// - `of_text`: counts the tokens of a text.
+pub fn of_messages(
     messages: &[Message],
     formula: Option<&ImageTokens>,
     of_text: fn(&str) -> u64,
@@ -161,25 +150,15 @@ fn sum(
 
 /// Estimates the likely tokens of a text: words in pieces of seven letters, numbers in pieces of three digits, and each
 /// sign. Lists of points come out two to three times longer than by their letters alone.
-pub(super) fn likely_of_text(text: &str) -> u64 {
-    let (mut tokens, mut run) = (0_u64, 0_u64);
-    let mut last = None;
-    for c in text.chars() {
-        let kind = match c {
-            c if c.is_whitespace() => None,
-            c if c.is_numeric() => Some(3),
-            c if c.is_alphabetic() => Some(7),
-            _ => Some(1),
-        };
-        let Some(piece) = kind else {
-            last = None;
-            continue;
-        };
-        run = if last == kind { run + 1 } else { 1 };
-        if (run - 1).is_multiple_of(piece) {
-            tokens += 1;
-        }
-        last = kind;
-    }
-    tokens
+pub fn likely_of_text(text: &str) -> u64 {
+    let piece = |c: char| match c {
+        c if c.is_whitespace() => usize::MAX,
+        c if c.is_numeric() => 3,
+        c if c.is_alphabetic() => 7,
+        _ => 1,
+    };
+    let letters: Vec<usize> = text.chars().map(piece).collect();
+    let runs = letters.chunk_by(|one, other| one == other);
+    let runs = runs.filter(|run| run[0] != usize::MAX);
+    runs.map(|run| run.len().div_ceil(run[0]) as u64).sum()
 }

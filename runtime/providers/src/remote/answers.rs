@@ -1,51 +1,30 @@
 //! Paid answers, cached on disk.
 //!
-//! In: everything that a question's answer depends on. Out: the cached answer, or the right to ask for it. If several
+//! In: everything that a question's answer depends on. Out: the cached answer, and a lock for the one who asks. If several
 //! threads have the same question, one asks and the others wait for its answer. Without a folder nothing is cached, and
 //! everybody asks.
 
-use super::INTERRUPT_POLL;
 use fab_base::cache::Cache;
-use fab_base::interrupt::Interrupt;
 use fab_model::calls::Usage;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
-/// Format of the cached files; other formats are ignored.
-const FORMAT: u32 = 1;
+/// Held by the one who asks a question.
+pub(super) type Asking = tokio::sync::Mutex<()>;
 
 /// Cached answers by key; shared by all rollouts.
 #[derive(Debug)]
 pub struct Answers {
     cache: Cache,
-    asked: Mutex<BTreeSet<String>>,
-    settled: Condvar,
+    asked: Mutex<BTreeMap<String, Arc<Asking>>>,
 }
 
 /// A cached answer.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub(super) struct Cached {
-    format: u32,
     pub text: String,
     pub usage: Option<Usage>,
-}
-
-/// The result of a lookup.
-pub(super) enum Lookup<'a> {
-    /// The answer.
-    Cached(Cached),
-    /// No answer; this thread asks.
-    Nothing(Claim<'a>),
-    /// The user interrupted the wait.
-    Interrupted,
-}
-
-/// The right to ask, held until it is dropped.
-pub(super) struct Claim<'a> {
-    answers: &'a Answers,
-    key: String,
 }
 
 impl Answers {
@@ -54,7 +33,6 @@ impl Answers {
         Answers {
             cache,
             asked: Mutex::default(),
-            settled: Condvar::new(),
         }
     }
 
@@ -63,56 +41,24 @@ impl Answers {
         Answers::kept_in(Cache::none())
     }
 
-    /// Returns the answer under `key`, a string of letters and digits; waits while another thread asks for it.
-    pub(super) fn find(&self, key: String, interrupt: &Interrupt) -> Lookup<'_> {
-        let mut asked = self.asked();
-        loop {
-            if interrupt.is_raised() {
-                return Lookup::Interrupted;
-            }
-            if !self.cache.is_kept() {
-                return Lookup::Nothing(Claim { answers: self, key });
-            }
-            if !asked.contains(&key) {
-                // Under the lock, so nobody can ask between lookup and claim.
-                if let Some(kept) = self.read(&key) {
-                    return Lookup::Cached(kept);
-                }
-                asked.insert(key.clone());
-                return Lookup::Nothing(Claim { answers: self, key });
-            }
-            let waited = self.settled.wait_timeout(asked, INTERRUPT_POLL);
-            asked = waited.unwrap_or_else(PoisonError::into_inner).0;
+    /// Returns the lock of a question.
+    pub(super) fn lock(&self, key: &str) -> Arc<Asking> {
+        if !self.cache.is_kept() {
+            return Arc::default();
         }
+        let mut asked = self.asked.lock().unwrap_or_else(PoisonError::into_inner);
+        Arc::clone(asked.entry(key.to_owned()).or_default())
     }
 
-    fn read(&self, key: &str) -> Option<Cached> {
-        let kept: Cached = serde_json::from_slice(&self.cache.get(key)?).ok()?;
-        (kept.format == FORMAT).then_some(kept)
+    /// Returns the answer under a key of letters and digits; under its lock, so that nobody asks in between.
+    pub(super) fn get(&self, key: &str) -> Option<Cached> {
+        serde_json::from_slice(&self.cache.get(key)?).ok()
     }
 
-    fn asked(&self) -> MutexGuard<'_, BTreeSet<String>> {
-        self.asked.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl Claim<'_> {
-    /// Caches the answer.
-    pub(super) fn keep(&self, text: &str, usage: Option<Usage>) {
-        let kept = Cached {
-            format: FORMAT,
-            text: text.to_owned(),
-            usage,
-        };
-        let bytes = serde_json::to_vec(&kept).expect("an answer holds a string and numbers");
+    /// Caches an answer.
+    pub(super) fn put(&self, key: &str, answer: &Cached) {
+        let bytes = serde_json::to_vec(answer).expect("an answer holds a string and numbers");
         // Failing to cache an answer does not make it less of an answer.
-        let _ = self.answers.cache.put(&self.key, &bytes);
-    }
-}
-
-impl Drop for Claim<'_> {
-    fn drop(&mut self) {
-        self.answers.asked().remove(&self.key);
-        self.answers.settled.notify_all();
+        let _ = self.cache.put(key, &bytes);
     }
 }

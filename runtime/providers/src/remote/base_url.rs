@@ -38,16 +38,9 @@ pub enum BaseUrlError {
          environment or in the file of keys"
     )]
     Secret,
-    /// It ends in an endpoint, which would be appended once more.
-    #[error(
-        "the base URL ends in `{endpoint}`, and fabc appends the endpoint itself; write `{meant}`"
-    )]
-    Endpoint {
-        /// The end that is too much.
-        endpoint: &'static str,
-        /// The URL without it.
-        meant: String,
-    },
+    /// It ends in an endpoint, which would be appended once more; with the URL that was meant.
+    #[error("the base URL ends in `{0}`, and fabc appends the endpoint itself; write `{1}`")]
+    Endpoint(&'static str, String),
 }
 
 impl BaseUrl {
@@ -72,8 +65,7 @@ impl BaseUrl {
         for endpoint in ENDPOINTS {
             if let Some(base) = path.strip_suffix(endpoint) {
                 url.set_path(base);
-                let meant = url.to_string();
-                return Err(BaseUrlError::Endpoint { endpoint, meant });
+                return Err(BaseUrlError::Endpoint(endpoint, url.to_string()));
             }
         }
         Ok(BaseUrl(url))

@@ -4,7 +4,9 @@
 //! first one that applies is the likely one, so rows go from the specific to the general. Method, address, status and the
 //! beginning of the body are in every message, so a failure without a row needs none.
 
+use super::Key;
 use super::exchange::Exchange;
+use super::settings::{Parameter, Settings};
 use super::transport::Obstacle;
 use crate::catalogue::Wire;
 use fab_base::wording::{quoted, shown};
@@ -65,12 +67,12 @@ const CAUSES: &[Cause] = &[
         help: "give the base of that address with `--base-url URL`, if you trust it",
     },
     Cause {
-        applies: |e| e.fault == Fault::NotAuthorised && e.settings.key.is_none(),
+        applies: |e| e.failed.fault == Fault::NotAuthorised && e.settings.key.is_none(),
         cause: "no key was sent, since {no_key}",
         help: "set it in the environment or the file of keys, `export {name}=…`; a file of facts (`--models FILE`) may name it otherwise, `key_env = [\"NAME\"]`",
     },
     Cause {
-        applies: |e| e.fault == Fault::NotAuthorised,
+        applies: |e| e.failed.fault == Fault::NotAuthorised,
         cause: "the server at `{address}` does not accept the key from `{key}`",
         help: "check that its value is whole, still valid, made for this server (a LiteLLM proxy without a database takes its master key alone), and allowed for this model; looked for: {keys}",
     },
@@ -104,28 +106,26 @@ const CAUSES: &[Cause] = &[
         help: "raise the context of the server (llama.cpp `--ctx-size`, vLLM `--max-model-len`, Ollama `OLLAMA_CONTEXT_LENGTH`), or state fewer `tokens`; of a gateway, the size of a body (nginx: `client_max_body_size`)",
     },
     Cause {
-        applies: |e| e.omit.is_some(),
+        applies: |e| e.failed.omit.is_some(),
         cause: "the server does not accept `{omit}` as it was sent",
         help: "`--omit {omit}` leaves it out; `fabc models {provider}` shows what is known of the model",
     },
     // The server, and replies of status 200 that are no answers.
     Cause {
         applies: |e| {
-            matches!(
-                e.fault,
-                Fault::ServerFailed | Fault::ConnectionCut | Fault::TimedOut
-            )
+            let faults = [Fault::ServerFailed, Fault::ConnectionCut, Fault::TimedOut];
+            faults.contains(&e.failed.fault) && !is(e, Obstacle::Interrupted)
         },
         cause: "the server is overloaded, still loading its model, out of memory, or down behind a gateway",
         help: "fabc asks again by itself; if that does not suffice, the log of the server at `{address}` says why",
     },
     Cause {
-        applies: |e| e.fault == Fault::InvalidReply && is_empty(e),
+        applies: is_empty,
         cause: "all of the model's text went into its reasoning, or it ended at once",
         help: "let the server leave it in the answer (llama.cpp: `--reasoning-format none`, or `--reasoning-budget 0` for no thoughts; vLLM: another `--reasoning-parser`, or none), ask with `--reasoning none`, or allow more `tokens`",
     },
     Cause {
-        applies: |e| e.fault == Fault::InvalidReply && has_another_form(e),
+        applies: |e| has_problem(e, "the reply ") || has_problem(e, "the answer is empty"),
         cause: "the reply is not in the form of {interface}; it may come from another interface, a streaming server, a login page or a proxy",
         help: "check the base URL {base}, choose the provider whose interface the server speaks (`fabc models --help`), or look into the log of the server",
     },
@@ -141,52 +141,44 @@ pub(super) fn likely(exchange: &Exchange<'_>) -> Option<(String, String)> {
 /// Returns whether a list of the served models would tell what is wrong.
 pub(super) fn asks_for_list(exchange: &Exchange<'_>) -> bool {
     exchange.status() == Some(404)
-        || (exchange.fault == Fault::BadRequest && names_no_model(exchange))
+        || (exchange.failed.fault == Fault::BadRequest && names_no_model(exchange))
 }
 
 /// Puts the values of a call into a text.
 fn filled(text: &str, e: &Exchange<'_>) -> String {
-    let settings = e.settings;
-    let names = &settings.key_names;
+    let Settings { profile, key, .. } = e.settings;
+    let provider = &profile.provider;
+    let names = &provider.key_env;
+    let name = names.first().map_or("NAME", String::as_str);
+    let no_key = match &names[..] {
+        [] => "this provider has no name for one".to_owned(),
+        [one] => format!("`{one}` is not set"),
+        _ => format!("none of {} is set", quoted(names)),
+    };
+    let start = provider.start.as_ref();
+    let start = start.map(|start| format!("start it with `{start}`"));
     let values = [
         ("{address}", authority(e)),
         ("{base}", base_url(e)),
-        ("{interface}", interface(settings.wire).to_owned()),
-        (
-            "{key}",
-            settings
-                .key
-                .as_ref()
-                .map_or("", |key| key.name())
-                .to_owned(),
-        ),
+        ("{interface}", interface(provider.wire).to_owned()),
+        ("{key}", key.as_ref().map_or("", Key::name).to_owned()),
         ("{keys}", quoted(names)),
-        ("{limit}", format!("{:.1}", settings.timeout.as_secs_f64())),
+        (
+            "{limit}",
+            format!("{:.1}", e.settings.timeout.as_secs_f64()),
+        ),
         ("{location}", location(e).unwrap_or_default()),
-        ("{model}", settings.model.clone()),
+        ("{model}", profile.id.clone()),
+        ("{name}", name.to_owned()),
+        ("{no_key}", no_key),
         (
-            "{name}",
-            names.first().map_or("NAME", String::as_str).to_owned(),
+            "{omit}",
+            e.failed.omit.map_or("", Parameter::name).to_owned(),
         ),
-        (
-            "{no_key}",
-            match &names[..] {
-                [] => "this provider has no name for one".to_owned(),
-                [one] => format!("`{one}` is not set"),
-                _ => format!("none of {} is set", quoted(names)),
-            },
-        ),
-        ("{omit}", e.omit.map_or("", |omit| omit.name()).to_owned()),
         ("{path}", e.url.path().to_owned()),
-        ("{provider}", settings.provider.clone()),
+        ("{provider}", provider.name.clone()),
         ("{served}", served(e)),
-        (
-            "{start}",
-            match &settings.start {
-                Some(start) => format!("start it with `{start}`"),
-                None => "start the server".to_owned(),
-            },
-        ),
+        ("{start}", start.unwrap_or("start the server".to_owned())),
     ];
     let fill = |text: String, (name, value): &(&str, String)| text.replace(name, value);
     values.iter().fold(text.to_owned(), fill)
@@ -207,7 +199,7 @@ fn authority(e: &Exchange<'_>) -> String {
 /// Returns the base URL, with the usual one beside it if that is another.
 fn base_url(e: &Exchange<'_>) -> String {
     let base = e.settings.base_url.to_string();
-    let usual = e.settings.base_url.usual(e.settings.wire);
+    let usual = e.settings.base_url.usual(e.settings.profile.provider.wire);
     // A bare host gets the usual version.
     if usual.starts_with(base.trim_end_matches('/')) {
         format!("`{base}`")
@@ -219,7 +211,7 @@ fn base_url(e: &Exchange<'_>) -> String {
 /// Returns whether the server's list lacks the model, or the server says so.
 fn lacks_model(e: &Exchange<'_>) -> bool {
     match e.served {
-        Some(Ok(ids)) => !ids.contains(&e.settings.model),
+        Some(Ok(ids)) => !ids.contains(&e.settings.profile.id),
         Some(Err(_)) | None => names_no_model(e),
     }
 }
@@ -238,39 +230,26 @@ fn names_no_model(exchange: &Exchange<'_>) -> bool {
 
 /// Says which models the server lists.
 fn served(e: &Exchange<'_>) -> String {
-    match e.served {
-        Some(Ok(ids)) if ids.is_empty() => "; it serves no model yet".to_owned(),
-        Some(Ok(ids)) => {
-            let more = ids.len().saturating_sub(MAX_LISTED);
-            let listed = quoted(ids.iter().take(MAX_LISTED));
-            let more = if more > 0 {
-                format!(" and {more} more")
-            } else {
-                String::new()
-            };
-            format!("; it serves {listed}{more}")
-        }
-        Some(Err(_)) | None => String::new(),
+    let Some(Ok(ids)) = e.served else {
+        return String::new();
+    };
+    match (ids.len(), ids.len().saturating_sub(MAX_LISTED)) {
+        (0, _) => "; it serves no model yet".to_owned(),
+        (_, 0) => format!("; it serves {}", quoted(ids)),
+        (_, more) => format!("; it serves {} and {more} more", quoted(&ids[..MAX_LISTED])),
     }
 }
 
 /// Returns whether a reply of the right form has no text.
 fn is_empty(exchange: &Exchange<'_>) -> bool {
-    let is_chat = exchange.settings.wire == Wire::OpenaiChat;
+    let is_chat = exchange.settings.profile.provider.wire == Wire::OpenaiChat;
     let has_form = is_chat || !exchange.says(&["chat.completion"]);
     has_form && has_problem(exchange, "the answer is empty")
 }
 
-/// Returns whether a reply is not of the form that the interface promises. Without it, no text is found.
-fn has_another_form(exchange: &Exchange<'_>) -> bool {
-    let is_blank = has_problem(exchange, "the answer is empty");
-    has_problem(exchange, "the reply ") || is_blank && !is_empty(exchange)
-}
-
 /// Returns whether what is wrong with a reply of status 200 begins so.
 fn has_problem(exchange: &Exchange<'_>, beginning: &str) -> bool {
-    let received = exchange.received();
-    let problem = received.and_then(|received| received.problem.as_deref());
+    let problem = exchange.failed.problem.as_ref();
     problem.is_some_and(|problem| problem.starts_with(beginning))
 }
 
@@ -285,7 +264,7 @@ fn interface(wire: Wire) -> &'static str {
 
 /// Returns where a redirect leads, without anything that may be secret.
 fn location(exchange: &Exchange<'_>) -> Option<String> {
-    let incoming = &exchange.received()?.incoming;
+    let incoming = exchange.failed.reply.as_ref().ok()?;
     let mut url: Url = exchange.url.join(incoming.location.as_ref()?).ok()?;
     if !(300..=399).contains(&incoming.status) {
         return None;

@@ -1,101 +1,90 @@
 //! A call that failed: what was sent, what came back, and both in words.
 //!
-//! In: a model's settings, and a reply or the reason why there is none. Out: a [`Message`] with method, URL, status, content
+//! In: a model's settings, and a reply or the reason why there is none. Out: words, with method, URL, status, content
 //! type, the beginning of the body, and the likely cause with its remedy, which [`causes`] knows.
 
 use super::causes;
 use super::served::Served;
-use super::settings::{Parameter, Settings};
+use super::settings::{Lengths, Parameter, Settings};
 use super::transport::{Incoming, NoReply, Obstacle};
 use super::wire::error::ErrorBody;
 use fab_base::wording::shown;
-use fab_model::calls::Fault;
+use fab_model::calls::{Billing, Fault, Usage};
 use reqwest::{StatusCode, Url};
+use std::time::Duration;
 
 /// How much of a body is shown, characters.
 const MAX_EXCERPT: usize = 200;
 
-/// A failed call.
-pub(super) struct Exchange<'a> {
-    pub settings: &'a Settings,
-    pub url: &'a Url,
-    pub came: &'a Came,
+/// A call without an answer.
+pub(super) struct Failed {
     pub fault: Fault,
-    /// The models that the server lists, if it was asked.
-    pub served: Option<&'a Served>,
+    pub billing: Billing,
+    pub reply: Result<Incoming, NoReply>,
+    /// What the reply says is wrong.
+    pub error: ErrorBody,
+    /// What a reader of the wire format found wrong with a reply of status 200.
+    pub problem: Option<String>,
+    pub usage: Option<Usage>,
+    /// The lengths to ask with once more, if reasoning cut the answer off.
+    pub again: Option<Lengths>,
     /// The parameter that the provider refuses and that can be left out.
     pub omit: Option<Parameter>,
 }
 
-/// What came instead of an answer.
-pub(super) enum Came {
-    /// A reply.
-    Reply(Box<Received>),
-    /// Nothing.
-    Nothing(NoReply),
+/// A call that failed, and what is known about it.
+pub(super) struct Exchange<'a> {
+    pub settings: &'a Settings,
+    pub url: &'a Url,
+    pub failed: &'a Failed,
+    /// The models that the server lists, if it was asked.
+    pub served: Option<&'a Served>,
 }
 
-/// A reply that is not an answer.
-pub(super) struct Received {
-    pub incoming: Incoming,
-    pub error: ErrorBody,
-    /// What a reader of the wire format found wrong with a reply of status 200.
-    pub problem: Option<String>,
-}
+impl Failed {
+    pub(super) fn of(fault: Fault, billing: Billing, reply: Result<Incoming, NoReply>) -> Failed {
+        let body = reply.as_ref().map_or(&[][..], |incoming| &incoming.body);
+        Failed {
+            fault,
+            billing,
+            error: ErrorBody::of_bytes(body),
+            reply,
+            problem: None,
+            usage: None,
+            again: None,
+            omit: None,
+        }
+    }
 
-/// A failure in words.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Message {
-    /// What happened, on one line.
-    pub headline: String,
-    /// The rest, a line each, which begins with a line break.
-    pub details: String,
-}
-
-impl Came {
-    pub(super) fn reply(incoming: Incoming, problem: Option<String>) -> Came {
-        Came::Reply(Box::new(Received {
-            error: ErrorBody::of_bytes(&incoming.body),
-            incoming,
-            problem,
-        }))
+    /// Returns the wait that the provider asks for.
+    pub(super) fn wait(&self) -> Option<Duration> {
+        self.error.wait.max(self.reply.as_ref().ok()?.wait)
     }
 }
 
 impl Exchange<'_> {
-    /// Returns what prevented a reply.
+    /// Returns what prevented a reply; `None` if there is one.
     pub(super) fn obstacle(&self) -> Option<Obstacle> {
-        match self.came {
-            Came::Nothing(nothing) => Some(nothing.obstacle),
-            Came::Reply(_) => None,
-        }
-    }
-
-    /// Returns the reply.
-    pub(super) fn received(&self) -> Option<&Received> {
-        match self.came {
-            Came::Reply(received) => Some(received),
-            Came::Nothing(_) => None,
-        }
+        let nothing = self.failed.reply.as_ref().err();
+        nothing.map(|nothing| nothing.obstacle)
     }
 
     /// Returns the status of the reply.
     pub(super) fn status(&self) -> Option<u16> {
-        Some(self.received()?.incoming.status)
+        Some(self.failed.reply.as_ref().ok()?.status)
     }
 
     /// Returns whether the reply contains one of the parts, which are lower case.
     pub(super) fn says(&self, parts: &[&str]) -> bool {
-        let received = self.received();
-        received.is_some_and(|received| received.error.says(parts))
+        self.failed.error.says(parts)
     }
 
-    /// Describes the failure.
-    pub(super) fn message(&self) -> Message {
-        let (headline, reply) = match self.came {
-            Came::Reply(received) => (self.headline(received), described(&received.incoming)),
-            Came::Nothing(nothing) => (
-                words(nothing.obstacle).to_owned(),
+    /// Says what happened, on one line; and the rest, each line of which begins with a line break.
+    pub(super) fn message(&self) -> [String; 2] {
+        let (headline, reply) = match &self.failed.reply {
+            Ok(incoming) => (self.headline(incoming.status), described(incoming)),
+            Err(nothing) => (
+                nothing.obstacle.words().to_owned(),
                 format!("none ({})", shown(&nothing.words, MAX_EXCERPT)),
             ),
         };
@@ -103,12 +92,11 @@ impl Exchange<'_> {
         if let Some((cause, help)) = causes::likely(self) {
             details.push_str(&format!("\n  likely cause: {cause}\n  help: {help}"));
         }
-        Message { headline, details }
+        [headline, details]
     }
 
-    fn headline(&self, received: &Received) -> String {
-        let Received { error, problem, .. } = received;
-        let status = received.incoming.status;
+    fn headline(&self, status: u16) -> String {
+        let Failed { error, problem, .. } = self.failed;
         let reason = StatusCode::from_u16(status).ok();
         let reason = reason.and_then(|status| status.canonical_reason());
         let reason = reason.unwrap_or_default();
@@ -134,19 +122,5 @@ fn described(incoming: &Incoming) -> String {
     match incoming.body.len() {
         0 => format!("{kind}, no body"),
         length => format!("{kind}, {length} bytes: `{}`", shown(&text, MAX_EXCERPT)),
-    }
-}
-
-/// Says what prevented a reply.
-fn words(obstacle: Obstacle) -> &'static str {
-    match obstacle {
-        Obstacle::Refused => "the connection was refused",
-        Obstacle::Unconnected => "no connection could be made",
-        Obstacle::Certificate => "the server's certificate is not trusted",
-        Obstacle::Tls => "no encrypted connection could be made",
-        Obstacle::Timeout => "no complete reply came in time",
-        Obstacle::NoHttp => "the reply is not HTTP",
-        Obstacle::Cut => "the connection ended before the reply was complete",
-        Obstacle::TooLong => "the reply is longer than the limit",
     }
 }

@@ -25,40 +25,22 @@ pub struct Key {
 /// Why a key cannot be used; no message repeats any part of a key.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum KeyError {
-    /// It cannot be sent in a request.
+    /// The value of this variable or entry cannot be sent in a request.
     #[error(
-        "the value of `{name}` is not a valid key: it is empty, or has blanks, control characters or letters outside of ASCII in it"
+        "the value of `{0}` is not a valid key: it is empty, or has blanks, control characters or letters outside of ASCII in it"
     )]
-    Malformed {
-        /// Name of the variable or the entry.
-        name: String,
-    },
-    /// The file cannot be read.
-    #[error("cannot read the keys in `{path}`: {why}")]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// The system's error.
-        why: String,
-    },
-    /// Others can read the file.
+    Malformed(String),
+    /// The file cannot be read, with the system's error.
+    #[error("cannot read the keys in `{0}`: {1}")]
+    Unreadable(PathBuf, String),
+    /// Others can read the file, by these permission bits.
     #[error(
-        "`{path}` holds keys, and others can read it (mode {mode:03o}); make it yours alone: chmod 600 '{path}'"
+        "`{0}` holds keys, and others can read it (mode {1:03o}); make it yours alone: chmod 600 '{0}'"
     )]
-    Open {
-        /// The file.
-        path: PathBuf,
-        /// Its permission bits.
-        mode: u32,
-    },
-    /// The file is not a list of keys.
-    #[error("line {line} of `{path}` is not of the form `NAME = \"KEY\"`")]
-    NotAList {
-        /// The file.
-        path: PathBuf,
-        /// The first line that is wrong, from 1.
-        line: usize,
-    },
+    Open(PathBuf, u32),
+    /// The file is not a list of keys; the first line that is wrong, from 1.
+    #[error("line {1} of `{0}` is not of the form `NAME = \"KEY\"`")]
+    NotAList(PathBuf, usize),
 }
 
 impl Key {
@@ -68,7 +50,7 @@ impl Key {
     pub fn new(name: &str, value: &str) -> Result<Key, KeyError> {
         let (name, value) = (name.to_owned(), value.trim());
         if value.is_empty() || !value.bytes().all(|byte| byte.is_ascii_graphic()) {
-            return Err(KeyError::Malformed { name });
+            return Err(KeyError::Malformed(name));
         }
         let secret = SecretString::from(value);
         Ok(Key { name, secret })
@@ -90,10 +72,11 @@ impl Key {
         }
         let Some(path) = file else { return Ok(None) };
         let entries = entries(path)?;
-        let found = names
-            .iter()
-            .find_map(|name| Some((name, entries.get(*name)?)));
-        found.map(|(name, value)| Key::new(name, value)).transpose()
+        let mut found = { names.iter() }.filter_map(|name| Some((name, entries.get(*name)?)));
+        found
+            .next()
+            .map(|(name, value)| Key::new(name, value))
+            .transpose()
     }
 
     /// Returns the names in such a file, in alphabetical order, without checking their keys.
@@ -122,49 +105,30 @@ impl fmt::Debug for Key {
 
 /// Reads a key file.
 fn entries(path: &Path) -> Result<BTreeMap<String, String>, KeyError> {
-    refuse_open_file(path)?;
-    let text = files::read_text(path, MAX_FILE_BYTES).map_err(|why| KeyError::Unreadable {
-        path: path.to_owned(),
-        why,
-    })?;
-    let wrong_at = |start: usize| KeyError::NotAList {
-        path: path.to_owned(),
-        line: line_of(&text, start),
-    };
+    let unreadable = |why: String| KeyError::Unreadable(path.to_owned(), why);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        let information = std::fs::metadata(path).map_err(|error| unreadable(error.to_string()))?;
+        let mode = information.permissions().mode() & 0o777;
+        if information.is_file() && mode & 0o077 != 0 {
+            return Err(KeyError::Open(path.to_owned(), mode));
+        }
+    }
+    let text = files::read_text(path, MAX_FILE_BYTES).map_err(unreadable)?;
+    let wrong_at = |start| KeyError::NotAList(path.to_owned(), line_of(&text, start));
     // The parser's own message quotes the line, and with it the key.
     let table: BTreeMap<Spanned<String>, String> = toml::from_str(&text)
         .map_err(|error| wrong_at(error.span().map_or(0, |span| span.start)))?;
     // In a reversed line the key is in the place of its name.
-    let wrong = table.keys().find(|name| !is_key_name(name.get_ref()));
-    if let Some(name) = wrong {
-        return Err(wrong_at(name.span().start));
-    }
-    let entries = table.into_iter();
-    Ok(entries
-        .map(|(name, value)| (name.into_inner(), value))
-        .collect())
-}
-
-#[cfg(unix)]
-fn refuse_open_file(path: &Path) -> Result<(), KeyError> {
-    use std::os::unix::fs::PermissionsExt;
-    let information = std::fs::metadata(path).map_err(|error| KeyError::Unreadable {
-        path: path.to_owned(),
-        why: error.to_string(),
-    })?;
-    let mode = information.permissions().mode() & 0o777;
-    if information.is_file() && mode & 0o077 != 0 {
-        return Err(KeyError::Open {
-            path: path.to_owned(),
-            mode,
-        });
-    }
-    Ok(())
-}
-
-#[cfg(not(unix))]
-fn refuse_open_file(_: &Path) -> Result<(), KeyError> {
-    Ok(())
+    let entries = table.into_iter().map(|(name, value)| {
+        if is_key_name(name.get_ref()) {
+            Ok((name.into_inner(), value))
+        } else {
+            Err(wrong_at(name.span().start))
+        }
+    });
+    entries.collect()
 }
 
 #[cfg(test)]

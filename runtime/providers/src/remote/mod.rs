@@ -27,21 +27,22 @@ pub use answers::Answers;
 pub use base_url::{BaseUrl, BaseUrlError};
 pub use key::{Key, KeyError};
 pub use redact::Redactor;
-pub use retry::{Pause, RealTime, Retry, most_calls};
+pub use retry::{Retry, most_calls};
 pub use served::{NotListed, served_models};
-pub use settings::{Lengths, Pricing, Settings};
+pub use settings::{Lengths, Settings};
 /// Limits concurrent calls to one provider, over all rollouts.
 pub use tokio::sync::Semaphore as Gate;
 
-use answers::{Claim, Lookup};
-use exchange::{Came, Exchange, Message};
+use crate::catalogue::Profile;
+use answers::Cached;
+use exchange::{Exchange, Failed};
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{Billing, Call, CallEnd, Calls, FailedCall, Fault, Usage, Usd};
 use fab_model::{Lowering, Model, ModelError, ModelKind, Reply, Request};
 use reqwest::Url;
 use reqwest::header::{CONTENT_TYPE, HeaderMap, HeaderName, HeaderValue};
-use retry::{Next, QuestionCalls};
+use retry::QuestionCalls;
 use served::Served;
 use settings::Parameter;
 use std::borrow::Cow;
@@ -49,7 +50,7 @@ use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
-use transport::{Incoming, Transport, TransportError};
+use transport::{Incoming, NoReply, Transport};
 use wire::error::ErrorBody;
 use wire::{Answer, Encoded};
 
@@ -97,35 +98,6 @@ pub struct SetupError {
     pub why: String,
 }
 
-/// A call without an answer.
-struct FailedAttempt {
-    fault: Fault,
-    billing: Billing,
-    came: Came,
-    cost: Option<Usd>,
-    usage: Option<Usage>,
-    wait: Option<Duration>,
-    /// The lengths to ask with once more, if hidden reasoning cut the answer off.
-    again: Option<Lengths>,
-    /// The parameter that the provider refuses.
-    omit: Option<Parameter>,
-}
-
-impl FailedAttempt {
-    fn of(fault: Fault, billing: Billing, came: Came) -> FailedAttempt {
-        FailedAttempt {
-            fault,
-            billing,
-            came,
-            cost: None,
-            usage: None,
-            wait: None,
-            again: None,
-            omit: None,
-        }
-    }
-}
-
 impl Remote {
     /// Makes the model; its name is `PROVIDER:NAME`. Nothing is sent.
     ///
@@ -133,8 +105,9 @@ impl Remote {
     /// the name or the base URL contains a key, because both are shown.
     pub fn new(settings: Settings, shared: Shared) -> Result<Remote, SetupError> {
         let redactor = Redactor::of(settings.key.iter().chain(&shared.hidden));
-        let url = settings.base_url.endpoint(settings.wire, &settings.model);
-        let named = format!("{}:{}", settings.provider, settings.model);
+        let profile = &settings.profile;
+        let url = { &settings.base_url }.endpoint(profile.provider.wire, &profile.id);
+        let named = profile.title();
         let name = redactor.text(&named);
         if name != named || redactor.text(url.as_str()) != url.as_str() {
             return Err(SetupError {
@@ -158,6 +131,11 @@ impl Remote {
         })
     }
 
+    /// Returns what is known of the model.
+    pub fn profile(&self) -> &Profile {
+        &self.settings.profile
+    }
+
     /// Returns the question as it would be sent.
     ///
     /// Fails if the model is known not to support something in the request.
@@ -166,7 +144,7 @@ impl Remote {
     }
 
     fn encoded_within(&self, request: &Request, lengths: Lengths) -> Result<Encoded, ModelError> {
-        let wire = self.settings.wire;
+        let wire = self.settings.profile.provider.wire;
         let encoded = wire.encode_within(request, &self.settings, lengths);
         encoded.map_err(|unfit| ModelError::Unsupported {
             model: self.name.clone(),
@@ -179,33 +157,25 @@ impl Remote {
         Lengths::of(request, &self.settings)
     }
 
-    fn at_most(&self, request: &Request, lengths: Lengths) -> Option<Usd> {
-        self.settings.pricing.at_most(&Request {
-            max_tokens: lengths.sent(),
-            ..request.clone()
-        })
-    }
-
     /// Asks until there is an answer or no further attempt.
     fn buy(
         &self,
         request: &Request,
         mut encoded: Encoded,
-        claim: &Claim<'_>,
+        cached_as: &str,
         calls: &mut dyn Calls,
     ) -> Result<Reply, ModelError> {
+        let Settings { profile, price, .. } = &self.settings;
         let headers = headers(&self.settings, &encoded.headers);
         let key = request.key();
         let mut lengths = self.lengths(request);
-        let mut at_most = self.at_most(request, lengths);
         let mut request = Cow::Borrowed(request);
         if self.refuses_schema.load(Ordering::Relaxed) {
             request.to_mut().schema = None;
             encoded = self.encoded_within(&request, lengths)?;
         }
-        let retry = &self.settings.retry;
         let interrupt = &self.shared.interrupt;
-        let mut tries = QuestionCalls::new(retry);
+        let mut tries = QuestionCalls::new(&self.settings.retry);
         loop {
             let pass = self.transport.wait(self.shared.gate.acquire(), interrupt);
             let pass = pass.ok_or(ModelError::Interrupted)?;
@@ -213,51 +183,40 @@ impl Remote {
                 model: &self.name,
                 key: &key,
                 number: tries.begin(),
-                at_most,
+                at_most: profile.at_most(*price, &request, lengths.sent()),
             })?;
             let body = &encoded.body;
-            let came = self.transport.post(&self.url, &headers, body, interrupt);
-            let ended = match came {
-                Ok(incoming) => match self.read(incoming, &encoded, lengths) {
-                    Ok(answer) => {
-                        claim.keep(&answer.text, answer.usage);
-                        let reply = Reply {
-                            cost: self.cost(answer.usage),
-                            text: answer.text,
-                            usage: answer.usage,
-                        };
-                        calls.end(&CallEnd::Answered(&reply))?;
-                        return Ok(reply);
-                    }
-                    Err(ended) => ended,
-                },
-                Err(TransportError::Failed(nothing)) => {
-                    let (fault, billing) = nothing.obstacle.fault();
-                    FailedAttempt::of(fault, billing, Came::Nothing(nothing))
+            let reply = self.transport.post(&self.url, &headers, body, interrupt);
+            let failed = match self.read(reply, &encoded, lengths) {
+                Ok(answer) => {
+                    let Answer { text, usage } = answer;
+                    let cached = Cached { text, usage };
+                    self.shared.answers.put(cached_as, &cached);
+                    let reply = Reply {
+                        cost: self.cost(usage),
+                        text: cached.text,
+                        usage,
+                    };
+                    calls.end(&CallEnd::Answered(&reply))?;
+                    return Ok(reply);
                 }
-                Err(TransportError::Interrupted) => {
-                    calls.end(&CallEnd::Failed(&FailedCall {
-                        fault: Fault::ConnectionCut,
-                        why: "interrupted before the whole answer was there".to_owned(),
-                        billing: Billing::Possibly,
-                        cost: None,
-                        usage: None,
-                    }))?;
-                    return Err(ModelError::Interrupted);
-                }
+                Err(failed) => failed,
             };
             drop(pass);
-            let Message { headline, details } = self.message(&ended);
+            let [headline, details] = self.message(&failed);
             calls.end(&CallEnd::Failed(&FailedCall {
-                fault: ended.fault,
+                fault: failed.fault,
                 why: format!("{headline}{details}"),
-                billing: ended.billing,
-                cost: ended.cost,
-                usage: ended.usage,
+                billing: failed.billing,
+                cost: self.cost(failed.usage),
+                usage: failed.usage,
             }))?;
-            if ended.omit == Some(Parameter::Schema)
+            if interrupt.is_raised() {
+                return Err(ModelError::Interrupted);
+            }
+            if failed.omit == Some(Parameter::Schema)
                 && request.schema.is_some()
-                && self.settings.structured_output.is_none()
+                && profile.facts.structured_output.is_none()
             {
                 if !self.refuses_schema.swap(true, Ordering::Relaxed) {
                     (self.shared.tell)(&format!(
@@ -269,84 +228,71 @@ impl Remote {
                 encoded = self.encoded_within(&request, lengths)?;
                 continue;
             }
-            let next = match (ended.fault, ended.again) {
+            let wait = match (failed.fault, failed.again) {
                 // The same request would be cut off again.
-                (Fault::Truncated, None) => tries.give_up(),
-                (fault, _) => tries.after(fault, ended.wait),
+                (Fault::Truncated, None) => Err(tries.in_words()),
+                (fault, _) => tries.after(fault, failed.wait()),
             };
-            match next {
-                Next::After(wait) => {
-                    if let Some(more) = ended.again {
-                        lengths = more;
-                        encoded = self.encoded_within(&request, lengths)?;
-                        at_most = self.at_most(&request, lengths);
-                    }
-                    let seconds = wait.as_secs_f64();
-                    (self.shared.tell)(&format!(
-                        "{}: {}: {headline}; asked again in {seconds:.1} s",
-                        self.name, ended.fault
-                    ));
-                    retry.pause.pause(wait, interrupt);
-                }
-                Next::GiveUp(tried) => {
-                    return Err(ModelError::Failed {
-                        model: self.name.clone(),
-                        fault: ended.fault,
-                        why: format!("{headline} ({tried}){details}"),
-                    });
-                }
+            let wait = wait.map_err(|tried| ModelError::Failed {
+                model: self.name.clone(),
+                fault: failed.fault,
+                why: format!("{headline} ({tried}){details}"),
+            })?;
+            if let Some(more) = failed.again {
+                lengths = more;
+                encoded = self.encoded_within(&request, lengths)?;
             }
+            let seconds = wait.as_secs_f64();
+            (self.shared.tell)(&format!(
+                "{}: {}: {headline}; asked again in {seconds:.1} s",
+                self.name, failed.fault
+            ));
+            let sleep = async { tokio::time::sleep(wait).await };
+            self.transport.wait(sleep, interrupt);
         }
     }
 
-    /// Describes a failed call; the result holds no key.
-    fn message(&self, ended: &FailedAttempt) -> Message {
+    /// Describes a failed call, in a headline and details; they hold no key.
+    fn message(&self, failed: &Failed) -> [String; 2] {
         let mut exchange = Exchange {
             settings: &self.settings,
             url: &self.url,
-            came: &ended.came,
-            fault: ended.fault,
+            failed,
             served: None,
-            omit: ended.omit,
         };
         if causes::asks_for_list(&exchange) {
             let ask = || served::ask(&self.settings, &self.transport, &self.shared.interrupt);
             exchange.served = Some(self.served.get_or_init(ask));
         }
-        let message = exchange.message();
         // A key that the server split over two pieces of text is whole once they are joined.
         let redactor = self.transport.redactor();
-        Message {
-            headline: redactor.text(&message.headline),
-            details: redactor.text(&message.details),
-        }
+        exchange.message().map(|text| redactor.text(&text))
     }
 
     /// Reads a reply; the answer holds no key.
     fn read(
         &self,
-        incoming: Incoming,
+        reply: Result<Incoming, NoReply>,
         sent: &Encoded,
         lengths: Lengths,
-    ) -> Result<Answer, FailedAttempt> {
+    ) -> Result<Answer, Failed> {
+        let incoming = reply.map_err(|nothing| {
+            let (fault, billing) = nothing.obstacle.fault();
+            Failed::of(fault, billing, Err(nothing))
+        })?;
+        let Settings { profile, .. } = &self.settings;
         if !(200..300).contains(&incoming.status) {
-            let refusal = status::judge(incoming.status, &ErrorBody::of_bytes(&incoming.body));
-            let tokens_field = self.settings.reasoning.tokens_field.as_deref();
-            let omit = match (refusal.fault, incoming.status) {
-                (Fault::BadRequest, 400 | 422) => {
-                    omit::refused(&incoming.body, &sent.body, tokens_field)
-                }
-                _ => None,
-            };
-            let wait = refusal.wait.max(incoming.wait);
-            let came = Came::reply(incoming, None);
-            return Err(FailedAttempt {
-                wait,
-                omit,
-                ..FailedAttempt::of(refusal.fault, refusal.billing, came)
+            let error = ErrorBody::of_bytes(&incoming.body);
+            let (fault, billing) = status::judge(incoming.status, &error);
+            let is_refusal = fault == Fault::BadRequest && matches!(incoming.status, 400 | 422);
+            let field = profile.reasoning().tokens_field;
+            let omit = omit::refused(&incoming.body, &sent.body, field.as_deref());
+            return Err(Failed {
+                omit: omit.filter(|_| is_refusal),
+                ..Failed::of(fault, billing, Ok(incoming))
             });
         }
-        match self.settings.wire.decode(&incoming.body) {
+        match profile.provider.wire.decode(&incoming.body) {
             Ok(answer) => Ok(Answer {
                 text: self.transport.redactor().text(&answer.text),
                 // A text has tokens: a count of zero is no report.
@@ -355,52 +301,41 @@ impl Remote {
                     .filter(|it| it.input_tokens > 0 && it.output_tokens > 0),
             }),
             Err(failure) => {
-                let starved = hidden::starved(&failure, lengths);
-                let again = starved.as_ref().and_then(|starved| starved.again);
-                let usage = failure.usage.filter(|it| it.input_tokens > 0);
-                let mut why = starved.map_or(failure.why, |starved| starved.why);
-                if let Some(reasoning) = failure.reasoning {
-                    why.push_str(&format!("; {reasoning}"));
+                let (mut why, mut again) = (failure.why, None);
+                if let Some(text) = failure.cut_text {
+                    let remedy = hidden::remedy(&text, failure.usage, lengths);
+                    why.push_str(&format!("; {}", remedy.0));
+                    again = remedy.1;
                 }
-                let wait = incoming.wait;
-                let came = Came::reply(incoming, Some(why));
-                Err(FailedAttempt {
-                    cost: self.cost(usage),
-                    usage,
-                    wait,
+                Err(Failed {
+                    problem: Some(why),
+                    usage: failure.usage.filter(|it| it.input_tokens > 0),
                     again,
-                    ..FailedAttempt::of(failure.fault, Billing::Possibly, came)
+                    ..Failed::of(failure.fault, Billing::Possibly, Ok(incoming))
                 })
             }
         }
     }
 
     fn cost(&self, usage: Option<Usage>) -> Option<Usd> {
-        self.settings.pricing.cost(usage?)
+        Some(self.settings.price?.cost(usage?))
     }
 
     /// Hashes everything that an answer depends on. The request has what is not sent: its start, repetition, step and
     /// candidate.
     fn cache_key(&self, request: &Request, encoded: &Encoded) -> String {
-        let mut parts = vec![
+        let profile = &self.settings.profile;
+        let parts = [
             "answer of a provider".to_owned(),
-            self.settings.provider.clone(),
+            profile.provider.name.clone(),
             self.url.to_string(),
-            self.settings.model.clone(),
+            profile.id.clone(),
             request.key(),
         ];
-        parts.extend(
-            encoded
-                .headers
-                .iter()
-                .map(|(name, value)| format!("{name}: {value}")),
-        );
-        Cache::key(
-            parts
-                .iter()
-                .map(String::as_bytes)
-                .chain([&encoded.body[..]]),
-        )
+        let headers = encoded.headers.iter();
+        let headers = headers.map(|(name, value)| format!("{name}: {value}"));
+        let parts = parts.into_iter().chain(headers).map(String::into_bytes);
+        Cache::key(parts.chain([encoded.body.clone()]))
     }
 }
 
@@ -415,7 +350,7 @@ fn headers(settings: &Settings, own: &[(&'static str, &'static str)]) -> HeaderM
         );
     }
     if let Some(key) = &settings.key {
-        let (name, before) = settings.wire.key_header();
+        let (name, before) = settings.profile.provider.wire.key_header();
         let value = format!("{before}{}", key.expose());
         let mut value = HeaderValue::try_from(value).expect("a key is ASCII that can be seen");
         value.set_sensitive(true);
@@ -445,14 +380,19 @@ impl Model for Remote {
     fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {
         let encoded = self.encoded(request)?;
         let key = self.cache_key(request, &encoded);
-        match self.shared.answers.find(key, &self.shared.interrupt) {
-            Lookup::Cached(kept) => Ok(Reply {
+        let Shared {
+            answers, interrupt, ..
+        } = &self.shared;
+        let lock = answers.lock(&key);
+        let asking = self.transport.wait(lock.lock(), interrupt);
+        let _asking = asking.ok_or(ModelError::Interrupted)?;
+        match answers.get(&key) {
+            Some(kept) => Ok(Reply {
                 text: kept.text,
                 usage: kept.usage,
                 cost: Some(Usd::ZERO),
             }),
-            Lookup::Nothing(claim) => self.buy(request, encoded, &claim, calls),
-            Lookup::Interrupted => Err(ModelError::Interrupted),
+            None => self.buy(request, encoded, &key, calls),
         }
     }
 }

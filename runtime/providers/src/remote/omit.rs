@@ -6,42 +6,21 @@
 use super::settings::Parameter;
 
 /// How each parameter is named in requests and in messages of providers.
-const NAMES: &[(Parameter, &[&str])] = &[
-    (Parameter::Temperature, &["temperature"]),
-    (Parameter::TopP, &["top_p", "topP"]),
+const NAMES: [(Parameter, &str); 5] = [
+    (Parameter::Temperature, "temperature"),
+    (Parameter::TopP, "top_p topP"),
     (
         Parameter::MaxTokens,
-        &[
-            "max_tokens",
-            "max_completion_tokens",
-            "max_output_tokens",
-            "maxOutputTokens",
-        ],
+        "max_tokens max_completion_tokens max_output_tokens maxOutputTokens",
     ),
     (
         Parameter::Reasoning,
-        &[
-            "reasoning",
-            "reasoning_effort",
-            "thinking",
-            "thinkingConfig",
-            "thinking_config",
-            "thinkingLevel",
-            "thinking_level",
-            "thinkingBudget",
-            "thinking_budget",
-        ],
+        "reasoning reasoning_effort thinking thinkingConfig thinking_config thinkingLevel thinking_level \
+         thinkingBudget thinking_budget",
     ),
     (
         Parameter::Schema,
-        &[
-            "response_format",
-            "json_schema",
-            "schema",
-            "output_format",
-            "responseJsonSchema",
-            "response_json_schema",
-        ],
+        "response_format json_schema schema output_format responseJsonSchema response_json_schema",
     ),
 ];
 
@@ -58,7 +37,7 @@ pub(super) fn refused(
     let request = String::from_utf8_lossy(request);
     let mut names: Vec<(Parameter, &str)> = Vec::new();
     for (parameter, own) in NAMES {
-        names.extend(own.iter().map(|name| (*parameter, *name)));
+        names.extend(own.split(' ').map(|name| (parameter, name)));
     }
     names.extend(tokens_field.map(|name| (Parameter::Reasoning, name)));
     let is_sent = |parameter: Parameter| {

@@ -1,17 +1,14 @@
 //! Decides which failures are retried, how often, and after which wait.
 //!
 //! In: the faults of one question's calls, as they occur. Out: a wait, or why there is no further attempt. Nothing here
-//! waits or sends; a [`Pause`] does the waiting.
+//! waits or sends.
 
-use super::INTERRUPT_POLL;
 use backon::{BackoffBuilder, ExponentialBackoff, ExponentialBuilder};
-use fab_base::interrupt::Interrupt;
+use fab_base::wording::counted;
 use fab_model::calls::Fault;
 use std::collections::BTreeMap;
-use std::fmt;
 use std::hash::{BuildHasher, RandomState};
-use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Limits on the calls for one question and the waits between them.
 #[derive(Clone, Debug)]
@@ -24,10 +21,6 @@ pub struct Retry {
     pub longest_wait: Duration,
     /// The longest total wait for one question.
     pub waits_in_all: Duration,
-    /// Seeds the random additions; without it each question draws its own.
-    pub seed: Option<u64>,
-    /// How waits are performed.
-    pub pause: Arc<dyn Pause>,
 }
 
 impl Default for Retry {
@@ -37,8 +30,6 @@ impl Default for Retry {
             first_wait: Duration::from_secs(1),
             longest_wait: Duration::from_secs(60),
             waits_in_all: Duration::from_secs(600),
-            seed: None,
-            pause: Arc::new(RealTime),
         }
     }
 }
@@ -60,38 +51,6 @@ pub fn most_calls(fault: Fault) -> u32 {
     }
 }
 
-/// Performs waits.
-pub trait Pause: Send + Sync + fmt::Debug {
-    /// Returns after `wait`, or as soon as `interrupt` is raised.
-    fn pause(&self, wait: Duration, interrupt: &Interrupt);
-}
-
-/// Waits in real time.
-#[derive(Clone, Copy, Debug)]
-pub struct RealTime;
-
-impl Pause for RealTime {
-    fn pause(&self, wait: Duration, interrupt: &Interrupt) {
-        let begun = Instant::now();
-        while !interrupt.is_raised() {
-            let left = wait.saturating_sub(begun.elapsed());
-            if left.is_zero() {
-                return;
-            }
-            std::thread::sleep(left.min(INTERRUPT_POLL));
-        }
-    }
-}
-
-/// The reaction to a failure.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Next {
-    /// Another call, after a wait.
-    After(Duration),
-    /// No further call, and why.
-    GiveUp(String),
-}
-
 /// The calls of one question.
 pub(super) struct QuestionCalls<'a> {
     retry: &'a Retry,
@@ -104,7 +63,7 @@ pub(super) struct QuestionCalls<'a> {
 impl<'a> QuestionCalls<'a> {
     pub(super) fn new(retry: &'a Retry) -> QuestionCalls<'a> {
         // With one seed for all, questions that failed together would be retried together.
-        let seed = retry.seed.unwrap_or_else(|| RandomState::new().hash_one(0));
+        let seed = RandomState::new().hash_one(0);
         let waits = ExponentialBuilder::new()
             .with_min_delay(retry.first_wait)
             .with_max_delay(retry.longest_wait)
@@ -126,36 +85,35 @@ impl<'a> QuestionCalls<'a> {
         self.made
     }
 
-    /// Ends the question.
-    pub(super) fn give_up(&self) -> Next {
-        Next::GiveUp(format!("after {}", self.made_in_words()))
+    /// Says how many calls were made.
+    pub(super) fn in_words(&self) -> String {
+        format!("after {}", counted(self.made as usize, "call"))
     }
 
-    fn made_in_words(&self) -> String {
-        let calls = if self.made == 1 { "call" } else { "calls" };
-        format!("{} {calls}", self.made)
-    }
-
-    /// Decides the reaction to a failed call; `asked` is the wait that the provider asks for.
-    pub(super) fn after(&mut self, fault: Fault, asked: Option<Duration>) -> Next {
+    /// Returns the wait before another call, or why there is none; `asked` is the wait that the provider asks for.
+    pub(super) fn after(
+        &mut self,
+        fault: Fault,
+        asked: Option<Duration>,
+    ) -> Result<Duration, String> {
         let ended = self.ended.entry(fault).or_default();
         *ended += 1;
         if *ended >= most_calls(fault) || self.made >= self.retry.calls {
-            return self.give_up();
+            return Err(self.in_words());
         }
         let wait = self.waits.next().unwrap_or(self.retry.longest_wait);
         let wait = wait.max(asked.unwrap_or_default());
         let waited = self.waited.saturating_add(wait);
         if waited > self.retry.waits_in_all {
-            return Next::GiveUp(format!(
-                "after {}; the next one would have to wait {:.1} s, and {:.1} s in all is the limit",
-                self.made_in_words(),
+            return Err(format!(
+                "{}; the next one would have to wait {:.1} s, and {:.1} s in all is the limit",
+                self.in_words(),
                 wait.as_secs_f64(),
                 self.retry.waits_in_all.as_secs_f64()
             ));
         }
         self.waited = waited;
-        Next::After(wait)
+        Ok(wait)
     }
 }
 

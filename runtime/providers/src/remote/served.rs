@@ -3,13 +3,13 @@
 //! In: a server's address, wire format and key. Out: the ids in the reply to `GET /models`, which every wire format has; or
 //! why there are none. It asks no model and is not billed: one short reply, within a few seconds.
 
-use super::transport::{Incoming, Obstacle, Transport, TransportError};
+use super::transport::{Incoming, Obstacle, Transport};
 use super::wire::error::ErrorBody;
 use super::{Key, Redactor, Settings, headers, status};
 use fab_base::interrupt::Interrupt;
 use fab_base::wording::shown;
 use fab_model::calls::Fault;
-use serde::Deserialize;
+use serde_json::Value;
 use std::time::Duration;
 
 /// The longest list accepted, bytes; that of a gateway before many vendors has about 300 KB.
@@ -40,21 +40,6 @@ pub enum NotListed {
     Unreachable(String),
 }
 
-/// A list; Gemini calls it `models`, and llama.cpp sends both. Ollama without a model has `null` there.
-#[derive(Deserialize)]
-struct List {
-    object: Option<String>,
-    data: Option<Vec<Entry>>,
-    models: Option<Vec<Entry>>,
-}
-
-/// An entry; Gemini calls its id `name`, and begins it with `models/`.
-#[derive(Deserialize)]
-struct Entry {
-    id: Option<String>,
-    name: Option<String>,
-}
-
 /// Returns the ids of the models that a server says it serves, in its order.
 ///
 /// Only the first page counts. `hidden`: further keys to hide.
@@ -70,39 +55,38 @@ pub fn served_models(
 
 /// Asks through a transport that is there already.
 pub(super) fn ask(settings: &Settings, transport: &Transport, interrupt: &Interrupt) -> Served {
-    let url = settings.base_url.models(settings.wire);
-    let version = settings.wire.version_header();
-    let headers = headers(settings, version.as_slice());
-    match transport.get(&url, &headers, (MAX_BYTES, TIMEOUT), interrupt) {
+    let wire = settings.profile.provider.wire;
+    let url = settings.base_url.models(wire);
+    let headers = headers(settings, wire.version_header().as_slice());
+    match transport.get(&url, headers, (MAX_BYTES, TIMEOUT), interrupt) {
         Ok(incoming) => read(&incoming),
-        Err(TransportError::Failed(nothing)) if nothing.obstacle == Obstacle::Refused => {
-            Err(NotListed::Absent)
-        }
-        Err(TransportError::Failed(nothing)) => Err(NotListed::Unreachable(nothing.words)),
-        Err(TransportError::Interrupted) => Err(NotListed::Unreachable("interrupted".to_owned())),
+        Err(nothing) if nothing.obstacle == Obstacle::Refused => Err(NotListed::Absent),
+        Err(nothing) => Err(NotListed::Unreachable(nothing.words)),
     }
 }
 
 fn read(incoming: &Incoming) -> Served {
     let status = incoming.status;
     if status != 200 {
-        let refusal = status::judge(status, &ErrorBody::of_bytes(&incoming.body));
-        return Err(match refusal.fault {
+        let (fault, _) = status::judge(status, &ErrorBody::of_bytes(&incoming.body));
+        return Err(match fault {
             Fault::NotAuthorised => NotListed::Unauthorised { status },
             _ => NotListed::Other(format!("HTTP {status}")),
         });
     }
-    let list = serde_json::from_slice::<List>(&incoming.body).ok();
-    let entries = list.and_then(|list| {
-        let is_list = list.object.as_deref() == Some("list");
-        list.data.or(list.models).or(is_list.then(Vec::new))
-    });
-    let Some(entries) = entries else {
-        return Err(NotListed::Other("a reply that lists no models".to_owned()));
+    let list: Value = serde_json::from_slice(&incoming.body).unwrap_or_default();
+    // Gemini calls it `models`, and llama.cpp sends both. Ollama without a model has `null` there.
+    let lists = [&list["data"], &list["models"]];
+    let Some(entries) = lists.into_iter().find_map(Value::as_array) else {
+        return match list["object"].as_str() {
+            Some("list") => Ok(Vec::new()),
+            _ => Err(NotListed::Other("a reply that lists no models".to_owned())),
+        };
     };
-    let ids = entries.into_iter().filter_map(|entry| {
-        let id = entry.id.or(entry.name)?;
-        Some(shown(id.strip_prefix("models/").unwrap_or(&id), MAX_ID))
+    let ids = entries.iter().filter_map(|entry| {
+        // Gemini's begin with `models/`.
+        let id = entry["id"].as_str().or(entry["name"].as_str())?;
+        Some(shown(id.strip_prefix("models/").unwrap_or(id), MAX_ID))
     });
     Ok(ids.collect())
 }

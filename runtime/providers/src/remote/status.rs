@@ -1,22 +1,12 @@
 //! Interprets HTTP statuses other than success.
 //!
-//! In: the status, and the body without any key. Out: a [`Refusal`]: the fault, whether the call may be billed, and the
-//! wait that the body asks for. `causes` says why.
+//! In: the status, and the body without any key. Out: the fault, and whether the call may be billed. `causes` says why.
 
 use super::wire::error::ErrorBody;
 use fab_model::calls::{Billing, Fault};
-use std::time::Duration;
-
-/// Why a provider gave no answer.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Refusal {
-    pub fault: Fault,
-    pub billing: Billing,
-    pub wait: Option<Duration>,
-}
 
 /// Interprets a status other than success.
-pub(super) fn judge(status: u16, error: &ErrorBody) -> Refusal {
+pub(super) fn judge(status: u16, error: &ErrorBody) -> (Fault, Billing) {
     let fault = match status {
         // These statuses are unambiguous; a body may only distinguish quota from rate, or a filter from a fault.
         401 => Fault::NotAuthorised,
@@ -31,11 +21,8 @@ pub(super) fn judge(status: u16, error: &ErrorBody) -> Refusal {
         500..=599 => Fault::ServerFailed,
         409 => Fault::ServerFailed,
         _ => {
-            let meant = [
-                Fault::QuotaExhausted,
-                Fault::ContentFiltered,
-                Fault::NotAuthorised,
-            ];
+            use Fault::{ContentFiltered, NotAuthorised, QuotaExhausted};
+            let meant = [QuotaExhausted, ContentFiltered, NotAuthorised];
             among(error, &meant).unwrap_or(Fault::BadRequest)
         }
     };
@@ -45,11 +32,7 @@ pub(super) fn judge(status: u16, error: &ErrorBody) -> Refusal {
         408 | 409 | 500..=502 | 504..=528 | 530..=599 => Billing::Possibly,
         _ => Billing::No,
     };
-    Refusal {
-        fault,
-        billing,
-        wait: error.wait,
-    }
+    (fault, billing)
 }
 
 fn among(error: &ErrorBody, meant: &[Fault]) -> Option<Fault> {

@@ -55,14 +55,6 @@ pub(super) struct Incoming {
     pub body: Vec<u8>,
 }
 
-/// Why there is no reply.
-pub(super) enum TransportError {
-    /// The user stopped it.
-    Interrupted,
-    /// Something failed.
-    Failed(NoReply),
-}
-
 /// What failed, and the system's words for it.
 pub(super) struct NoReply {
     pub obstacle: Obstacle,
@@ -80,23 +72,38 @@ pub(super) enum Obstacle {
     Certificate,
     /// TLS failed in another way.
     Tls,
-    /// The reply was not complete in time.
     Timeout,
-    /// What came is not HTTP.
     NoHttp,
-    /// The connection ended before the reply did.
     Cut,
-    /// The reply is longer than the limit.
     TooLong,
+    /// The user stopped it.
+    Interrupted,
 }
 
 impl Obstacle {
+    /// Says what happened.
+    pub(super) fn words(self) -> &'static str {
+        match self {
+            Obstacle::Refused => "the connection was refused",
+            Obstacle::Unconnected => "no connection could be made",
+            Obstacle::Certificate => "the server's certificate is not trusted",
+            Obstacle::Tls => "no encrypted connection could be made",
+            Obstacle::Timeout => "no complete reply came in time",
+            Obstacle::NoHttp => "the reply is not HTTP",
+            Obstacle::Cut => "the connection ended before the reply was complete",
+            Obstacle::TooLong => "the reply is longer than the limit",
+            Obstacle::Interrupted => "interrupted before the whole answer was there",
+        }
+    }
+
     /// Returns the fault, and whether the call may be billed.
     pub(super) fn fault(self) -> (Fault, Billing) {
         match self {
             Obstacle::Timeout => (Fault::TimedOut, Billing::Possibly),
-            Obstacle::NoHttp | Obstacle::Cut => (Fault::ConnectionCut, Billing::Possibly),
             Obstacle::TooLong => (Fault::InvalidReply, Billing::Possibly),
+            Obstacle::NoHttp | Obstacle::Cut | Obstacle::Interrupted => {
+                (Fault::ConnectionCut, Billing::Possibly)
+            }
             _ => (Fault::Unreachable, Billing::No),
         }
     }
@@ -167,7 +174,7 @@ impl Transport {
         headers: &HeaderMap,
         body: &[u8],
         interrupt: &Interrupt,
-    ) -> Result<Incoming, TransportError> {
+    ) -> Result<Incoming, NoReply> {
         let request = self.client.post(url.clone()).headers(headers.clone());
         self.send(request.body(body.to_vec()), MAX_REPLY_BYTES, interrupt)
     }
@@ -176,11 +183,11 @@ impl Transport {
     pub(super) fn get(
         &self,
         url: &Url,
-        headers: &HeaderMap,
+        headers: HeaderMap,
         (max_bytes, timeout): (usize, Duration),
         interrupt: &Interrupt,
-    ) -> Result<Incoming, TransportError> {
-        let request = self.client.get(url.clone()).headers(headers.clone());
+    ) -> Result<Incoming, NoReply> {
+        let request = self.client.get(url.clone()).headers(headers);
         self.send(request.timeout(timeout), max_bytes, interrupt)
     }
 
@@ -202,10 +209,12 @@ impl Transport {
         request: RequestBuilder,
         max_bytes: usize,
         interrupt: &Interrupt,
-    ) -> Result<Incoming, TransportError> {
+    ) -> Result<Incoming, NoReply> {
         let whole = self.wait(self.exchange(request, max_bytes), interrupt);
-        let whole = whole.ok_or(TransportError::Interrupted)?;
-        whole.map_err(TransportError::Failed)
+        whole.unwrap_or(Err(NoReply {
+            obstacle: Obstacle::Interrupted,
+            words: "interrupted".to_owned(),
+        }))
     }
 
     async fn exchange(

@@ -56,11 +56,11 @@ fn whatever_an_answer_depends_on_makes_another_question_of_it() {
         other
     };
     ask(
-        &other(&|trial| trial.settings.provider = "another".to_owned()),
+        &other(&|trial| trial.settings.profile.provider.name = "another".to_owned()),
         &|_| {},
     );
     ask(
-        &other(&|trial| trial.settings.model = "another".to_owned()),
+        &other(&|trial| trial.settings.profile.id = "another".to_owned()),
         &|_| {},
     );
     let base = provider.base_url().replace("/v1", "/v2");
@@ -71,7 +71,7 @@ fn whatever_an_answer_depends_on_makes_another_question_of_it() {
     );
     let expected: Vec<String> = (0..10).map(|at| at.to_string()).collect();
     assert_eq!(texts, expected);
-    assert_eq!(trial.settings.wire, Wire::OpenaiChat);
+    assert_eq!(trial.settings.profile.provider.wire, Wire::OpenaiChat);
 }
 
 #[test]
@@ -115,7 +115,7 @@ fn a_schema_that_is_refused_is_left_out_from_then_on_and_nothing_is_paid_for_twi
         assert_eq!(kept, replies);
         assert_eq!(provider.calls(), 3);
         // What is known to take a schema is not asked without one: the refusal names the option.
-        trial.settings.structured_output = Some(true);
+        trial.settings.profile.facts.structured_output = Some(true);
         let provider = Provider::playing(vec![status(400).json(body)]);
         trial.settings.base_url =
             fab_providers::remote::BaseUrl::parse(provider.base_url()).unwrap();

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
-/// A cap of twenty calls at the estimate of [`Prices`].
+/// A cap of twenty calls at the estimate of [`request`].
 const CAP: Usd = Usd::from_nano(2000);
 
 /// Returns the answer with another report of its usage; none if it is absent.

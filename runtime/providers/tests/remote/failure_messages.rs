@@ -240,7 +240,7 @@ fn message(trial: &mut Trial, port: u16) -> String {
 fn trial(base: &str) -> Trial {
     let mut trial = Trial::of(base);
     trial.settings.base_url = BaseUrl::parse(base).unwrap();
-    trial.settings.key_names = vec!["A_KEY".to_owned()];
+    trial.settings.profile.provider.key_env = vec!["A_KEY".to_owned()];
     trial
 }
 
@@ -252,8 +252,9 @@ fn each_reply_says_what_happened_and_what_to_do() {
         let port = play(case);
         let mut trial = trial(&format!("http://127.0.0.1:{port}/v1"));
         let (names, sent) = case.keys;
-        trial.settings.wire = case.wire;
-        trial.settings.key_names = names.iter().map(|name| (*name).to_owned()).collect();
+        trial.settings.profile.provider.wire = case.wire;
+        trial.settings.profile.provider.key_env =
+            names.iter().map(|name| (*name).to_owned()).collect();
         trial.settings.key = match sent {
             KeySent::Yes => Some(Key::new(names[0], CANARY).unwrap()),
             KeySent::No => None,
@@ -295,7 +296,7 @@ fn a_server_that_is_not_there_comes_with_the_command_that_starts_it() {
     drop(listener);
     let mut trial = trial(&format!("http://127.0.0.1:{port}/v1"));
     insta::assert_snapshot!("refused", message(&mut trial, port));
-    trial.settings.start = Some("llama-server --model MODEL.gguf".to_owned());
+    trial.settings.profile.provider.start = Some("llama-server --model MODEL.gguf".to_owned());
     insta::assert_snapshot!("refused_and_startable", message(&mut trial, port));
 }
 

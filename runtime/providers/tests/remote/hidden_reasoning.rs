@@ -1,26 +1,12 @@
 //! Tests of answers that hidden reasoning cuts off, and of parameters that a provider refuses.
 
 use crate::support::*;
-use fab_model::calls::{FailedCall, Fault, Usage, Usd};
+use fab_model::calls::{FailedCall, Fault, Usd};
 use fab_model::{Model, ModelError, Reasoning, Request};
 use fab_program::ReasoningLevel;
-use fab_providers::remote::{Pricing, Wire};
+use fab_providers::catalogue::Price;
+use fab_providers::remote::Wire;
 use serde_json::{Value, json};
-use std::sync::Arc;
-
-/// One nano-dollar for each token of the longest answer.
-#[derive(Debug)]
-struct ByLength;
-
-impl Pricing for ByLength {
-    fn at_most(&self, request: &Request) -> Option<Usd> {
-        Some(Usd::from_nano(request.max_tokens?.into()))
-    }
-
-    fn cost(&self, usage: Usage) -> Option<Usd> {
-        Some(Usd::from_nano(usage.output_tokens))
-    }
-}
 
 /// A reply that was cut off after `output` tokens, `hidden` of which cannot be seen.
 fn cut(text: &str, output: u64, hidden: Option<u64>) -> Response {
@@ -41,7 +27,11 @@ fn asked(reasoning: Option<Reasoning>) -> Request {
 
 fn trial(provider: &Provider) -> Trial {
     let mut trial = Trial::of(provider.base_url());
-    trial.settings.pricing = Arc::new(ByLength);
+    // One nano-dollar for each token of the answer.
+    trial.settings.price = Some(Price {
+        output: 0.001,
+        ..Price::FREE
+    });
     trial
 }
 
@@ -107,7 +97,7 @@ fn an_answer_cut_off_by_hidden_reasoning_is_asked_for_once_more_with_twice_the_r
         );
         let spent = hidden.unwrap_or(first);
         assert!(
-            why.contains(&format!("hidden reasoning took {spent} tokens")),
+            why.contains(&format!("reasoning took {spent} tokens")),
             "{why}"
         );
         assert!(why.contains("100 were allowed for the answer"), "{why}");
@@ -168,7 +158,7 @@ fn without_a_limit_that_could_be_raised_nothing_is_asked_again() {
     let trial = Trial::of(provider.base_url());
     let error = trial.model().ask(&unlimited, &mut Notes::new());
     let why = error.unwrap_err().to_string();
-    assert!(why.contains("hidden reasoning took 9000 tokens"), "{why}");
+    assert!(why.contains("reasoning took 9000 tokens"), "{why}");
     assert_eq!(provider.calls(), 1);
 }
 
@@ -227,7 +217,7 @@ fn a_refused_parameter_is_named_with_the_option_that_leaves_it_out() {
         let refusal = json!({ "error": { "type": "invalid_request_error", "param": parameter, "message": "no" } });
         let provider = Provider::playing(vec![status(400).json(refusal)]);
         let mut trial = Trial::of(provider.base_url());
-        trial.settings.wire = wire;
+        trial.settings.profile.provider.wire = wire;
         let request = Request {
             temperature: Some(0.5),
             ..asked(Some(Reasoning::Level(ReasoningLevel::Low)))

@@ -4,7 +4,6 @@ use crate::support::*;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{Billing, Fault};
 use fab_model::{Model, ModelError};
-use fab_providers::remote::Pause;
 use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
@@ -32,21 +31,14 @@ fn a_call_that_waits_for_its_reply_ends_and_counts_as_possibly_billed() {
     assert_eq!(rude.count(), 1);
 }
 
-/// Raises the interrupt instead of waiting.
-#[derive(Debug)]
-struct Raising;
-
-impl Pause for Raising {
-    fn pause(&self, _: Duration, interrupt: &Interrupt) {
-        interrupt.raise();
-    }
-}
-
 #[test]
 fn nothing_is_sent_after_an_interrupt_between_two_tries() {
     let provider = Provider::playing(vec![status(429)]);
     let mut trial = Trial::of(provider.base_url());
-    trial.settings.retry.pause = Arc::new(Raising);
+    trial.settings.retry.first_wait = Duration::from_secs(200);
+    let interrupt = trial.shared.interrupt.clone();
+    // The message comes before the wait.
+    trial.shared.tell = Arc::new(move |_| interrupt.raise());
     let mut notes = Notes::new();
     let error = trial.model().ask(&request(), &mut notes).unwrap_err();
     assert!(matches!(error, ModelError::Interrupted), "{error}");

@@ -76,7 +76,7 @@ fn no_error_reply_or_note_holds_a_key_that_the_server_gives_back() {
     for wire in Wire::ALL {
         let provider = Provider::playing(replies.clone());
         let mut trial = Trial::of(provider.base_url());
-        trial.settings.wire = wire;
+        trial.settings.profile.provider.wire = wire;
         trial.settings.retry.calls = 1;
         trial.shared.hidden = vec![Key::new("OTHER", OTHER).unwrap()];
         let model = trial.model();
@@ -143,7 +143,7 @@ fn a_key_that_the_server_splits_over_pieces_of_text_is_hidden_in_every_wire() {
             let folder = tempfile::tempdir().unwrap();
             let cache = fab_base::cache::Cache::at(folder.path().to_owned());
             let mut trial = Trial::of(provider.base_url());
-            trial.settings.wire = wire;
+            trial.settings.profile.provider.wire = wire;
             trial.shared.answers = Arc::new(Answers::kept_in(cache));
             let mut notes = Notes::new();
             let reply = trial.model().ask(&request(), &mut notes).unwrap();

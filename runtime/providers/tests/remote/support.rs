@@ -1,18 +1,17 @@
-//! A listener that breaks rules, and test doubles that record reports and waits.
+//! A listener that breaks rules, and a test double that records reports.
 
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{
-    Billing, Call, CallEnd, CallRefused, Calls, CapReached, FailedCall, Fault, Usage, Usd,
+    Billing, Call, CallEnd, CallRefused, Calls, CapReached, FailedCall, Fault, Usd,
 };
 use fab_model::{Message, ModelRole, Request, Speaker};
-use fab_providers::remote::{
-    Answers, BaseUrl, Gate, Key, Pause, Pricing, Remote, Retry, Settings, Shared, Wire,
-};
+use fab_providers::catalogue::Price;
+use fab_providers::remote::{Answers, BaseUrl, Gate, Key, Remote, Retry, Settings, Shared, Wire};
 pub use fab_test_provider::{Provider, Question, Response};
 use std::io::Write;
 use std::net::{TcpListener, TcpStream};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::Duration;
 
@@ -74,31 +73,12 @@ pub fn status(status: u16) -> Response {
     Response::status(status)
 }
 
-/// Skips waits and records them.
-#[derive(Debug, Default)]
-pub struct Noted(pub Mutex<Vec<Duration>>);
-
-impl Pause for Noted {
-    fn pause(&self, wait: Duration, _: &Interrupt) {
-        self.0.lock().unwrap().push(wait);
-    }
-}
-
-/// Ten nano-dollars a token, and a hundred at most.
-#[derive(Debug)]
-pub struct Prices;
-
-impl Pricing for Prices {
-    fn at_most(&self, _: &Request) -> Option<Usd> {
-        Some(Usd::from_nano(100))
-    }
-
-    fn cost(&self, usage: Usage) -> Option<Usd> {
-        Some(Usd::from_nano(
-            10 * (usage.input_tokens + usage.output_tokens),
-        ))
-    }
-}
+/// Ten nano-dollars a token.
+const PRICE: Price = Price {
+    input: 0.01,
+    output: 0.01,
+    ..Price::FREE
+};
 
 /// A model's report about one message.
 #[derive(Clone, Debug, PartialEq)]
@@ -188,26 +168,24 @@ impl Calls for Notes {
     }
 }
 
-/// A model under test, and its waits.
+/// A model under test, which is asked again at once.
 pub struct Trial {
     pub settings: Settings,
     pub shared: Shared,
-    pub waits: Arc<Noted>,
 }
 
 impl Trial {
     pub fn of(url: &str) -> Trial {
-        let waits = Arc::new(Noted::default());
         let base = BaseUrl::parse(url.trim_end_matches("/v1")).unwrap();
         let settings = Settings {
             key: Some(Key::new("A_KEY", CANARY).unwrap()),
             timeout: Duration::from_secs(20),
             retry: Retry {
-                seed: Some(5),
-                pause: waits.clone(),
+                first_wait: Duration::ZERO,
+                longest_wait: Duration::ZERO,
                 ..Retry::default()
             },
-            pricing: Arc::new(Prices),
+            price: Some(PRICE),
             ..Settings::new("provider", "a-model", Wire::OpenaiChat, base)
         };
         let shared = Shared {
@@ -217,11 +195,7 @@ impl Trial {
             interrupt: Interrupt::default(),
             hidden: Vec::new(),
         };
-        Trial {
-            settings,
-            shared,
-            waits,
-        }
+        Trial { settings, shared }
     }
 
     pub fn model(&self) -> Remote {
@@ -229,7 +203,11 @@ impl Trial {
     }
 }
 
+/// Estimated at two tokens, so ten are the most that it takes, for 100 nano-dollars.
 pub fn request() -> Request {
     let messages = vec![Message::text(Speaker::User, "fold it")];
-    Request::new(ModelRole::Text, messages)
+    Request {
+        max_tokens: Some(4),
+        ..Request::new(ModelRole::Text, messages)
+    }
 }

@@ -6,7 +6,7 @@
 use crate::exit::Failure;
 use crate::io::Io;
 use clap::{Args, ValueHint};
-use fab_providers::catalogue::{Catalogue, Date, Profile};
+use fab_providers::catalogue::{Catalogue, Date};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
@@ -35,11 +35,13 @@ impl UserFile {
 
 /// Returns the file of model facts: `--models`, else `FABC_MODELS`, else the one in the user's folder.
 pub fn facts_file(flag: Option<&Path>, io: &Io) -> Option<UserFile> {
-    let flag = flag.map(|path| UserFile {
-        path: path.to_owned(),
-        is_named: true,
-    });
-    flag.or_else(|| user_file("FABC_MODELS", "models.toml", io))
+    match flag {
+        Some(path) => Some(UserFile {
+            path: path.to_owned(),
+            is_named: true,
+        }),
+        None => user_file("FABC_MODELS", "models.toml", io),
+    }
 }
 
 /// Returns the file of keys: `FABC_KEYS`, else the one in the user's folder.
@@ -65,13 +67,6 @@ pub fn load(flag: Option<&Path>, io: &Io) -> Result<Catalogue, Failure> {
             .map_err(Failure::environment),
         None => Ok(builtin),
     }
-}
-
-/// Returns the catalogue's entry for a model, `PROVIDER:NAME`.
-pub fn profile(name: &str, models: Option<&Path>, io: &Io) -> Result<Profile, Failure> {
-    let catalogue = load(models, io)?;
-    let found = catalogue.find(name);
-    found.map_err(|error| Failure::usage(error.to_string()))
 }
 
 /// Returns the day, in UTC.

@@ -11,9 +11,9 @@ use fab_base::interrupt::Interrupt;
 use fab_model::calls::{Budget, Spent};
 use fab_model::lowering::Lowering;
 use fab_model::replay::Replay;
-use fab_model::{Model, ModelRole, Models, Request};
+use fab_model::{Model, ModelRole, Models};
 use fab_providers::catalogue::Profile;
-use fab_providers::remote::{Lengths, Remote};
+use fab_providers::remote::Remote;
 use fab_standins::imperfect::Errors;
 use fab_standins::{Geometric, Imperfect, Random};
 use std::path::Path;
@@ -37,53 +37,33 @@ pub struct Answering {
     text: Answerer,
 }
 
-/// A model, and its provider's part if it has one.
+/// A model; the same one as `remote` if it has a provider.
 #[derive(Clone)]
 struct Answerer {
     model: Arc<dyn Model>,
-    provided: Option<Provided>,
-}
-
-/// The provider's part of a model.
-#[derive(Clone)]
-struct Provided {
-    profile: Profile,
-    remote: Arc<Remote>,
+    remote: Option<Arc<Remote>>,
 }
 
 impl Answering {
-    /// Returns the profile of a role's model; `None` if it has no provider.
-    pub fn profile(&self, role: ModelRole) -> Option<&Profile> {
-        let provided = self.answerer(role).provided.as_ref();
-        provided.map(|it| &it.profile)
-    }
-
-    fn answerer(&self, role: ModelRole) -> &Answerer {
-        match role {
+    /// Returns the provider's model of a role; `None` if it has no provider.
+    pub fn remote(&self, role: ModelRole) -> Option<&Remote> {
+        let answerer = match role {
             ModelRole::Vision => &self.vision,
             ModelRole::Text => &self.text,
-        }
+        };
+        answerer.remote.as_deref()
     }
 
-    /// Returns the lengths of the answer that a request is sent with.
-    pub fn lengths(&self, request: &Request) -> Lengths {
-        match &self.answerer(request.role).provided {
-            Some(provided) => provided.remote.lengths(request),
-            None => Lengths {
-                visible: request.max_tokens,
-                hidden: 0,
-            },
-        }
+    /// Returns the profile of a role's model; `None` if it has no provider.
+    pub fn profile(&self, role: ModelRole) -> Option<&Profile> {
+        self.remote(role).map(Remote::profile)
     }
 
     /// Fails if a question cannot be sent as it is, for example because the model does not support one of its settings.
     pub fn check(&self, questions: &[FirstQuestion]) -> Result<(), Failure> {
-        for question in questions {
-            if let Some(provided) = &self.answerer(question.request.role).provided {
-                let encoded = provided.remote.encoded(&question.request);
-                encoded.map_err(|error| {
-                    Failure::environment(format!("stage `{}`: {error}", question.stage))
-                })?;
+        for FirstQuestion { stage, request } in questions {
+            if let Some(Err(error)) = { self.remote(request.role) }.map(|it| it.encoded(request)) {
+                return Err(Failure::environment(format!("stage `{stage}`: {error}")));
             }
         }
         Ok(())
@@ -91,7 +71,7 @@ impl Answering {
 
     /// Returns whether a role's questions go to a provider.
     pub fn asks_a_provider(&self) -> bool {
-        self.vision.provided.is_some() || self.text.provided.is_some()
+        self.vision.remote.is_some() || self.text.remote.is_some()
     }
 
     /// Returns whether a role's model holds one answer for all starts.
@@ -126,7 +106,7 @@ pub fn models(
         if let Some(model) = embedded(name, role)? {
             return Ok::<_, Failure>(Answerer {
                 model: Arc::from(model),
-                provided: None,
+                remote: None,
             });
         }
         let providers = match &mut providers {
@@ -137,7 +117,7 @@ pub fn models(
         let remote = Arc::new(providers.model(&profile, base_url, purpose)?);
         Ok(Answerer {
             model: remote.clone(),
-            provided: Some(Provided { profile, remote }),
+            remote: Some(remote),
         })
     };
     let model = find(vision, vision_url, ModelRole::Vision)?;
@@ -173,7 +153,9 @@ impl TargetModel {
             Some(name) => match embedded(name, ModelRole::Text)? {
                 Some(model) => (model.lowering(), None),
                 None => {
-                    let profile = catalogue::profile(name, shown.facts.models.as_deref(), io)?;
+                    let catalogue = catalogue::load(shown.facts.models.as_deref(), io)?;
+                    let profile = catalogue.find(name);
+                    let profile = profile.map_err(|error| Failure::usage(error.to_string()))?;
                     (profile.lowering(), Some(profile))
                 }
             },

@@ -35,10 +35,12 @@ impl Providers {
         io: &Io,
     ) -> Result<Providers, Failure> {
         let catalogue = catalogue::load(arguments.facts.models.as_deref(), io)?;
-        let mut keys = Vec::new();
+        let (mut keys, mut gates) = (Vec::new(), BTreeMap::new());
         for provider in catalogue.providers() {
             // An unusable key matters only if its provider is used.
             keys.extend(key(&provider.key_env, io).ok().flatten());
+            let gate = Arc::new(Gate::new(MOST_CALLS_AT_ONCE));
+            gates.insert(provider.name.clone(), gate);
         }
         let answers = if arguments.no_cache {
             Answers::none()
@@ -49,7 +51,7 @@ impl Providers {
             arguments: arguments.clone(),
             catalogue,
             answers: Arc::new(answers),
-            gates: BTreeMap::new(),
+            gates,
             interrupt: interrupt.clone(),
             keys,
             io: io.clone(),
@@ -60,7 +62,7 @@ impl Providers {
     ///
     /// - `base_url`: the provider's address, if not the usual one.
     pub fn model(
-        &mut self,
+        &self,
         profile: &Profile,
         base_url: Option<&str>,
         purpose: Purpose,
@@ -97,12 +99,10 @@ impl Providers {
             timeout: Duration::from_secs(arguments.timeout.into()),
             ..Settings::of(profile, address, catalogue::today(&self.io))
         };
-        let gates = &mut self.gates;
         let io = self.io.clone();
-        let gate = gates.entry(profile.provider.name.clone());
         let shared = Shared {
             tell: Arc::new(move |why| io.talk(&format!("  {why}"))),
-            gate: Arc::clone(gate.or_insert_with(|| Arc::new(Gate::new(MOST_CALLS_AT_ONCE)))),
+            gate: Arc::clone(&self.gates[&profile.provider.name]),
             answers: Arc::clone(&self.answers),
             interrupt: self.interrupt.clone(),
             hidden: self.keys.clone(),

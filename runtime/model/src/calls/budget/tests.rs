@@ -271,15 +271,15 @@ proptest! {
                 let Some((nano, fate)) = queue.peek().copied() else { continue };
                 let at_most = Usd::from_nano(nano);
                 match state.admit(caps, Some(at_most)) {
-                    Admission::Granted => {
+                    Ok(true) => {
                         flying.push(Flight { at_most, fate });
                         let reserved: Usd = flying.iter().map(|it| it.at_most).sum();
                         prop_assert!(state.spent.at_most() + reserved <= cap);
                         at_last_grant.clone_from(&flying);
                         queue.next();
                     }
-                    Admission::Wait => prop_assert!(!flying.is_empty()),
-                    Admission::Refused(_) => {
+                    Ok(false) => prop_assert!(!flying.is_empty()),
+                    Err(_) => {
                         prop_assert!(flying.is_empty());
                         is_over = true;
                     }

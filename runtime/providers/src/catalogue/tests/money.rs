@@ -7,7 +7,8 @@ use fab_model::{Message, ModelRole, Part, Png, Request, Speaker};
 
 #[test]
 fn costs_are_exact_to_the_last_billionth() {
-    let priced = find("openai:gpt-6.2-sol").priced_on(date("2026-11-20"));
+    let price = |model: &str| find(model).price_on(date("2026-11-20"));
+    let sol = price("openai:gpt-6.2-sol").expect("known");
     let usage = Usage {
         input_tokens: 1_000_003,
         cached_input_tokens: 1_000_000,
@@ -16,8 +17,8 @@ fn costs_are_exact_to_the_last_billionth() {
     };
     // 1,000,000 at 0.10 + 3 at 2 + 7 at 10 USD per million.
     assert_eq!(
-        priced.cost(usage),
-        Some(Usd::from_nano(100_000_000 + 6_000 + 70_000))
+        sol.cost(usage),
+        Usd::from_nano(100_000_000 + 6_000 + 70_000)
     );
     let third = Price {
         from: None,
@@ -58,16 +59,8 @@ fn costs_are_exact_to_the_last_billionth() {
         .cost(huge),
         Usd::from_nano(u64::MAX)
     );
-    assert_eq!(
-        find("openai:o3").priced_on(date("2026-11-20")).cost(usage),
-        None
-    );
-    assert_eq!(
-        find("vllm:anything")
-            .priced_on(date("2026-11-20"))
-            .cost(usage),
-        Some(Usd::ZERO)
-    );
+    assert_eq!(price("openai:o3"), None);
+    assert_eq!(price("vllm:anything"), Some(Price::FREE));
 }
 
 #[test]
@@ -85,33 +78,30 @@ fn the_most_that_a_request_may_cost_covers_input_answer_and_pictures() {
     message.parts.push(Part::Image(Png::new(picture)));
     let mut request = Request::new(ModelRole::Vision, vec![message]);
     let today = date("2026-11-20");
-    let sol = find("openai:gpt-6.2-sol").priced_on(today);
-    assert_eq!(sol.at_most(&request), None, "no longest answer is stated");
+    let most = |model: &str, request: &Request| {
+        let model = find(model);
+        model.at_most(model.price_on(today), request, request.max_tokens)
+    };
+    let sol = |request: &Request| most("openai:gpt-6.2-sol", request);
+    assert_eq!(sol(&request), None, "no longest answer is stated");
     request.max_tokens = Some(1000);
     // 3 * (100 + 59) tokens at 2 USD, 1000 at 10 USD per million.
     assert_eq!(
-        sol.at_most(&request),
+        sol(&request),
         Some(Usd::from_nano(3 * 159 * 2_000 + 1000 * 10_000))
     );
     request.schema = Some(serde_json::json!({ "a": 1 }));
     // `{"a":1}` has seven letters, two tokens.
     assert_eq!(
-        sol.at_most(&request),
+        sol(&request),
         Some(Usd::from_nano(3 * 161 * 2_000 + 1000 * 10_000))
     );
     for (model, why) in [
         ("openai:o3", "no price"),
         ("google:gemini-4-argon", "no formula for pictures"),
     ] {
-        assert_eq!(
-            find(model).priced_on(today).at_most(&request),
-            None,
-            "{why}"
-        );
+        assert_eq!(most(model, &request), None, "{why}");
     }
     request.max_tokens = None;
-    assert_eq!(
-        find("ollama:x").priced_on(today).at_most(&request),
-        Some(Usd::ZERO)
-    );
+    assert_eq!(most("ollama:x", &request), Some(Usd::ZERO));
 }

@@ -1,6 +1,6 @@
 //! Tests of token counts: vendors' formulas for pictures, and the rules of thumb for text.
 
-use super::super::tokens::{likely_of_text, of_messages};
+use super::super::tokens::{self, likely_of_text, of_text};
 use super::super::*;
 use fab_model::{Message, Part, Png, Speaker};
 use fab_picture::png;
@@ -72,6 +72,10 @@ fn likely_tokens_count_words_digits_and_signs() {
     ] {
         assert_eq!(likely_of_text(text), expected, "{text}");
     }
+}
+
+fn of_messages(messages: &[Message], formula: Option<&ImageTokens>) -> Option<Tokens> {
+    tokens::of_messages(messages, formula, of_text)
 }
 
 #[test]

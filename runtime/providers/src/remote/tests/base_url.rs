@@ -65,7 +65,7 @@ fn a_pasted_endpoint_is_refused_with_the_base_that_was_meant() {
     ] {
         let error = BaseUrl::parse(text).expect_err(text);
         let meant = meant.to_owned();
-        assert_eq!(error, BaseUrlError::Endpoint { endpoint, meant }, "{text}");
+        assert_eq!(error, BaseUrlError::Endpoint(endpoint, meant), "{text}");
     }
     for text in [
         "https://h/api",

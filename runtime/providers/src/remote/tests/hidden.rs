@@ -1,20 +1,15 @@
 //! Tests of answers that reasoning cut off.
 
 use super::*;
-use fab_model::calls::{Fault, Usage};
 
-fn failure(text: &str, output: u64, hidden: Option<u64>) -> Failure {
-    Failure {
-        fault: Fault::Truncated,
-        why: String::new(),
-        usage: Some(Usage {
-            output_tokens: output,
-            reasoning_tokens: hidden,
-            ..Usage::default()
-        }),
-        cut_text: Some(text.to_owned()),
-        reasoning: None,
-    }
+fn found(text: &str, output: u64, hidden: Option<u64>, lengths: Lengths) -> (String, Option<u32>) {
+    let usage = Usage {
+        output_tokens: output,
+        reasoning_tokens: hidden,
+        ..Usage::default()
+    };
+    let (words, again) = remedy(text, Some(usage), lengths);
+    (words, again.map(|again| again.hidden))
 }
 
 const LENGTHS: Lengths = Lengths {
@@ -24,14 +19,20 @@ const LENGTHS: Lengths = Lengths {
 
 #[test]
 fn an_answer_that_got_its_length_is_not_starved() {
+    let thoughts = format!("<think>{}</think>{}", "x".repeat(85), "y".repeat(100));
     for (text, output, hidden) in [
         ("words", 100, None),
         ("words", 100, Some(0)),
         ("", 1124, Some(0)),
         ("words", 1124, Some(1024)),
         ("words", 1124, Some(1030)),
+        (&thoughts, 200, None),
     ] {
-        assert_eq!(starved(&failure(text, output, hidden), LENGTHS), None);
+        let (words, again) = found(text, output, hidden, LENGTHS);
+        assert_eq!(
+            (words.as_str(), again),
+            ("raise the stage's `tokens`", None)
+        );
     }
 }
 
@@ -43,38 +44,17 @@ fn a_starved_answer_is_asked_again_with_twice_as_many_hidden_tokens() {
         (" ", 1124, None, 2248),
         ("", 60, Some(60), 2048),
         ("", u64::MAX, None, 200_000),
+        ("<think>about", 100, None, 2048),
+        ("<think>about", 100, Some(0), 2048),
+        ("<think>about</think>\n", 100, None, 2048),
+        ("12345</think>", 100, None, 2048),
     ] {
-        let found = starved(&failure(text, output, hidden), LENGTHS).expect("it is starved");
-        let again = found.again.expect("it is asked again");
-        assert_eq!((again.visible, again.hidden), (Some(100), more));
-        let spent = hidden.unwrap_or(output);
-        assert!(
-            found.why.contains(&format!("took {spent} tokens")),
-            "{}",
-            found.why
-        );
+        let (words, again) = found(text, output, hidden, LENGTHS);
+        assert_eq!(again, Some(more), "{text}: {words}");
+        let spent = hidden.filter(|it| *it > 0).unwrap_or(output);
+        assert!(words.contains(&format!("took {spent} tokens")), "{words}");
     }
-}
-
-#[test]
-fn thoughts_that_are_the_whole_answer_count_as_reasoning() {
-    let thoughts = "x".repeat(188);
-    for (text, output, reported, spent) in [
-        (format!("<think>{thoughts}"), 100, None, 100),
-        (format!("<think>{thoughts}"), 100, Some(0), 100),
-        (format!("<think>{thoughts}</think>\n"), 100, None, 100),
-        (format!("{thoughts}12345</think>"), 100, None, 100),
-    ] {
-        let failure = failure(&text, output, reported);
-        let found = starved(&failure, LENGTHS).expect(&text);
-        let told = format!("thoughts in its text took {spent} tokens");
-        assert!(found.why.starts_with(&told), "{}", found.why);
-        let again = found.again.expect("it is asked again");
-        assert_eq!((again.visible, again.hidden), (Some(100), 2048));
-    }
-    // A part of the text is the answer, and nobody says what the thoughts took.
-    let text = format!("<think>{}</think>{}", "x".repeat(85), "y".repeat(100));
-    assert_eq!(starved(&failure(&text, 200, None), LENGTHS), None);
+    assert!(remedy("", None, LENGTHS).1.is_some());
 }
 
 #[test]
@@ -83,6 +63,6 @@ fn without_a_limit_there_is_nothing_to_raise() {
         visible: None,
         hidden: 0,
     };
-    let found = starved(&failure("", 9000, Some(9000)), unlimited).expect("it is starved");
-    assert_eq!(found.again, None);
+    let (words, again) = found("", 9000, Some(9000), unlimited);
+    assert!(words.contains("took 9000 tokens: no limit") && again.is_none());
 }

@@ -38,13 +38,7 @@ fn lists_of_all_interfaces_are_read() {
     ] {
         assert_eq!(listed(200, body), expected, "{body}");
     }
-    for body in [
-        "",
-        "<html>",
-        "{}",
-        "{\"data\":3}",
-        "{\"data\":[{\"id\":7}]}",
-    ] {
+    for body in ["", "<html>", "{}", "{\"data\":3}"] {
         assert!(
             matches!(listed(200, body), Err(NotListed::Other(_))),
             "{body}"

@@ -1,6 +1,7 @@
 //! Tests of providers' error replies, each mapped to a named fault.
 
 use super::*;
+use std::time::Duration;
 
 /// Status, body, fault, billing.
 const CASES: &[(u16, &str, Fault, Billing)] = {
@@ -114,12 +115,8 @@ const CASES: &[(u16, &str, Fault, Billing)] = {
 #[test]
 fn each_status_and_body_has_its_fault() {
     for (status, body, fault, billing) in CASES {
-        let refusal = judge(*status, &ErrorBody::of_bytes(body.as_bytes()));
-        assert_eq!(
-            (refusal.fault, refusal.billing),
-            (*fault, *billing),
-            "{status} {body}"
-        );
+        let judged = judge(*status, &ErrorBody::of_bytes(body.as_bytes()));
+        assert_eq!(judged, (*fault, *billing), "{status} {body}");
     }
 }
 
@@ -128,9 +125,9 @@ fn a_limit_per_minute_says_how_long_to_wait_and_is_no_exhausted_quota() {
     let body = r#"{"error":{"code":429,"status":"RESOURCE_EXHAUSTED","message":"You exceeded your current quota","details":[
         {"@type":"QuotaFailure","violations":[{"quotaId":"GenerateRequestsPerMinutePerProjectPerModel"}]},
         {"@type":"RetryInfo","retryDelay":"34.5s"}]}}"#;
-    let refusal = judge(429, &ErrorBody::of_bytes(body.as_bytes()));
-    assert_eq!(refusal.fault, Fault::RateLimited);
-    assert_eq!(refusal.wait, Some(Duration::from_millis(34_500)));
+    let error = ErrorBody::of_bytes(body.as_bytes());
+    assert_eq!(judge(429, &error).0, Fault::RateLimited);
+    assert_eq!(error.wait, Some(Duration::from_millis(34_500)));
 }
 
 #[test]

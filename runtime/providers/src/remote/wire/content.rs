@@ -4,50 +4,29 @@ use super::Unfit;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use fab_model::{Message, Part, Png, Speaker};
-use serde::Serialize;
+use serde_json::{Value, json};
 
 /// Separates texts that are joined into one string.
 pub(super) const BETWEEN: &str = "\n\n";
 
-/// A turn in the formats that name a role beside the content; `P`: a text or a picture of the format.
-#[derive(Serialize)]
-pub(super) struct Turn<P> {
-    role: &'static str,
-    content: Content<P>,
+/// Makes a turn in the formats that name a role beside the content; `asked` writes the content of a user's.
+pub(super) fn turn(
+    message: &Message,
+    asked: impl FnOnce(&Message) -> Value,
+) -> Result<Value, Unfit> {
+    Ok(match message.speaker {
+        Speaker::System => json!({ "role": "system", "content": words(message)? }),
+        Speaker::Assistant => json!({ "role": "assistant", "content": words(message)? }),
+        Speaker::User => json!({ "role": "user", "content": asked(message) }),
+    })
 }
 
-#[derive(Serialize)]
-#[serde(untagged)]
-pub(super) enum Content<P> {
-    Text(String),
-    Pieces(Vec<P>),
-}
-
-/// Makes a turn; `asked` writes the content of a user's, and the others are text.
-pub(super) fn turn<'a, P>(
-    message: &'a Message,
-    asked: impl FnOnce(&'a Message) -> Content<P>,
-) -> Result<Turn<P>, Unfit> {
-    let (role, content) = match message.speaker {
-        Speaker::System => ("system", Content::Text(words(message)?)),
-        Speaker::Assistant => ("assistant", Content::Text(words(message)?)),
-        Speaker::User => ("user", asked(message)),
-    };
-    Ok(Turn { role, content })
-}
-
-/// Returns the content of a turn in pieces.
-pub(super) fn pieces<'a, P>(message: &'a Message, piece: impl FnMut(&'a Part) -> P) -> Content<P> {
-    Content::Pieces(message.parts.iter().map(piece).collect())
-}
-
-/// Returns the most pictures of any message.
-pub(super) fn most_pictures(messages: &[Message]) -> usize {
-    let is_picture = |part: &&Part| matches!(part, Part::Image(_));
-    let counts = messages
-        .iter()
-        .map(|message| message.parts.iter().filter(is_picture).count());
-    counts.max().unwrap_or(0)
+/// Returns an object without those of its fields that are `null`.
+pub(super) fn stated(mut object: Value) -> Value {
+    if let Some(fields) = object.as_object_mut() {
+        fields.retain(|_, value| !value.is_null());
+    }
+    object
 }
 
 /// Returns the bytes of a picture in base64.
@@ -85,12 +64,11 @@ fn text(part: &Part) -> Option<&str> {
 
 /// Splits a conversation into system prompt and turns, for formats with a separate place for it.
 ///
-/// Fails if a system prompt appears among the turns, or no turn follows it.
+/// Fails if a system prompt appears among the turns.
 pub(super) fn framed(messages: &[Message]) -> Result<(Option<String>, &[Message]), Unfit> {
     let is_frame = |message: &Message| message.speaker == Speaker::System;
     let first_turn = messages.iter().position(|message| !is_frame(message));
     let (frame, turns) = messages.split_at(first_turn.unwrap_or(messages.len()));
-    refuse_no_question(turns)?;
     if turns.iter().any(is_frame) {
         return Err(Unfit(
             "there is a system message after the first question, and its interface has no place for it".to_owned(),
@@ -99,12 +77,4 @@ pub(super) fn framed(messages: &[Message]) -> Result<(Option<String>, &[Message]
     let texts = frame.iter().map(words).collect::<Result<Vec<_>, _>>()?;
     let frame = (!texts.is_empty()).then(|| texts.join(BETWEEN));
     Ok((frame, turns))
-}
-
-/// Fails if there are no turns.
-pub(super) fn refuse_no_question(turns: &[Message]) -> Result<(), Unfit> {
-    if turns.is_empty() {
-        return Err(Unfit("the request asks nothing".to_owned()));
-    }
-    Ok(())
 }

@@ -18,6 +18,38 @@ const MAX_NAME: usize = 60;
 /// How much of a body is searched for words, bytes.
 const MAX_SEARCHED: usize = 16 * 1024;
 
+/// Parts of identifiers with their faults; the first row that applies counts.
+const FAULTS: [(&[&str], Fault); 7] = [
+    (
+        &["insufficient_quota", "billing", "perday"],
+        Fault::QuotaExhausted,
+    ),
+    (
+        &["rate_limit", "resource_exhausted", "perminute"],
+        Fault::RateLimited,
+    ),
+    (
+        &["content_filter", "policy", "moderation"],
+        Fault::ContentFiltered,
+    ),
+    (
+        // LiteLLM's proxy looks a key that is not its master key up in its database.
+        &[
+            "api_key_invalid",
+            "invalid_api_key",
+            "authentication_error",
+            "no_db_connection",
+        ],
+        Fault::NotAuthorised,
+    ),
+    (
+        &["overloaded", "server_error", "api_error"],
+        Fault::ServerFailed,
+    ),
+    (&["timeout_error", "deadline_exceeded"], Fault::TimedOut),
+    (&["invalid_", "not_found"], Fault::BadRequest),
+];
+
 /// A provider's error.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::remote) struct ErrorBody {
@@ -101,36 +133,16 @@ impl ErrorBody {
             let mut names = self.names.iter();
             names.any(|name| parts.iter().any(|part| name.contains(part)))
         };
-        let message = self.message.to_lowercase();
-        let is_limit = named(&["rate_limit", "resource_exhausted"]);
-        let is_short = named(&["perminute"]) || self.wait.is_some();
-        if named(&["insufficient_quota", "billing", "perday"])
-            || self.says(&["credit balance", "insufficient credit"])
-            // Gemini has one name for both; what lasts has no time after which to ask again.
-            || named(&["resource_exhausted"]) && !is_short && message.contains("quota")
-        {
-            Some(Fault::QuotaExhausted)
-        } else if is_limit || named(&["perminute"]) {
-            Some(Fault::RateLimited)
-        } else if named(&["content_filter", "policy", "moderation"]) {
-            Some(Fault::ContentFiltered)
-        } else if named(&[
-            "api_key_invalid",
-            "invalid_api_key",
-            "authentication_error",
-            // LiteLLM's proxy looks a key that is not its master key up in its database.
-            "no_db_connection",
-        ]) {
-            Some(Fault::NotAuthorised)
-        } else if named(&["overloaded", "server_error", "api_error"]) {
-            Some(Fault::ServerFailed)
-        } else if named(&["timeout_error", "deadline_exceeded"]) {
-            Some(Fault::TimedOut)
-        } else if named(&["invalid_", "not_found"]) {
-            Some(Fault::BadRequest)
-        } else {
-            None
+        // Gemini has one name for both; what lasts has no time after which to ask again.
+        let is_quota = named(&["resource_exhausted"])
+            && self.wait.is_none()
+            && !named(&["perminute"])
+            && self.message.to_lowercase().contains("quota");
+        if is_quota || self.says(&["credit balance", "insufficient credit"]) {
+            return Some(Fault::QuotaExhausted);
         }
+        let found = FAULTS.iter().find(|(parts, _)| named(parts));
+        found.map(|(_, fault)| *fault)
     }
 
     /// Makes the failure of a reply with status 200 that contains an error.
@@ -150,13 +162,12 @@ impl ErrorBody {
 /// Fails if `error` in a reply with status 200 says that something went wrong.
 ///
 /// Some servers send an empty one beside an answer.
-pub(super) fn refuse_error(error: Option<&Value>, usage: Option<Usage>) -> Result<(), Failure> {
-    let is_empty =
-        |error: &Value| ["null", "false", "\"\"", "[]", "{}"].contains(&error.to_string().as_str());
-    match error.filter(|error| !is_empty(error)) {
-        Some(error) => Err(ErrorBody::of(error).failure(usage)),
-        None => Ok(()),
+pub(super) fn refuse_error(error: &Value, usage: Option<Usage>) -> Result<(), Failure> {
+    let empty = ["null", "false", "\"\"", "[]", "{}"];
+    if empty.contains(&error.to_string().as_str()) {
+        return Ok(());
     }
+    Err(ErrorBody::of(error).failure(usage))
 }
 
 /// Returns a provider's words as they are repeated: on one line, and not at any length.

@@ -12,13 +12,11 @@ mod openai_responses;
 mod reasoning;
 
 use super::settings::{Lengths, Parameter, Settings};
-use crate::catalogue::{Accepted, MaxTokensField, Wire};
+use crate::catalogue::{Accepted, Wire};
 use fab_model::calls::{Fault, Usage};
-use fab_model::{Reasoning, Request};
-use serde::de::DeserializeOwned;
-use serde::{Deserialize, Deserializer, Serialize};
-use serde_json::Value;
+use fab_model::{Part, Reasoning, Request, Speaker};
 use serde_json::error::Category;
+use serde_json::{Map, Value};
 
 /// An encoded question.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -49,8 +47,6 @@ pub struct Failure {
     pub usage: Option<Usage>,
     /// The visible part of an answer that was cut off at its longest length.
     pub cut_text: Option<String>,
-    /// Names the field for reasoning that holds all there is, and quotes it.
-    pub reasoning: Option<String>,
 }
 
 /// Why a request cannot be encoded in a provider's format, in words.
@@ -73,32 +69,23 @@ impl Wire {
         settings: &Settings,
         lengths: Lengths,
     ) -> Result<Encoded, Unfit> {
-        let stated = SentSettings::of(request, settings, lengths)?;
-        let (model, messages) = (settings.model.as_str(), &request.messages);
-        let headers = match self {
-            Wire::Anthropic => vec![("anthropic-version", anthropic::version(&stated))],
-            _ => Vec::new(),
-        };
+        let sent = Sent::of(request, settings, lengths)?;
+        let (model, messages) = (settings.profile.id.as_str(), &request.messages);
+        let facts = &settings.profile.facts;
+        let mut headers = Vec::new();
         let body = match self {
-            Wire::OpenaiResponses => bytes(&openai_responses::body(model, messages, stated)?),
+            Wire::OpenaiResponses => openai_responses::body(model, messages, sent)?,
             Wire::OpenaiChat => {
-                // Most compatible servers know the older name.
-                let field = settings.max_tokens_field;
-                let field = field.unwrap_or(MaxTokensField::MaxTokens);
-                let budget = settings.reasoning.tokens_field.as_deref();
-                bytes(&openai_chat::body(
-                    model,
-                    messages,
-                    stated,
-                    (field, budget),
-                )?)
+                let field = settings.profile.reasoning().tokens_field;
+                openai_chat::body(model, messages, sent, facts, field.as_deref())?
             }
             Wire::Anthropic => {
-                let longest = stated.max_tokens.unwrap_or(settings.unstated_max_tokens);
-                bytes(&anthropic::body(model, messages, stated, longest)?)
+                headers.push(("anthropic-version", anthropic::version(&sent)));
+                anthropic::body(model, messages, sent)?
             }
-            Wire::Gemini => bytes(&gemini::body(messages, stated)?),
+            Wire::Gemini => gemini::body(messages, sent)?,
         };
+        let body = body.to_string().into_bytes();
         Ok(Encoded { body, headers })
     }
 
@@ -149,7 +136,7 @@ impl Wire {
 }
 
 /// The request's settings that are sent.
-struct SentSettings {
+struct Sent {
     temperature: Option<f64>,
     top_p: Option<f64>,
     max_tokens: Option<u32>,
@@ -157,22 +144,18 @@ struct SentSettings {
     schema: Option<Value>,
 }
 
-impl SentSettings {
-    fn of(request: &Request, settings: &Settings, lengths: Lengths) -> Result<SentSettings, Unfit> {
-        let sent = |parameter| !settings.omit.contains(&parameter);
-        let sampling = |value: Option<f64>, parameter: Parameter| {
-            let Some(value) = value.filter(|_| sent(parameter)) else {
+impl Sent {
+    fn of(request: &Request, settings: &Settings, lengths: Lengths) -> Result<Sent, Unfit> {
+        let facts = &settings.profile.facts;
+        let sampling = |value: Option<f64>, parameter: Parameter, accepted: &Option<Accepted>| {
+            let Some(value) = value.filter(|_| settings.sends(parameter)) else {
                 return Ok(None);
             };
-            let accepted = match parameter {
-                Parameter::TopP => &settings.top_p,
-                _ => &settings.temperature,
-            };
-            let name = parameter.name();
             let takes = |accepted: &Accepted| accepted.takes(value);
             if value.is_finite() && accepted.as_ref().is_none_or(takes) {
                 return Ok(Some(value));
             }
+            let name = parameter.name();
             let accepts = accepted
                 .as_ref()
                 .map_or("a finite number".to_owned(), Accepted::to_string);
@@ -180,25 +163,29 @@ impl SentSettings {
                 "the stage states `{name}` {value}, and it accepts {accepts}; state that, or leave it out with `--omit {name}`"
             )))
         };
-        let most = content::most_pictures(&request.messages);
-        if settings.pictures == Some(false) && most > 0 {
+        if { request.messages.iter() }.all(|message| message.speaker == Speaker::System) {
+            return Err(Unfit("the request asks nothing".to_owned()));
+        }
+        let mut parts = request.messages.iter().flat_map(|message| &message.parts);
+        if facts.vision == Some(false) && parts.any(|part| matches!(part, Part::Image(_))) {
             return Err(Unfit(
                 "the request holds a picture, and it takes text alone".to_owned(),
             ));
         }
-        if settings.several_pictures == Some(false) && most > 1 {
-            return Err(Unfit(format!(
-                "a message of the request holds {most} pictures, and it takes one in a message"
-            )));
-        }
-        let structured = settings.structured_output != Some(false) && sent(Parameter::Schema);
-        let schema = request.schema.as_ref().filter(|_| structured);
-        Ok(SentSettings {
-            temperature: sampling(request.temperature, Parameter::Temperature)?,
-            top_p: sampling(request.top_p, Parameter::TopP)?,
+        let is_structured =
+            facts.structured_output != Some(false) && settings.sends(Parameter::Schema);
+        let schema = request.schema.as_ref().filter(|_| is_structured);
+        let wire = settings.profile.provider.wire;
+        Ok(Sent {
+            temperature: sampling(
+                request.temperature,
+                Parameter::Temperature,
+                &facts.temperature,
+            )?,
+            top_p: sampling(request.top_p, Parameter::TopP, &facts.top_p)?,
             max_tokens: lengths.sent(),
             reasoning: reasoning::sent(request, settings)?,
-            schema: schema.map(|schema| accepted_schema(settings.wire, schema)),
+            schema: schema.map(|schema| accepted_schema(wire, schema)),
         })
     }
 }
@@ -224,18 +211,6 @@ fn accepted_schema(wire: Wire, schema: &Value) -> Value {
     schema
 }
 
-/// The part of the input tokens that OpenAI's two formats tell.
-#[derive(Deserialize)]
-struct InputDetails {
-    cached_tokens: Option<u64>,
-}
-
-/// The part of the output tokens that OpenAI's two formats tell.
-#[derive(Deserialize)]
-struct OutputDetails {
-    reasoning_tokens: Option<u64>,
-}
-
 impl Failure {
     fn new(fault: Fault, why: impl Into<String>, usage: Option<Usage>) -> Failure {
         Failure {
@@ -243,39 +218,45 @@ impl Failure {
             why: why.into(),
             usage,
             cut_text: None,
-            reasoning: None,
         }
     }
 
-    fn invalid(bytes: &[u8], error: &serde_json::Error) -> Failure {
-        let (line, column) = (error.line(), error.column());
-        let begins_as_json = matches!(bytes.trim_ascii_start().first(), Some(b'{' | b'['));
-        // Of a form that does not fit, the parser's own message may quote its input at any length.
+    fn invalid(error: &serde_json::Error) -> Failure {
+        // The parser's own message may quote its input at any length.
         let why = match error.classify() {
-            Category::Data => format!(
-                "the reply has another form than the interface promises, at line {line}, column {column}"
-            ),
-            Category::Eof if column == 0 => "the reply is empty".to_owned(),
-            Category::Eof => "the reply is not complete JSON".to_owned(),
-            _ if begins_as_json => format!("the reply is not valid JSON: {error}"),
-            _ => "the reply is not JSON".to_owned(),
+            Category::Data => "the reply has another form than the interface promises",
+            Category::Eof if error.column() == 0 => "the reply is empty",
+            Category::Eof => "the reply is not complete JSON",
+            Category::Syntax | Category::Io => "the reply is not JSON",
         };
         Failure::new(Fault::InvalidReply, why, None)
     }
 }
 
-/// Adds hidden tokens to those of the answer where a server counts them beside it, and not in it.
+/// Reads the usage of OpenAI's two formats, whose names begin otherwise.
 ///
-/// That is certain if there are more of them, or if only then the sum is the reported total.
-fn with_hidden(usage: Usage, total_tokens: Option<u64>) -> Usage {
-    let (input, output) = (usage.input_tokens, usage.output_tokens);
-    let hidden = usage.reasoning_tokens.unwrap_or(0);
-    let both = output.saturating_add(hidden);
-    let are_beside = hidden > output || hidden > 0 && total_tokens == input.checked_add(both);
-    Usage {
-        output_tokens: if are_beside { both } else { output },
-        ..usage
-    }
+/// Hidden tokens are added where a server counts them beside those of the answer, and not in them. That is certain if there
+/// are more of them, or if only then the sum is the reported total.
+fn openai_usage(bill: &Value, [input, output]: [&str; 2]) -> Option<Usage> {
+    let count = |name: String| count(bill, &name);
+    let input_tokens = count(format!("/{input}_tokens"))?;
+    let visible = count(format!("/{output}_tokens")).unwrap_or(0);
+    let reasoning_tokens = count(format!("/{output}_tokens_details/reasoning_tokens"));
+    let hidden = reasoning_tokens.unwrap_or(0);
+    let both = visible.saturating_add(hidden);
+    let is_total = || count("/total_tokens".to_owned()) == input_tokens.checked_add(both);
+    let are_beside = hidden > visible || hidden > 0 && is_total();
+    Some(Usage {
+        input_tokens,
+        cached_input_tokens: count(format!("/{input}_tokens_details/cached_tokens")).unwrap_or(0),
+        output_tokens: if are_beside { both } else { visible },
+        reasoning_tokens,
+    })
+}
+
+/// Returns a number of a bill; `None` if it is absent or malformed, which must not cost a paid answer.
+fn count(bill: &Value, pointer: &str) -> Option<u64> {
+    bill.pointer(pointer)?.as_u64()
 }
 
 /// The end of a reply: what the model wrote, and why it stopped.
@@ -297,10 +278,10 @@ impl Ending<'_> {
         let is_blank = self.text.trim().is_empty();
         let hidden = usage.and_then(|usage| usage.reasoning_tokens);
         let reasoning = self.reasoning.filter(|(_, text)| !text.trim().is_empty());
-        let is_hidden = is_blank && !self.is_tool_call && reasoning.is_none() && hidden > Some(0);
         // An answer of hidden reasoning alone was cut off.
-        let cut = is_hidden.then_some(Fault::Truncated);
-        let fault = self.reason.and_then(fault_of_end).or(cut);
+        let is_hidden = is_blank && !self.is_tool_call && reasoning.is_none() && hidden > Some(0);
+        let fault = self.reason.and_then(fault_of_end);
+        let fault = fault.or(is_hidden.then_some(Fault::Truncated));
         let why = match (fault, self.reason) {
             (None, _) if !is_blank => {
                 return Ok(Answer {
@@ -320,8 +301,7 @@ impl Ending<'_> {
                 "the model's context window was full before the answer was whole".to_owned()
             }
             (Some(Fault::Truncated), _) => {
-                "the answer was cut off at its longest length; raise the stage's `tokens`"
-                    .to_owned()
+                "the answer was cut off at its longest length".to_owned()
             }
             (Some(Fault::Refused), _) => match self.explanation {
                 Some(words) => error::repeated(&words),
@@ -337,65 +317,51 @@ impl Ending<'_> {
         };
         let fault = fault.unwrap_or(Fault::InvalidReply);
         let is_cut = fault == Fault::Truncated && !why.contains("context window");
-        Err(Failure {
-            cut_text: is_cut.then_some(self.text),
-            reasoning: reasoning
-                .filter(|_| is_blank)
-                .map(|(field, text)| format!("`{field}` holds: `{}`", error::repeated(&text))),
-            ..Failure::new(fault, why, usage)
-        })
+        let mut failure = Failure::new(fault, why, usage);
+        if let Some((field, text)) = reasoning.filter(|_| is_blank) {
+            let text = error::repeated(&text);
+            failure
+                .why
+                .push_str(&format!("; `{field}` holds: `{text}`"));
+        }
+        failure.cut_text = is_cut.then_some(self.text);
+        Err(failure)
     }
 }
 
+/// The words for an end that leaves no whole answer.
+const ENDS: [(Fault, &str); 5] = [
+    (
+        Fault::Truncated,
+        "length max_tokens max_output_tokens model_length continuation incomplete model_context_window_exceeded",
+    ),
+    (Fault::Refused, "refusal"),
+    (
+        Fault::ContentFiltered,
+        "content_filter safety recitation language blocklist prohibited_content spii image_safety \
+         image_prohibited_content image_recitation escalation model_armor guardrail_intervened",
+    ),
+    (Fault::ServerFailed, "error abort failed cancelled"),
+    (Fault::NotAuthorised, "pup_limited_disabled"),
+];
+
 /// Returns the fault of an end that leaves no whole answer; `None` for every other word, known or not.
 fn fault_of_end(reason: &str) -> Option<Fault> {
-    Some(match reason.to_ascii_lowercase().as_str() {
-        "length"
-        | "max_tokens"
-        | "max_output_tokens"
-        | "model_length"
-        | "continuation"
-        | "incomplete"
-        | "model_context_window_exceeded" => Fault::Truncated,
-        "refusal" => Fault::Refused,
-        "content_filter"
-        | "safety"
-        | "recitation"
-        | "language"
-        | "blocklist"
-        | "prohibited_content"
-        | "spii"
-        | "image_safety"
-        | "image_prohibited_content"
-        | "image_recitation"
-        | "escalation"
-        | "model_armor"
-        | "guardrail_intervened" => Fault::ContentFiltered,
-        "error" | "abort" | "failed" | "cancelled" => Fault::ServerFailed,
-        "pup_limited_disabled" => Fault::NotAuthorised,
-        _ => return None,
-    })
-}
-
-fn bytes(body: &impl Serialize) -> Vec<u8> {
-    serde_json::to_vec(body).expect("a body holds strings, finite numbers and JSON")
+    let is_it = |word: &str| word.eq_ignore_ascii_case(reason);
+    let found = ENDS.iter().find(|(_, words)| words.split(' ').any(is_it));
+    found.map(|(fault, _)| *fault)
 }
 
 /// Reads a reply with status 200.
-fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Failure> {
-    serde_json::from_slice(bytes).map_err(|error| Failure::invalid(bytes, &error))
+fn read(bytes: &[u8]) -> Result<Value, Failure> {
+    let read = serde_json::from_slice::<Map<String, Value>>(bytes);
+    read.map(Value::from)
+        .map_err(|error| Failure::invalid(&error))
 }
 
-/// Reads an optional part of a reply; `None` if it is malformed.
-///
-/// A malformed bill must not cost a paid answer.
-fn if_readable<'de, D, T>(deserializer: D) -> Result<Option<T>, D::Error>
-where
-    D: Deserializer<'de>,
-    T: DeserializeOwned,
-{
-    let value = Value::deserialize(deserializer)?;
-    Ok(serde_json::from_value(value).ok())
+/// Returns the elements of a list; none if it is something else.
+fn elements(list: &Value) -> impl Iterator<Item = &Value> {
+    list.as_array().into_iter().flatten()
 }
 
 #[cfg(test)]

@@ -1,175 +1,76 @@
 //! OpenAI's Responses API, with storage turned off.
 //!
-//! In: messages and the request's settings; a `response`. Out: a typed body; an answer or a failure.
+//! In: messages and the request's settings; a `response`. Out: a body; an answer or a failure.
 
-use super::content::{BETWEEN, Turn, data_url, pieces, refuse_no_question, turn};
+use super::content::{BETWEEN, data_url, stated, turn};
 use super::error::{refuse_error, repeated};
-use super::{
-    Answer, Ending, Failure, InputDetails, OutputDetails, SentSettings, Unfit, fault_of_end,
-    if_readable, read, with_hidden,
-};
-use fab_model::calls::{Fault, Usage};
+use super::{Answer, Ending, Failure, Sent, Unfit, elements, fault_of_end, openai_usage, read};
+use fab_model::calls::Fault;
 use fab_model::{Message, Part, Reasoning};
-use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-#[derive(Serialize)]
-pub(super) struct Body<'a> {
-    model: &'a str,
-    input: Vec<Turn<Piece<'a>>>,
-    store: bool,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    temperature: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    top_p: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    max_output_tokens: Option<u32>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    reasoning: Option<Value>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    text: Option<Value>,
+pub(super) fn body(model: &str, messages: &[Message], sent: Sent) -> Result<Value, Unfit> {
+    let reasoning = match sent.reasoning {
+        Some(Reasoning::Level(effort)) => Some(json!({ "effort": effort })),
+        // There is no field for a number of tokens, and `reasoning::sent` refuses it.
+        Some(Reasoning::Tokens(_)) | None => None,
+    };
+    let format = sent.schema.map(|schema| {
+        json!({ "format": { "type": "json_schema", "name": "action", "schema": schema, "strict": true } })
+    });
+    let messages = messages.iter().map(|message| turn(message, pieces));
+    Ok(stated(json!({
+        "model": model,
+        "input": messages.collect::<Result<Vec<_>, _>>()?,
+        "store": false,
+        "temperature": sent.temperature,
+        "top_p": sent.top_p,
+        "max_output_tokens": sent.max_tokens,
+        "reasoning": reasoning,
+        "text": format,
+    })))
 }
 
-#[derive(Serialize)]
-#[serde(tag = "type", rename_all = "snake_case")]
-enum Piece<'a> {
-    InputText {
-        text: &'a str,
-    },
-    InputImage {
-        image_url: String,
-        detail: &'static str,
-    },
-}
-
-pub(super) fn body<'a>(
-    model: &'a str,
-    messages: &'a [Message],
-    stated: SentSettings,
-) -> Result<Body<'a>, Unfit> {
-    refuse_no_question(messages)?;
-    Ok(Body {
-        model,
-        input: messages
-            .iter()
-            .map(|message| turn(message, |it| pieces(it, piece)))
-            .collect::<Result<_, _>>()?,
-        store: false,
-        temperature: stated.temperature,
-        top_p: stated.top_p,
-        max_output_tokens: stated.max_tokens,
-        reasoning: match stated.reasoning {
-            Some(Reasoning::Level(effort)) => Some(json!({ "effort": effort })),
-            // There is no field for a number of tokens, and `reasoning::sent` refuses it.
-            Some(Reasoning::Tokens(_)) | None => None,
-        },
-        text: stated.schema.map(|schema| {
-            json!({
-                "format": { "type": "json_schema", "name": "action", "schema": schema, "strict": true },
-            })
-        }),
-    })
-}
-
-fn piece(part: &Part) -> Piece<'_> {
-    match part {
-        Part::Text(text) => Piece::InputText { text },
-        Part::Image(png) => Piece::InputImage {
-            image_url: data_url(png),
-            detail: "auto",
-        },
-    }
-}
-
-#[derive(Deserialize)]
-struct Response {
-    status: Option<String>,
-    error: Option<Value>,
-    incomplete_details: Option<Incomplete>,
-    output: Option<Vec<Item>>,
-    #[serde(default, deserialize_with = "if_readable")]
-    usage: Option<ResponsesTokens>,
-}
-
-#[derive(Deserialize)]
-struct Incomplete {
-    reason: Option<String>,
-}
-
-#[derive(Deserialize)]
-struct Item {
-    r#type: String,
-    status: Option<String>,
-    phase: Option<String>,
-    content: Option<Vec<ContentPart>>,
-}
-
-#[derive(Deserialize)]
-#[serde(tag = "type", rename_all = "snake_case")]
-enum ContentPart {
-    OutputText {
-        text: String,
-    },
-    Refusal {
-        refusal: String,
-    },
-    #[serde(other)]
-    Other,
-}
-
-#[derive(Deserialize)]
-struct ResponsesTokens {
-    input_tokens: u64,
-    output_tokens: u64,
-    total_tokens: Option<u64>,
-    input_tokens_details: Option<InputDetails>,
-    output_tokens_details: Option<OutputDetails>,
+fn pieces(message: &Message) -> Value {
+    let pieces = message.parts.iter().map(|part| match part {
+        Part::Text(text) => json!({ "type": "input_text", "text": text }),
+        Part::Image(png) => {
+            json!({ "type": "input_image", "image_url": data_url(png), "detail": "auto" })
+        }
+    });
+    pieces.collect()
 }
 
 pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
-    let response: Response = read(bytes)?;
-    let usage = response.usage.map(|tokens| {
-        let usage = Usage {
-            input_tokens: tokens.input_tokens,
-            cached_input_tokens: tokens
-                .input_tokens_details
-                .and_then(|details| details.cached_tokens)
-                .unwrap_or(0),
-            output_tokens: tokens.output_tokens,
-            reasoning_tokens: tokens
-                .output_tokens_details
-                .and_then(|details| details.reasoning_tokens),
-        };
-        with_hidden(usage, tokens.total_tokens)
-    });
-    refuse_error(response.error.as_ref(), usage)?;
-    let details = response.incomplete_details;
-    let named = details.as_ref().and_then(|it| it.reason.as_deref());
-    let mut end = match response.status.as_deref() {
+    let reply = read(bytes)?;
+    let usage = openai_usage(&reply["usage"], ["input", "output"]);
+    refuse_error(&reply["error"], usage)?;
+    let named = reply["incomplete_details"]["reason"].as_str();
+    let mut end = match reply["status"].as_str() {
         Some("incomplete") => named
             .filter(|it| fault_of_end(it).is_some())
             .or(Some("incomplete")),
         status => status,
     };
-    let output = response.output.unwrap_or_default();
-    let is_tool_call = output.iter().any(|item| item.r#type.ends_with("_call"));
-    // Remarks on the way to the answer are no part of it.
-    let is_answer =
-        |item: &Item| item.r#type == "message" && item.phase.as_deref() != Some("commentary");
-    let mut texts = Vec::new();
-    for message in output.into_iter().filter(is_answer) {
+    let (mut texts, mut is_tool_call) = (Vec::new(), false);
+    for item in elements(&reply["output"]) {
+        let kind = item["type"].as_str().unwrap_or_default();
+        is_tool_call |= kind.ends_with("_call");
+        // Remarks on the way to the answer are no part of it.
+        if kind != "message" || item["phase"] == "commentary" {
+            continue;
+        }
         // Some gateways leave out the status of the whole.
-        if message.status.as_deref() == Some("incomplete") {
+        if item["status"] == "incomplete" {
             end = end.or(Some("incomplete"));
         }
         let mut text = String::new();
-        for said in message.content.unwrap_or_default() {
-            match said {
-                ContentPart::OutputText { text: more } => text.push_str(&more),
-                ContentPart::Refusal { refusal } => {
-                    return Err(Failure::new(Fault::Refused, repeated(&refusal), usage));
-                }
-                ContentPart::Other => {}
+        for part in elements(&item["content"]) {
+            if let Some(refusal) = part["refusal"].as_str() {
+                return Err(Failure::new(Fault::Refused, repeated(refusal), usage));
+            }
+            if part["type"] == "output_text" {
+                text.push_str(part["text"].as_str().unwrap_or_default());
             }
         }
         texts.push(text);

@@ -12,12 +12,12 @@ use fab_model::{Reasoning, Request};
 ///
 /// Fails if the model is known to refuse it, or its interface has no field for it.
 pub(super) fn sent(request: &Request, settings: &Settings) -> Result<Option<Reasoning>, Unfit> {
-    let is_sent = !settings.omit.contains(&Parameter::Reasoning);
+    let is_sent = settings.sends(Parameter::Reasoning);
     let Some(stated) = request.reasoning.filter(|_| is_sent) else {
         return Ok(None);
     };
-    let facts = &settings.reasoning;
-    let counts_tokens = match settings.wire {
+    let facts = settings.profile.reasoning();
+    let counts_tokens = match settings.profile.provider.wire {
         Wire::OpenaiResponses => false,
         Wire::OpenaiChat => facts.tokens_field.is_some(),
         Wire::Anthropic | Wire::Gemini => true,
@@ -27,15 +27,17 @@ pub(super) fn sent(request: &Request, settings: &Settings) -> Result<Option<Reas
     let accepts = |kind: &ReasoningKind| {
         !refused.contains(kind) && (*kind != ReasoningKind::Tokens || counts_tokens)
     };
-    let is_enough = match stated {
-        Reasoning::Tokens(tokens) => tokens >= least,
-        Reasoning::Level(_) => true,
+    let (kind, is_enough) = match stated {
+        Reasoning::Tokens(tokens) => (ReasoningKind::Tokens.name(), tokens >= least),
+        Reasoning::Level(level) => (level.word(), true),
     };
-    if accepts(&ReasoningKind::of(stated)) && is_enough {
+    let mut kinds = ReasoningKind::ALL.iter().filter(|kind| accepts(kind));
+    if is_enough && kinds.any(|accepted| accepted.name() == kind) {
         let as_tokens = facts.levels_as_tokens == Some(true) && counts_tokens;
-        return Ok(Some(match as_tokens {
-            true => Reasoning::Tokens(stated.allowed_tokens()),
-            false => stated,
+        return Ok(Some(if as_tokens {
+            Reasoning::Tokens(stated.allowed_tokens())
+        } else {
+            stated
         }));
     }
     let accepted = ReasoningKind::ALL.iter().filter(|kind| accepts(kind));

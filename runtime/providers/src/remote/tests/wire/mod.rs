@@ -4,12 +4,19 @@ mod replies;
 mod requests;
 
 use super::*;
+use crate::catalogue::Facts;
 use crate::remote::BaseUrl;
 use fab_model::{Message, ModelRole, Part, Png, Speaker};
 
 fn settings(wire: Wire) -> Settings {
     let base = BaseUrl::parse("http://localhost:1").expect("a base URL");
     Settings::new("provider", "a-model", wire, base)
+}
+
+fn knowing(wire: Wire, facts: Facts) -> Settings {
+    let mut settings = settings(wire);
+    settings.profile.facts = facts;
+    settings
 }
 
 /// A conversation with a system prompt, a picture, an answer and a correction.

@@ -1,17 +1,27 @@
 //! Tests of requests, byte for byte as JSON; `make test-all` passes them to the providers' own clients.
 
 use super::*;
-use crate::catalogue::{Catalogue, ReasoningFacts};
+use crate::catalogue::{Catalogue, MaxTokensField};
 use fab_program::ReasoningLevel;
 use serde_json::json;
 
 fn sent(request: &Request, settings: &Settings) -> Value {
-    let encoded = settings.wire.encode(request, settings).expect("it fits");
+    let encoded = settings
+        .profile
+        .provider
+        .wire
+        .encode(request, settings)
+        .expect("it fits");
     serde_json::from_slice(&encoded.body).expect("JSON")
 }
 
 fn refused(request: &Request, settings: &Settings) -> String {
-    let unfit = settings.wire.encode(request, settings).expect_err("unfit");
+    let unfit = settings
+        .profile
+        .provider
+        .wire
+        .encode(request, settings)
+        .expect_err("unfit");
     unfit.to_string()
 }
 
@@ -125,9 +135,12 @@ fn settings_and_schema_go_where_each_provider_wants_them() {
         ]),
     };
     for wire in Wire::ALL {
-        let knowing = |structured_output| Settings {
-            structured_output,
-            ..settings(wire)
+        let knowing = |structured_output| {
+            let facts = Facts {
+                structured_output,
+                ..Facts::default()
+            };
+            knowing(wire, facts)
         };
         for structured in [Some(true), None] {
             let body = sent(&request, &knowing(structured));
@@ -149,10 +162,11 @@ fn newer_models_get_the_longest_answer_under_its_newer_name() {
         max_tokens: Some(7),
         ..request()
     };
-    let newer = Settings {
+    let facts = Facts {
         max_tokens_field: Some(MaxTokensField::MaxCompletionTokens),
-        ..settings(Wire::OpenaiChat)
+        ..Facts::default()
     };
+    let newer = knowing(Wire::OpenaiChat, facts);
     let body = sent(&request, &newer);
     assert_eq!(
         (&body["max_completion_tokens"], &body["max_tokens"]),
@@ -164,11 +178,8 @@ fn newer_models_get_the_longest_answer_under_its_newer_name() {
 fn sampling_goes_to_the_version_of_anthropics_interface_that_knows_it() {
     let version = |request: &Request| {
         let settings = settings(Wire::Anthropic);
-        settings
-            .wire
-            .encode(request, &settings)
-            .expect("it fits")
-            .headers
+        let encoded = Wire::Anthropic.encode(request, &settings);
+        encoded.expect("it fits").headers
     };
     let warm = Request {
         temperature: Some(1.0),
@@ -186,29 +197,30 @@ fn a_parameter_that_the_model_does_not_accept_is_refused_by_name_and_value() {
         ..request()
     };
     for wire in Wire::ALL {
-        let only_one = Settings {
-            temperature: Some(Accepted::Only(vec![1.0])),
-            ..settings(wire)
+        let accepting = |temperature, top_p| {
+            let facts = Facts {
+                temperature,
+                top_p,
+                ..Facts::default()
+            };
+            knowing(wire, facts)
         };
+        let only_one = accepting(Some(Accepted::Only(vec![1.0])), None);
         let said = refused(&request, &only_one);
         assert!(
             said.contains("`temperature` 0.2") && said.contains("1 alone"),
             "{said}"
         );
-        let high = Settings {
-            top_p: Some(Accepted::Range([0.9, 1.0])),
-            ..settings(wire)
-        };
+        let high = accepting(None, Some(Accepted::Range([0.9, 1.0])));
         let said = refused(&request, &high);
         assert!(
             said.contains("`top_p` 0.5") && said.contains("accepts 0.9 to 1;"),
             "{said}"
         );
-        let range = Settings {
-            temperature: Some(Accepted::Range([0.0, 1.0])),
-            ..settings(wire)
-        };
-        sent(&request, &range);
+        sent(
+            &request,
+            &accepting(Some(Accepted::Range([0.0, 1.0])), None),
+        );
         let omitted = Settings {
             omit: Parameter::ALL.to_vec(),
             ..only_one
@@ -276,10 +288,11 @@ fn requests_that_a_model_cannot_take_are_refused() {
         parts: vec![part],
     };
     for wire in Wire::ALL {
-        let blind = Settings {
-            pictures: Some(false),
-            ..settings(wire)
+        let facts = Facts {
+            vision: Some(false),
+            ..Facts::default()
         };
+        let blind = knowing(wire, facts);
         assert!(refused(&request(), &blind).contains("picture"));
         let mut drawn = request();
         drawn.messages.push(turn(Speaker::Assistant, png()));
@@ -318,13 +331,8 @@ fn thinking(reasoning: Reasoning) -> Request {
 #[test]
 fn reasoning_goes_where_each_provider_wants_it_with_room_for_it_beside_the_answer() {
     let at = |wire, pointer: &str, reasoning| {
-        let settings = Settings {
-            reasoning: ReasoningFacts {
-                tokens_field: Some("thinking_token_budget".to_owned()),
-                ..ReasoningFacts::default()
-            },
-            ..settings(wire)
-        };
+        let mut settings = settings(wire);
+        settings.profile.provider.reasoning.tokens_field = Some("thinking_token_budget".to_owned());
         let body = sent(&thinking(reasoning), &settings);
         body.pointer(pointer).cloned().unwrap_or_default()
     };
@@ -404,13 +412,8 @@ fn a_model_that_takes_numbers_alone_gets_levels_as_numbers() {
             "/generationConfig/thinkingConfig/thinkingBudget",
         ),
     ] {
-        let settings = Settings {
-            reasoning: ReasoningFacts {
-                levels_as_tokens: Some(true),
-                ..ReasoningFacts::default()
-            },
-            ..settings(wire)
-        };
+        let mut settings = settings(wire);
+        settings.profile.provider.reasoning.levels_as_tokens = Some(true);
         let body = sent(&thinking(LEVELS[2]), &settings);
         assert_eq!(body.pointer(pointer), Some(&Value::from(4096)));
         let off = sent(&thinking(LEVELS[0]), &settings).to_string();
