@@ -216,7 +216,7 @@ fn begin(arguments: &NewTaskArguments, draft: Draft, io: &Io) -> Result<Exit, Fa
     let present = present_library(&library)?;
     let program = compile(arguments, &draft, present.as_deref().unwrap_or(shipped), io)?;
     #[cfg(feature = "runtime")]
-    let drawn = simulator::Drawn::of(&program, io)?;
+    let drawn = simulator::demonstrated(&program, io)?;
     #[cfg(not(feature = "runtime"))]
     if program.subgoals.is_some() {
         io.talk("note: no subgoal pictures are drawn, since this build of fabc has no simulator");
@@ -234,8 +234,8 @@ fn begin(arguments: &NewTaskArguments, draft: Draft, io: &Io) -> Result<Exit, Fa
         files.push(shown(&place));
     }
     #[cfg(feature = "runtime")]
-    if let Some(drawn) = drawn {
-        let drawn = drawn.write(&program, &folder)?;
+    if let Some((drawn, parameters)) = drawn {
+        let drawn = drawn.pin(&program, &folder, &parameters)?;
         files.extend(drawn.iter().map(|file| shown(file)));
     }
     // Last, so that there is no task without what it uses.

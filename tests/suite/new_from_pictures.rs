@@ -87,7 +87,7 @@ fn pictures_that_nothing_can_be_drafted_from_are_refused_and_nothing_is_written(
         (
             vec![flat.as_str()],
             64,
-            "one picture shows no fold; give one more than there are steps",
+            "1 picture given; there must be 2 to 101",
         ),
         (vec![flat.as_str(), flat.as_str()], 2, "shows the cloth as"),
         (vec![folded.as_str(), flat.as_str()], 2, "more cloth than"),

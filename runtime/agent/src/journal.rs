@@ -17,6 +17,7 @@ use fab_model::calls::LedgerError;
 use fab_model::{Part, Request, Speaker};
 use std::collections::BTreeSet;
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// A run folder being written.
@@ -33,75 +34,44 @@ pub struct RunFolder {
 /// Why a run cannot be stored.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
-    /// A file or folder cannot be written.
-    #[error("cannot write `{path}`: {why}")]
-    Unwritable {
-        /// The file or folder.
-        path: PathBuf,
-        /// The system's error.
-        why: String,
-    },
-    /// The journal of a rollout to be resumed cannot be read.
-    #[error("cannot read `{path}`: {why}")]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        why: String,
-    },
+    /// A file or folder cannot be written; says why.
+    #[error("cannot write `{0}`: {1}")]
+    Unwritable(PathBuf, String),
+    /// A file of a rollout to be resumed cannot be read; says why.
+    #[error("cannot read `{0}`: {1}")]
+    Unreadable(PathBuf, String),
     /// Another process is writing to the folder.
-    #[error("another fabc is writing into the run folder `{path}`")]
-    InUse {
-        /// The folder.
-        path: PathBuf,
-    },
-    /// The repeated rollout differs from the original.
-    #[error(
-        "the rollout in `{path}` cannot be resumed, because it does not repeat identically: {why}"
-    )]
-    Differs {
-        /// The folder.
-        path: PathBuf,
-        /// What differs.
-        why: String,
-    },
+    #[error("another fabc is writing into the run folder `{0}`")]
+    InUse(PathBuf),
+    /// The repeated rollout differs from the original; says where.
+    #[error("the rollout in `{0}` cannot be resumed, because it does not repeat identically: {1}")]
+    Differs(PathBuf, String),
     /// The calls of an earlier part cannot be read.
     #[error(transparent)]
     Ledger(#[from] LedgerError),
     /// The folder is not empty.
-    #[error("the run folder `{path}` is not empty; name a new one, nothing is overwritten")]
-    NotEmpty {
-        /// The folder.
-        path: PathBuf,
-    },
+    #[error("the run folder `{0}` is not empty; name a new one, nothing is overwritten")]
+    NotEmpty(PathBuf),
+}
+
+impl JournalError {
+    fn unwritable(path: &Path, error: io::Error) -> JournalError {
+        JournalError::Unwritable(path.to_owned(), error.to_string())
+    }
 }
 
 impl RunFolder {
     /// Makes a folder for one rollout; it must not exist or be empty.
     pub fn create(path: &Path) -> Result<RunFolder, JournalError> {
-        let unwritable = |path: &Path, error: std::io::Error| JournalError::Unwritable {
-            path: path.to_owned(),
-            why: error.to_string(),
-        };
-        fs::create_dir_all(path).map_err(|error| unwritable(path, error))?;
-        let mut entries = fs::read_dir(path).map_err(|error| unwritable(path, error))?;
+        let entries = fs::create_dir_all(path).and_then(|()| fs::read_dir(path));
+        let mut entries = entries.map_err(|error| JournalError::unwritable(path, error))?;
         if entries.next().is_some() {
-            return Err(JournalError::NotEmpty {
-                path: path.to_owned(),
-            });
+            return Err(JournalError::NotEmpty(path.to_owned()));
         }
         let file = path.join(RECORD_FILE);
-        let journal = Appender::open(&file).map_err(|error| unwritable(&file, error))?;
-        locked(&journal, path)?;
-        let file = path.join(SPENT_FILE);
-        let spent = Appender::open(&file).map_err(|error| unwritable(&file, error))?;
-        Ok(RunFolder {
-            path: path.to_owned(),
-            journal,
-            spent,
-            images: BTreeSet::new(),
-            earlier: ExistingLines::default(),
-        })
+        let journal = Appender::open(&file);
+        let journal = journal.map_err(|error| JournalError::unwritable(&file, error))?;
+        RunFolder::locked(path, journal)
     }
 
     /// Opens the folder of an interrupted rollout, to resume it.
@@ -111,40 +81,44 @@ impl RunFolder {
         let file = path.join(RECORD_FILE);
         // `Appender::open` would create a missing file.
         let journal = fs::metadata(&file).and_then(|_| Appender::open(&file));
-        let mut journal = journal.map_err(|error| JournalError::Unreadable {
-            path: file.clone(),
-            why: error.to_string(),
-        })?;
-        locked(&journal, path)?;
-        let earlier = ExistingLines::read(&file)?;
-        journal.keep(earlier.bytes());
-        let spent = after_whole_lines(&path.join(SPENT_FILE))?;
+        let unreadable = |why: String| JournalError::Unreadable(file.clone(), why);
+        let journal = journal.map_err(|error| unreadable(error.to_string()))?;
+        let mut folder = RunFolder::locked(path, journal)?;
+        folder.earlier = ExistingLines::read(&file).map_err(unreadable)?;
+        folder.journal.keep(folder.earlier.bytes);
+        Ok(folder)
+    }
+
+    /// Makes sure that no other process writes the journal, and opens the file beside it.
+    fn locked(path: &Path, journal: Appender) -> Result<RunFolder, JournalError> {
+        if !journal.lock() {
+            return Err(JournalError::InUse(path.to_owned()));
+        }
+        let file = path.join(SPENT_FILE);
+        let spent = Appender::open_after_whole_lines(&file, MAX_SPENT_BYTES);
         Ok(RunFolder {
             path: path.to_owned(),
             journal,
-            spent,
+            spent: spent.map_err(|why| JournalError::Unreadable(file, why))?,
             images: BTreeSet::new(),
-            earlier,
+            earlier: ExistingLines::default(),
         })
     }
 
     /// Returns whether the next line already exists.
     pub fn repeats(&self) -> bool {
-        self.earlier.has_more()
+        !self.earlier.lines.is_empty()
     }
 
     /// Returns how many steps an earlier part of the rollout took.
     pub fn earlier_steps(&self) -> u32 {
-        self.earlier.steps()
+        self.earlier.steps
     }
 
     /// Makes the first free folder `NAME-0001`, `NAME-0002`, … in `parent`.
     pub fn create_next(parent: &Path, name: &str) -> Result<RunFolder, JournalError> {
-        let folder =
-            files::next_folder(parent, name).map_err(|error| JournalError::Unwritable {
-                path: parent.to_owned(),
-                why: error.to_string(),
-            })?;
+        let folder = files::next_folder(parent, name)
+            .map_err(|error| JournalError::unwritable(parent, error))?;
         RunFolder::create(&folder)
     }
 
@@ -159,21 +133,22 @@ impl RunFolder {
     /// existing ones.
     pub fn append(&mut self, line: &Line) -> Result<(), JournalError> {
         let text = jsonl::text(line).expect("journal lines have string keys");
-        let is_known = self.earlier.take(&text);
-        if is_known.map_err(|why| JournalError::Differs {
-            path: self.path.clone(),
-            why,
-        })? {
-            return Ok(());
+        if let Some(known) = self.earlier.lines.pop_front() {
+            return if known == text {
+                Ok(())
+            } else {
+                let why = earlier::difference(&known, &text);
+                Err(JournalError::Differs(self.path.clone(), why))
+            };
         }
         let written = self.journal.append_text(text);
-        written.map_err(|error| self.unwritable(RECORD_FILE, &error))
+        written.map_err(|error| self.unwritable(RECORD_FILE, error))
     }
 
     /// Adds a line to the rollout's durations and costs.
     pub fn spend(&mut self, line: &Spent) -> Result<(), JournalError> {
         let written = self.spent.append(line);
-        written.map_err(|error| self.unwritable(SPENT_FILE, &error))
+        written.map_err(|error| self.unwritable(SPENT_FILE, error))
     }
 
     /// Returns the run's identity, if an earlier part of it has begun.
@@ -181,7 +156,7 @@ impl RunFolder {
         let mut lines = Reader::open(&self.path.join(SPENT_FILE), MAX_SPENT_BYTES).ok()?;
         match lines.read().ok()?? {
             Spent::Begin { run_id } => Some(run_id),
-            Spent::Step(_) | Spent::End { .. } => None,
+            _ => None,
         }
     }
 
@@ -190,7 +165,7 @@ impl RunFolder {
         let path = self.path.join(name);
         let folder = path.parent().unwrap_or(&self.path);
         let written = fs::create_dir_all(folder).and_then(|()| files::write_whole(&path, bytes));
-        written.map_err(|error| self.unwritable(name, &error))?;
+        written.map_err(|error| self.unwritable(name, error))?;
         Ok(name.to_owned())
     }
 
@@ -223,15 +198,15 @@ impl RunFolder {
             Question::Line { text, .. } => text.clone().into_bytes(),
             Question::Prompt(request) => {
                 self.keep_images(request)?;
+                if let Some(file) = &files.prompt {
+                    self.keep(file, transcript(request).as_bytes())?;
+                }
                 serde_json::to_vec_pretty(request)
                     .expect("a request holds strings and finite numbers")
             }
         };
         if let Some(file) = &files.request {
             self.keep(file, &text)?;
-        }
-        if let (Some(file), Question::Prompt(request)) = (&files.prompt, question) {
-            self.keep(file, transcript(request).as_bytes())?;
         }
         Ok(())
     }
@@ -246,23 +221,19 @@ impl RunFolder {
         if let Some(question) = attempt.question.as_ref().filter(|_| self.repeats()) {
             self.write_question(&sent, question)?;
         }
-        let SentFiles { request, prompt } = sent;
-        let reply_file = match &attempt.reply {
-            Some(reply) => {
-                Some(self.keep(&format!("{}.reply.txt", of.stem()), reply.text.as_bytes())?)
-            }
-            None => None,
-        };
+        let reply = attempt.reply.as_ref();
+        let file = format!("{}.reply.txt", of.stem());
+        let reply_file = reply.map(|reply| self.keep(&file, reply.text.as_bytes()));
         Ok(Asked {
             stage: attempt.stage.clone(),
             attempt: attempt.number,
             request_key: attempt.question.as_ref().map(Question::key),
-            request,
-            prompt,
+            request: sent.request,
+            prompt: sent.prompt,
             note: attempt.note.clone(),
-            reply: reply_file,
+            reply: reply_file.transpose()?,
             result: attempt.finding.clone(),
-            usage: attempt.reply.as_ref().and_then(|reply| reply.usage),
+            usage: reply.and_then(|reply| reply.usage),
         })
     }
 
@@ -278,30 +249,8 @@ impl RunFolder {
         Ok(())
     }
 
-    fn unwritable(&self, name: &str, error: &std::io::Error) -> JournalError {
-        JournalError::Unwritable {
-            path: self.path.join(name),
-            why: error.to_string(),
-        }
-    }
-}
-
-/// Opens a file of lines for appending after its last whole line.
-fn after_whole_lines(path: &Path) -> Result<Appender, JournalError> {
-    let opened = Appender::open_after_whole_lines(path, MAX_SPENT_BYTES);
-    opened.map_err(|why| JournalError::Unreadable {
-        path: path.to_owned(),
-        why,
-    })
-}
-
-/// Makes sure that no other process writes the journal.
-fn locked(journal: &Appender, folder: &Path) -> Result<(), JournalError> {
-    match journal.lock() {
-        true => Ok(()),
-        false => Err(JournalError::InUse {
-            path: folder.to_owned(),
-        }),
+    fn unwritable(&self, name: &str, error: io::Error) -> JournalError {
+        JournalError::unwritable(&self.path.join(name), error)
     }
 }
 

@@ -10,7 +10,7 @@ use crate::shipped;
 use crate::sources::{self, TaskArguments};
 use crate::verbs::runtime::setting;
 use clap::{Args, ValueHint};
-use fab_agent::subgoals::{Demonstrated, Drawn, Origin, SubgoalSet};
+use fab_agent::subgoals::{Demonstrated, Origin, SubgoalSet};
 use fab_compiler::diag;
 use fab_picture::png;
 use fab_program::{Arrow, SubgoalStep};
@@ -53,18 +53,17 @@ pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
     let mut offered = Offered::of(&program);
     let watch = &mut |step: Demonstrated<'_>| offered.look(step);
     let drawn = SubgoalSet::draw(&program, &folder, world.as_mut(), &interrupt, watch);
-    let drawn = drawn.map_err(setting::no_subgoals)?;
+    let set = drawn.map_err(setting::no_subgoals)?;
     let mut files = if shipped::is_shipped(&arguments.task.file, io) {
         Vec::new()
     } else {
-        drawn.pin(&program, &folder, &world.parameters())?
+        set.pin(&program, &folder, &world.parameters())?
     };
     for note in offered.notes {
         io.talk(&format!("note: {note}"));
     }
-    let Drawn { set, trial } = drawn;
     let mut diagnostics = json!([]);
-    if let Some(trial) = &trial {
+    if let Some(trial) = &set.trial {
         let tried = tried::compile(&arguments.task.file, &program, trial)?;
         if !tried.diagnostics.is_empty() {
             io.painted_talk(&sources::findings(&tried, io.talk_color()));
@@ -101,23 +100,18 @@ pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
 /// Lays all pictures side by side, each with the arrow of its next fold.
 fn sheet(set: &SubgoalSet) -> Result<RgbImage, VisionError> {
     const GAP_PX: u32 = 8;
-    let width = set
-        .pictures
-        .iter()
-        .map(|picture| picture.width() + GAP_PX)
-        .sum::<u32>()
-        - GAP_PX;
+    let widths = set.pictures.iter().map(|picture| picture.width() + GAP_PX);
     let height = set.pictures.iter().map(RgbImage::height).max().unwrap_or(1);
+    let width = widths.sum::<u32>() - GAP_PX;
     let mut sheet = RgbImage::from_pixel(width, height, image::Rgb([255; 3]));
     let mut left = 0;
     for (number, bare) in set.pictures.iter().enumerate() {
-        let last = number + 1 == set.pictures.len();
-        let step = if last { None } else { set.step(number)? };
-        let shown = match &step {
-            Some(step) => step.picture(SubgoalStep::Now, Arrow::Drawn).clone(),
-            None => bare.clone(),
-        };
-        imageops::replace(&mut sheet, &shown, i64::from(left), 0);
+        let is_last = number + 1 == set.pictures.len();
+        let step = if is_last { None } else { set.step(number)? };
+        let shown = step
+            .as_ref()
+            .map_or(bare, |step| step.picture(SubgoalStep::Now, Arrow::Drawn));
+        imageops::replace(&mut sheet, shown, i64::from(left), 0);
         left += shown.width() + GAP_PX;
     }
     Ok(sheet)

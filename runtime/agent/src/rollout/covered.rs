@@ -45,9 +45,7 @@ impl Covered {
         if let (None, Some(goal)) = (covered.source, goal)
             && goal.metric.is_judged_each_step()
         {
-            return Err(RunError::Unmeasured {
-                world: world.name().to_owned(),
-            });
+            return Err(RunError::Unmeasured(world.name().to_owned()));
         }
         covered.at_start = covered.measured(job, world, seen.as_ref())?;
         covered.update(job, world, seen.as_ref())?;
@@ -134,15 +132,16 @@ fn of_particles(job: &Job<'_>, world: &dyn World) -> (Option<f64>, Option<f64>) 
 
 /// Finds the cloth in the picture of the flat one, by the task's own mask.
 fn flat_mask(job: &Job<'_>, flat: &Observation, seen: &Observation) -> Result<Mask, RunError> {
-    let wrong = |why: String| RunError::Flat { why };
     if flat.rgb.dimensions() != seen.rgb.dimensions() {
         let [is, wanted] =
             [&flat.rgb, &seen.rgb].map(|it| format!("{} x {} px", it.width(), it.height()));
-        return Err(wrong(format!("it has {is}, and the camera takes {wanted}")));
+        return Err(RunError::Flat(format!(
+            "it has {is}, and the camera takes {wanted}"
+        )));
     }
     let mask = Scene::cloth_in(job.program, flat)?;
     mask.filter(|mask| !mask.is_empty()).ok_or_else(|| {
-        wrong(
+        RunError::Flat(
             "the task's first mask finds no cloth in it; it must show only the flat cloth on the table, and a \
              picture without depth needs a mask by colour"
                 .to_owned(),

@@ -56,10 +56,9 @@ fn look(
         let world = SimulatedWorld::new(camera, Picker::PutDown)?;
         Ok(Box::new(world))
     };
-    let announce = |step: usize, tries: usize| {
-        let folds = if tries == 1 { "fold" } else { "folds" };
+    let announce = |step: usize| {
         let steps = pictures.len() - 1;
-        io.progress(&format!("step {step}/{steps}: trying {tries} {folds}"));
+        io.progress(&format!("step {step}/{steps}: trying folds"));
     };
     let found = draft::draft(pictures, stated, &make_world, &interrupt, &announce);
     io.progress("");

@@ -6,7 +6,7 @@
 use super::points::{fold_text, point_text};
 use crate::verbs::new::GUESSED;
 use fab_agent::draft;
-use fab_agent::draft::{ArrowOrigin, DraftStep, NamedPicture};
+use fab_agent::draft::{DraftStep, NamedPicture};
 use fab_base::wording::quoted;
 use fab_program::{Fold, Sequence};
 
@@ -18,9 +18,6 @@ const MARGIN: f64 = 0.1;
 
 /// Height above the table from which pixels count as cloth, millimetres; a flat cloth lies at 5 mm.
 const CLOTH_MM: f64 = 4.0;
-
-/// A cloth that covers a smaller share of its rectangle may not be rectangular, so the draft says that it is not sure.
-const RECTANGULAR: f64 = 0.93;
 
 /// Rotation from which on a note is written, degrees.
 const TURNED_DEG: f64 = 3.0;
@@ -127,14 +124,8 @@ impl Page<'_> {
                 turned_deg.abs()
             ));
         }
-        if self.found.rectangular < RECTANGULAR {
-            guesses.push(format!(
-                "not sure: the cloth is a rectangle, of which {:.2} is seen",
-                self.found.rectangular
-            ));
-        }
         let steps = self.found.steps.iter().zip(self.pictures);
-        let bare = steps.filter(|(step, _)| step.origin == ArrowOrigin::Proposed);
+        let bare = steps.filter(|(step, _)| !step.is_drawn);
         let bare = quoted(bare.map(|(_, picture)| &picture.name));
         if !bare.is_empty() {
             guesses.push(format!(
@@ -200,7 +191,7 @@ impl Page<'_> {
                 lines.push_str(&format!(
                     "        {GUESSED}from `{before}` to `{after}`: {guess}\n"
                 ));
-                if step.origin == ArrowOrigin::Proposed && !is_lost(step) {
+                if !step.is_drawn && !is_lost(step) {
                     let [tail, tip] = step.arrow.map(|at| self.written(at));
                     arrow = format!(" arrow {tail} -> {tip}");
                 }
@@ -225,20 +216,15 @@ impl Page<'_> {
                  (column, row) from the top left, where the step picks and places"
             );
         }
-        let arrow = match step.origin {
-            ArrowOrigin::Drawn => {
-                let [tail, tip] = step.arrow.map(|[u, v]| format!("({u:.0}, {v:.0})"));
-                format!(", by the arrow in the picture from {tail} to {tip}")
-            }
-            ArrowOrigin::Proposed => String::new(),
+        let arrow = if step.is_drawn {
+            let [tail, tip] = step.arrow.map(|[u, v]| format!("({u:.0}, {v:.0})"));
+            format!(", by the arrow in the picture from {tail} to {tip}")
+        } else {
+            String::new()
         };
         let doubt = if step.is_sure() { "" } else { "not sure: " };
         let next = match &step.next_best {
-            Some((next, better)) if *better > overlap => format!(
-                "; {better:.2} for {}, between points that are named less often",
-                fold_text(next)
-            ),
-            Some((next, less)) => format!(", next best {less:.2} for {}", fold_text(next)),
+            Some((next, other)) => format!(", next best {other:.2} for {}", fold_text(next)),
             None => String::new(),
         };
         format!("{doubt}{fold}{arrow} (overlap {overlap:.2}{next})")
@@ -274,5 +260,5 @@ const SIDES_NOW: &str = "        # One fold ends elsewhere than on a corner or a
 
 /// Returns whether all that is known of a step is a guess that does not explain it.
 fn is_lost(step: &DraftStep) -> bool {
-    step.origin == ArrowOrigin::Proposed && step.found().is_none()
+    !step.is_drawn && step.found().is_none()
 }
