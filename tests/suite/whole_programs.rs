@@ -368,7 +368,7 @@ fn a_colour_that_is_not_in_view_is_an_empty_mask_unless_it_is_the_cloth() {
     program.keypoints.insert(0, underside);
     assert!(matches!(
         flat_scene(&program),
-        Err(SceneError::OutOfView { mask, .. }) if mask == "underside"
+        Err(SceneError::OutOfView(mask, _)) if mask == "underside"
     ));
 }
 

@@ -111,8 +111,8 @@ pub fn pixel(text: &str) -> Result<PixelPoint, String> {
 /// Names a missing option; every other error is due to the picture.
 fn failure(error: SeeError) -> Failure {
     match error {
-        SeeError::NeedsDepth { .. } => Failure::usage(format!("{error}; `--depth PNG` brings it")),
-        SeeError::NeedsPick { .. } => Failure::usage(format!("{error}; `--last-pick U,V` says it")),
+        SeeError::NeedsDepth(..) => Failure::usage(format!("{error}; `--depth PNG` brings it")),
+        SeeError::NeedsPick(_) => Failure::usage(format!("{error}; `--last-pick U,V` says it")),
         SeeError::NotAligned(_) | SeeError::Scene(_) => Failure::environment(error),
     }
 }
@@ -139,7 +139,7 @@ fn write(folder: &Path, seen: &SeeOutput) -> std::io::Result<Vec<PathBuf>> {
     fs::create_dir_all(folder)?;
     let numbered = (1..).zip(&seen.stages);
     let mut pictures: Vec<(String, &RgbImage)> = numbered
-        .map(|(number, stage)| (format!("{number:02}_{}.png", stage.name), &stage.picture))
+        .map(|(number, (name, picture))| (format!("{number:02}_{name}.png"), picture))
         .collect();
     pictures.push(("annotated.png".to_owned(), &seen.annotated));
     let mut files = Vec::with_capacity(pictures.len());

@@ -19,9 +19,8 @@ impl Scene {
         extractor: &Extractor,
         observation: &Observation,
     ) -> Result<Extracted, SceneError> {
-        let out_of_view = |mask: &str| SceneError::OutOfView {
-            mask: mask.to_owned(),
-            measured: format!("; `{name}` is taken from it"),
+        let out_of_view = |mask: &str| {
+            SceneError::OutOfView(mask.to_owned(), format!("; `{name}` is taken from it"))
         };
         let seen = |mask: Mask| self.seen(name, mask, extractor, observation);
         Ok(match extractor {
@@ -137,9 +136,9 @@ impl Scene {
             }
             Extractor::Outermost { points, side } => outermost(self.points_of(points), *side)
                 .map(Extracted::Point)
-                .ok_or_else(|| SceneError::NoCandidates {
-                    keypoint: points.clone(),
-                    measured: format!("; `{name}` is one of its points"),
+                .ok_or_else(|| {
+                    let why = format!("; `{name}` is one of its points");
+                    SceneError::NoCandidates(points.clone(), why)
                 })?,
             Extractor::Fixed { points } => Extracted::Points(
                 points
@@ -162,10 +161,8 @@ impl Scene {
         observation: &Observation,
     ) -> Result<Extracted, SceneError> {
         if mask.is_empty() && self.cloth().is_none() {
-            return Err(SceneError::OutOfView {
-                mask: name.to_owned(),
-                measured: measured(extractor, observation),
-            });
+            let measured = measured(extractor, observation);
+            return Err(SceneError::OutOfView(name.to_owned(), measured));
         }
         Ok(Extracted::Mask(mask))
     }
@@ -187,11 +184,6 @@ fn outermost(points: &[SubpixelPoint], side: PictureSide) -> Option<SubpixelPoin
         PictureSide::Top => point.at[1],
         PictureSide::Bottom => -point.at[1],
     };
-    points.iter().copied().reduce(|best, point| {
-        if inward(&point) < inward(&best) {
-            point
-        } else {
-            best
-        }
-    })
+    let points = points.iter().copied();
+    points.min_by(|a, b| inward(a).total_cmp(&inward(b)))
 }
