@@ -1,13 +1,12 @@
 //! `fabc subgoals`: draws a task's demonstration and pins the pictures beside its file.
 
 pub mod offered;
-mod tried;
 
 use crate::exit::{Exit, Failure};
 use crate::io::{Io, write_file};
 use crate::report::Report;
 use crate::shipped;
-use crate::sources::{self, TaskArguments};
+use crate::sources::{self, Disk, TaskArguments};
 use crate::verbs::runtime::setting;
 use clap::{Args, ValueHint};
 use fab_agent::subgoals::{Demonstrated, Origin, SubgoalSet};
@@ -63,12 +62,18 @@ pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
         io.talk(&format!("note: {note}"));
     }
     let mut diagnostics = json!([]);
-    if let Some(trial) = &set.trial {
-        let tried = tried::compile(&arguments.task.file, &program, trial)?;
-        if !tried.diagnostics.is_empty() {
-            io.painted_talk(&sources::findings(&tried, io.talk_color()));
+    if set.trial.is_some() {
+        // Now that the results are pinned, the compiler tells which steps fold nothing.
+        let file = &arguments.task.file;
+        let mut found = fab_compiler::compile(file, &Disk::beside(file))?;
+        found
+            .diagnostics
+            .retain(|it| it.code == diag::Code::StepFoldsNothing);
+        found.left_out = 0;
+        if !found.diagnostics.is_empty() {
+            io.painted_talk(&sources::findings(&found, io.talk_color()));
         }
-        diagnostics = diag::to_json(&tried.diagnostics, &tried.sources);
+        diagnostics = diag::to_json(&found.diagnostics, &found.sources);
     }
     let name = &program.task;
     match set.origin {

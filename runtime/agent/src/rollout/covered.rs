@@ -95,9 +95,15 @@ impl Covered {
         world: &dyn World,
         seen: Option<&Observation>,
     ) -> Result<Measures, RunError> {
-        let (coverage, coverage_true) = match (self.source, seen, &self.flat) {
-            (Some(CoverageSource::Particles), ..) => of_particles(job, world),
-            (Some(CoverageSource::Picture), Some(seen), Some(flat)) => {
+        let grid = &job.start.grid;
+        let (coverage, coverage_true) = match (world.particles(), seen, &self.flat) {
+            (Some(particles), ..) => {
+                let triangles = metrics::whole_triangles(grid);
+                let whole_m2 = metrics::whole_area_m2(grid);
+                let coverage_true = metrics::true_coverage(&particles, &triangles, whole_m2);
+                (metrics::coverage(&particles, grid), coverage_true)
+            }
+            (None, Some(seen), Some(flat)) => {
                 let now = Scene::cloth_in(job.program, seen)?;
                 (now.and_then(|now| metrics::seen_coverage(&now, flat)), None)
             }
@@ -113,21 +119,6 @@ impl Covered {
             normalized_improvement_true: gained(coverage_true, self.at_start.coverage_true),
         })
     }
-}
-
-/// Measures particles by SoftGym's measure and truly.
-fn of_particles(job: &Job<'_>, world: &dyn World) -> (Option<f64>, Option<f64>) {
-    let Some(particles) = world.particles() else {
-        return (None, None);
-    };
-    let grid = &job.start.grid;
-    let coverage = metrics::coverage(&particles, grid);
-    let coverage_true = metrics::true_coverage(
-        &particles,
-        &metrics::whole_triangles(grid),
-        metrics::whole_area_m2(grid),
-    );
-    (coverage, coverage_true)
 }
 
 /// Finds the cloth in the picture of the flat one, by the task's own mask.
