@@ -8,14 +8,13 @@
 mod earlier;
 
 use crate::policy::{Attempt, Question};
-use crate::record::{Asked, Line, MAX_SPENT_BYTES, RECORD_FILE, SPENT_FILE, Spent};
+use crate::record::{Asked, Line, MAX_BYTES, RECORD_FILE, SPENT_FILE, Spent};
 use crate::rollout::event::{AttemptOf, SentFiles};
 use earlier::ExistingLines;
 use fab_base::files;
 use fab_base::jsonl::{self, Appender, Reader};
 use fab_model::calls::LedgerError;
 use fab_model::{Part, Request, Speaker};
-use std::collections::BTreeSet;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -26,7 +25,6 @@ pub struct RunFolder {
     path: PathBuf,
     journal: Appender,
     spent: Appender,
-    images: BTreeSet<String>,
     /// The lines of an earlier part of the rollout.
     earlier: ExistingLines,
 }
@@ -95,12 +93,11 @@ impl RunFolder {
             return Err(JournalError::InUse(path.to_owned()));
         }
         let file = path.join(SPENT_FILE);
-        let spent = Appender::open_after_whole_lines(&file, MAX_SPENT_BYTES);
+        let spent = Appender::open_after_whole_lines(&file, MAX_BYTES);
         Ok(RunFolder {
             path: path.to_owned(),
             journal,
             spent: spent.map_err(|why| JournalError::Unreadable(file, why))?,
-            images: BTreeSet::new(),
             earlier: ExistingLines::default(),
         })
     }
@@ -153,7 +150,7 @@ impl RunFolder {
 
     /// Returns the run's identity, if an earlier part of it has begun.
     pub fn run_id(&self) -> Option<String> {
-        let mut lines = Reader::open(&self.path.join(SPENT_FILE), MAX_SPENT_BYTES).ok()?;
+        let mut lines = Reader::open(&self.path.join(SPENT_FILE), MAX_BYTES).ok()?;
         match lines.read().ok()?? {
             Spent::Begin { run_id } => Some(run_id),
             _ => None,
@@ -173,7 +170,7 @@ impl RunFolder {
     ///
     /// In a step that is repeated they exist, and stay as they are until its answer is found.
     pub fn keep_question(
-        &mut self,
+        &self,
         of: &AttemptOf,
         question: &Question,
     ) -> Result<SentFiles, JournalError> {
@@ -189,11 +186,7 @@ impl RunFolder {
         Ok(files)
     }
 
-    fn write_question(
-        &mut self,
-        files: &SentFiles,
-        question: &Question,
-    ) -> Result<(), JournalError> {
+    fn write_question(&self, files: &SentFiles, question: &Question) -> Result<(), JournalError> {
         let text = match question {
             Question::Line { text, .. } => text.clone().into_bytes(),
             Question::Prompt(request) => {
@@ -213,7 +206,7 @@ impl RunFolder {
 
     /// Writes the exact reply of one attempt and returns its entry for the step's line.
     pub fn keep_attempt(
-        &mut self,
+        &self,
         of: &AttemptOf,
         attempt: &Attempt,
         sent: SentFiles,
@@ -237,13 +230,13 @@ impl RunFolder {
         })
     }
 
-    fn keep_images(&mut self, request: &Request) -> Result<(), JournalError> {
+    fn keep_images(&self, request: &Request) -> Result<(), JournalError> {
         for part in request.messages.iter().flat_map(|message| &message.parts) {
-            if let Part::Image(png) = part
-                && !self.images.contains(png.sha256())
-            {
-                self.keep(&image_name(png.sha256()), png.bytes())?;
-                self.images.insert(png.sha256().to_owned());
+            let Part::Image(png) = part else { continue };
+            let name = image_name(png.sha256());
+            // Files are written whole, so one that is there is complete.
+            if !self.path.join(&name).exists() {
+                self.keep(&name, png.bytes())?;
             }
         }
         Ok(())

@@ -103,7 +103,7 @@
 //! println!("{}: {} step, {} questions", report.outcome.name(), report.steps, report.queries);
 //! assert_eq!((report.steps, report.queries), (1, 2));
 //! // Folded in half along its diagonal.
-//! assert!(report.coverage_true.is_some_and(|share| (0.45..0.65).contains(&share)));
+//! assert!(report.measures.coverage_true.is_some_and(|share| (0.45..0.65).contains(&share)));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

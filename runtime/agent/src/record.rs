@@ -28,10 +28,8 @@ pub const VERSION: u32 = 4;
 pub const RECORD_FILE: &str = "rollout.jsonl";
 /// Name of the file beside it with durations and costs.
 pub const SPENT_FILE: &str = "spent.jsonl";
-/// The largest record accepted, bytes.
+/// The largest of both that is accepted, bytes.
 pub const MAX_BYTES: u64 = 256 << 20;
-/// The largest `spent.jsonl` accepted, bytes.
-pub const MAX_SPENT_BYTES: u64 = 64 << 20;
 
 /// One line of [`RECORD_FILE`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -337,14 +335,9 @@ pub struct Report {
     pub judged_by: Option<JudgedBy>,
     /// What coverage was measured on, and so what its figures can be compared with; null if nothing was measured.
     pub coverage_source: Option<CoverageSource>,
-    /// Final covered share of the flat cloth's area, by the source measure: SoftGym's, or by pictures.
-    pub coverage: Option<f64>,
-    /// The same by the true measure.
-    pub coverage_true: Option<f64>,
-    /// The gained share of the initially missing coverage, by the source measure.
-    pub normalized_improvement: Option<f64>,
-    /// The same by the true measure.
-    pub normalized_improvement_true: Option<f64>,
+    /// The final measures.
+    #[serde(flatten)]
+    pub measures: Measures,
     /// Coverage of the start, by the source measure.
     pub coverage_at_start: Option<f64>,
     /// Coverage of the start, by the true measure.
@@ -507,7 +500,7 @@ impl Record {
         let path = folder.join(SPENT_FILE);
         if path.exists() {
             let damaged = |why: String| RecordError::Damaged(SPENT_FILE, why);
-            let mut lines = Reader::open(&path, MAX_SPENT_BYTES).map_err(damaged)?;
+            let mut lines = Reader::open(&path, MAX_BYTES).map_err(damaged)?;
             while let Some(line) = lines.read().map_err(damaged)? {
                 match line {
                     Spent::Begin { .. } => {}

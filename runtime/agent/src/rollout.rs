@@ -28,7 +28,7 @@ use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_base::wording::counted;
 use fab_model::calls::Budget;
-use fab_program::{Choices, Manner, Program, manner_field};
+use fab_program::{ActionField, Choices, Manner, Program, manner_field};
 use fab_vision::VisionError;
 use fab_world::expert::MakeWorld;
 use fab_world::start::{RESTING_HEIGHT_M, Start};
@@ -272,34 +272,27 @@ pub fn run(
 /// or every value that a field offers. It is asked about a way through the table's middle.
 fn unfit(program: &Program, world: &dyn World) -> Option<String> {
     let [pick, place] = [-0.02, 0.02].map(|x| WorldPoint::new(x, 0.0, RESTING_HEIGHT_M));
-    let across = Grip::new(pick, place);
-    let refused = |manner: Manner| world.refuses(&across.with_manner(manner).into());
-    let told = |why: String| {
-        let (task, name) = (program.title(), world.name());
-        format!("`{task}` cannot be executed in the world `{name}`: {why}")
-    };
-    if world.grippers() != 1 {
-        let grippers = counted(world.grippers(), "gripper");
-        return Some(told(format!(
-            "the task's actions are for 1 gripper, and the world has {grippers}"
-        )));
-    }
-    if let Some(why) = refused(program.manner) {
-        return Some(told(why));
-    }
-    let fields = program.actions.iter();
-    let offering = fields.filter(|field| manner_field(&field.name).is_some());
-    for field in offering {
+    let refused =
+        |manner: Manner| world.refuses(&Grip::new(pick, place).with_manner(manner).into());
+    let refused_field = |field: &ActionField| {
         let Choices::Lengths { choices, .. } = &field.choices else {
-            continue;
+            return None;
         };
+        manner_field(&field.name)?;
         let manners = choices
             .iter()
             .map(|it| program.manner.with(&field.name, it.m));
         let whys: Option<Vec<String>> = manners.map(refused).collect();
-        if let Some(why) = whys.and_then(|whys| whys.into_iter().next()) {
-            return Some(told(why));
-        }
-    }
-    None
+        whys?.into_iter().next()
+    };
+    let why = if world.grippers() != 1 {
+        let grippers = counted(world.grippers(), "gripper");
+        format!("the task's actions are for 1 gripper, and the world has {grippers}")
+    } else {
+        refused(program.manner).or_else(|| program.actions.iter().find_map(refused_field))?
+    };
+    let (task, name) = (program.title(), world.name());
+    Some(format!(
+        "`{task}` cannot be executed in the world `{name}`: {why}"
+    ))
 }

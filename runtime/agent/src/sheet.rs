@@ -59,7 +59,7 @@ impl Sheet {
         };
         let title = format!("{}   policy: {}", report.task, report.policy);
         label(&title, [MARGIN_PX, 22], 10)?;
-        let distance = match (report.mean_particle_distance_mm, report.coverage) {
+        let distance = match (report.mean_particle_distance_mm, report.measures.coverage) {
             (Some(mm), _) => format!("   {mm:.1} mm from the nearest expert result"),
             (None, Some(coverage)) => format!("   coverage {coverage:.3}"),
             (None, None) => String::new(),

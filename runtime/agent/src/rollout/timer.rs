@@ -12,19 +12,16 @@ pub(super) struct Timer {
 
 impl Timer {
     pub(super) fn add(&mut self, what: &str, took: Duration) {
-        self.add_seconds(what, took.as_secs_f64());
-    }
-
-    fn add_seconds(&mut self, what: &str, took_s: f64) {
         let sum_s = self.seconds.get(what).and_then(Value::as_f64);
-        let sum_s = sum_s.unwrap_or(0.0) + took_s;
+        let sum_s = sum_s.unwrap_or(0.0) + took.as_secs_f64();
         self.seconds.insert(what.to_owned(), json!(sum_s));
     }
 
     /// Adds another timer's sums.
     pub(super) fn absorb(&mut self, other: &Timer) {
         for (what, took_s) in &other.seconds {
-            self.add_seconds(what, took_s.as_f64().unwrap_or(0.0));
+            let took_s = took_s.as_f64().unwrap_or(0.0);
+            self.add(what, Duration::from_secs_f64(took_s));
         }
     }
 

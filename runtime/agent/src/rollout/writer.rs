@@ -10,7 +10,8 @@ use crate::operator;
 use crate::outcome::Outcome;
 use crate::policy::{self, Asking, Attempt, Finding};
 use crate::record::{
-    self, End, Header, JudgedBy, Line, Progress, Report, RunCosts, Spent, StartFile, StepSpent,
+    self, End, Header, JudgedBy, Line, Measures, Progress, Report, RunCosts, Spent, StartFile,
+    StepSpent,
 };
 use crate::sheet::{SHEET_FILE, Sheet};
 use fab_base::{digest, npy};
@@ -185,7 +186,6 @@ impl<'j> RolloutWriter<'j> {
         wall: Duration,
     ) -> Result<Ended, RunError> {
         let goal = job.program.goal.as_ref().filter(|it| covered.judges(it));
-        let (now, start) = (covered.now, covered.at_start);
         let mut report = Report {
             outcome,
             goal_reached: goal.map(|_| outcome == Outcome::GoalReached),
@@ -195,12 +195,9 @@ impl<'j> RolloutWriter<'j> {
                 grid: [job.start.grid.dimx, job.start.grid.dimy],
             }),
             coverage_source: covered.source,
-            coverage: now.coverage,
-            coverage_true: now.coverage_true,
-            normalized_improvement: now.normalized_improvement,
-            normalized_improvement_true: now.normalized_improvement_true,
-            coverage_at_start: start.coverage,
-            coverage_true_at_start: start.coverage_true,
+            measures: covered.now,
+            coverage_at_start: covered.at_start.coverage,
+            coverage_true_at_start: covered.at_start.coverage_true,
             ..self.report
         };
         let spent = self.asking.spent();
@@ -272,10 +269,7 @@ fn report_of(job: &Job<'_>, policy: &policy::Description, world: &dyn World) -> 
         mean_particle_distance_mm: None,
         judged_by: None,
         coverage_source: None,
-        coverage: None,
-        coverage_true: None,
-        normalized_improvement: None,
-        normalized_improvement_true: None,
+        measures: Measures::default(),
         coverage_at_start: None,
         coverage_true_at_start: None,
         progress: Vec::new(),

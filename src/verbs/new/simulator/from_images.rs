@@ -9,7 +9,7 @@ use crate::io::Io;
 use crate::sources;
 use crate::verbs::new::{Draft, FOLDING, NewFoldArguments, shown};
 use fab_agent::draft;
-use fab_agent::draft::{DraftError, NamedPicture, StatedMeasures};
+use fab_agent::draft::{DraftError, StatedMeasures};
 use fab_picture::png;
 use fab_program::{Camera, Picker};
 use fab_world::{SimulatedWorld, World, WorldError};
@@ -23,7 +23,22 @@ pub fn draft(arguments: &NewFoldArguments, io: &Io) -> Result<Draft, Failure> {
         height_m: arguments.pictures.height,
         longer_m: arguments.pictures.cloth,
     };
-    let found = look(pictures, &stated, io)?;
+    let interrupt = io.interrupt()?;
+    let make_world = |camera: &Camera| -> Result<Box<dyn World>, WorldError> {
+        let world = SimulatedWorld::new(camera, Picker::PutDown)?;
+        Ok(Box::new(world))
+    };
+    let announce = |step: usize| {
+        let steps = pictures.len() - 1;
+        io.progress(&format!("step {step}/{steps}: trying folds"));
+    };
+    let found = draft::draft(pictures, &stated, &make_world, &interrupt, &announce);
+    io.progress("");
+    let found = found.map_err(|error| match error {
+        DraftError::World(WorldError::Interrupted) => Failure::interrupted(),
+        DraftError::Count(_) => Failure::usage(error.to_string()),
+        error => Failure::environment(error),
+    })?;
     let (places, copies) = places(arguments, &brought);
     let page = Page {
         name: &arguments.task.name,
@@ -43,29 +58,6 @@ pub fn draft(arguments: &NewFoldArguments, io: &Io) -> Result<Draft, Failure> {
             format!("fabc render {file}"),
             format!("fabc run {file}"),
         ],
-    })
-}
-
-fn look(
-    pictures: &[NamedPicture],
-    stated: &StatedMeasures,
-    io: &Io,
-) -> Result<draft::Draft, Failure> {
-    let interrupt = io.interrupt()?;
-    let make_world = |camera: &Camera| -> Result<Box<dyn World>, WorldError> {
-        let world = SimulatedWorld::new(camera, Picker::PutDown)?;
-        Ok(Box::new(world))
-    };
-    let announce = |step: usize| {
-        let steps = pictures.len() - 1;
-        io.progress(&format!("step {step}/{steps}: trying folds"));
-    };
-    let found = draft::draft(pictures, stated, &make_world, &interrupt, &announce);
-    io.progress("");
-    found.map_err(|error| match error {
-        DraftError::World(WorldError::Interrupted) => Failure::interrupted(),
-        DraftError::Count { .. } => Failure::usage(error.to_string()),
-        error => Failure::environment(error),
     })
 }
 

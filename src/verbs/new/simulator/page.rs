@@ -41,11 +41,10 @@ impl Page<'_> {
         // Only if every step has a fold that explains its pictures.
         let folds: Option<Vec<Fold>> = found.steps.iter().map(|it| it.found().cloned()).collect();
         let (goal, experts, sequences) = match &folds {
-            Some(folds) => (
-                self.goal(),
-                "    experts @NAME@_folds\n\n",
-                self.sequences(folds),
-            ),
+            Some(folds) => {
+                let experts = "    experts @NAME@_folds\n\n";
+                (self.goal(), experts, self.sequences(folds))
+            }
             None => (
                 format!(
                     "    {GUESSED}nothing to score by, since not every fold is known: the task has no goal, and runs to its last step\n"

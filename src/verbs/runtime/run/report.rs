@@ -280,7 +280,7 @@ fn summary(report: &Ended, goal: Option<&Goal>) -> String {
                 }),
         );
     }
-    if let Some(coverage) = report.coverage
+    if let Some(coverage) = report.measures.coverage
         && goal.is_some_and(|goal| goal.metric.is_judged_each_step())
     {
         let measure = match report.coverage_source {
@@ -291,14 +291,14 @@ fn summary(report: &Ended, goal: Option<&Goal>) -> String {
             let truly = truly.map_or(String::new(), |truly| format!(", {truly:.3} (true)"));
             format!("{source:.3} ({measure}){truly}")
         };
-        let gained = report.normalized_improvement;
+        let gained = report.measures.normalized_improvement;
         let gained = gained.map_or(String::new(), |gained| {
-            let truly = report.normalized_improvement_true;
+            let truly = report.measures.normalized_improvement_true;
             format!("; normalized improvement {}", both(gained, truly))
         });
         lines.push(format!(
             "coverage {}{gained}",
-            both(coverage, report.coverage_true)
+            both(coverage, report.measures.coverage_true)
         ));
     }
     lines.extend(report.operator.as_ref().map(judged));
