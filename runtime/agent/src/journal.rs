@@ -174,12 +174,7 @@ impl RunFolder {
         of: &AttemptOf,
         question: &Question,
     ) -> Result<SentFiles, JournalError> {
-        let stem = of.stem();
-        let prompt = format!("{stem}.prompt.txt");
-        let files = SentFiles {
-            request: Some(format!("{stem}.request.json")),
-            prompt: matches!(question, Question::Prompt(_)).then_some(prompt),
-        };
+        let files = sent_files(of, question);
         if !self.repeats() {
             self.write_question(&files, question)?;
         }
@@ -205,13 +200,11 @@ impl RunFolder {
     }
 
     /// Writes the exact reply of one attempt and returns its entry for the step's line.
-    pub fn keep_attempt(
-        &self,
-        of: &AttemptOf,
-        attempt: &Attempt,
-        sent: SentFiles,
-    ) -> Result<Asked, JournalError> {
-        if let Some(question) = attempt.question.as_ref().filter(|_| self.repeats()) {
+    pub fn keep_attempt(&self, of: &AttemptOf, attempt: &Attempt) -> Result<Asked, JournalError> {
+        let question = attempt.question.as_ref();
+        let sent = question.map(|question| sent_files(of, question));
+        let sent = sent.unwrap_or_default();
+        if let Some(question) = question.filter(|_| self.repeats()) {
             self.write_question(&sent, question)?;
         }
         let reply = attempt.reply.as_ref();
@@ -220,7 +213,7 @@ impl RunFolder {
         Ok(Asked {
             stage: attempt.stage.clone(),
             attempt: attempt.number,
-            request_key: attempt.question.as_ref().map(Question::key),
+            request_key: question.map(Question::key),
             request: sent.request,
             prompt: sent.prompt,
             note: attempt.note.clone(),
@@ -247,12 +240,21 @@ impl RunFolder {
     }
 }
 
+fn sent_files(of: &AttemptOf, question: &Question) -> SentFiles {
+    let stem = of.stem();
+    let is_prompt = matches!(question, Question::Prompt(_));
+    SentFiles {
+        request: Some(format!("{stem}.request.json")),
+        prompt: is_prompt.then(|| format!("{stem}.prompt.txt")),
+    }
+}
+
 fn image_name(sha256: &str) -> String {
     format!("images/{sha256}.png")
 }
 
 /// Writes a request in readable form: who speaks, the words, and the pictures by file name.
-pub fn transcript(request: &Request) -> String {
+fn transcript(request: &Request) -> String {
     let mut text = String::new();
     for message in &request.messages {
         let speaker = match message.speaker {

@@ -6,7 +6,6 @@ mod pictures;
 mod points;
 
 pub use from_images::draft;
-pub use points::point_text;
 
 use crate::exit::Failure;
 use crate::io::Io;
@@ -58,7 +57,7 @@ pub fn demonstrated(program: &Program, io: &Io) -> Result<Option<(SubgoalSet, St
     let interrupt = io.interrupt()?;
     let mut world = setting::world(program)?;
     let beside = Path::new("");
-    let drawn = SubgoalSet::draw(program, beside, world.as_mut(), &interrupt, &mut |_| {});
+    let drawn = SubgoalSet::draw(program, beside, world.as_mut(), &interrupt);
     let drawn = drawn.map_err(setting::no_subgoals)?;
     Ok(Some((drawn, world.parameters())))
 }

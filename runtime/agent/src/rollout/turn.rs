@@ -2,7 +2,7 @@
 //!
 //! In: the job and the state left by the step before. Out: the step's line, and an outcome if the rollout ends with it.
 
-use super::event::{At, AttemptOf, SentFiles};
+use super::event::{At, AttemptOf};
 use super::timer::Timer;
 use super::writer::RolloutWriter;
 use super::{Event, Job, RunError};
@@ -188,7 +188,6 @@ impl<'j> Turn<'j> {
             report,
             ..
         } = keeper;
-        let mut sent = SentFiles::default();
         let mut record = |exchanged: Exchanged<'_>| {
             let keeping = Instant::now();
             match exchanged {
@@ -198,14 +197,13 @@ impl<'j> Turn<'j> {
                     question,
                 } => {
                     let of = AttemptOf::new(at, stage, attempt);
-                    sent = folder.keep_question(&of, question)?;
-                    let files = sent.clone();
+                    let files = folder.keep_question(&of, question)?;
                     progress(Event::Question { of, files });
                 }
                 Exchanged::Attempt(attempt) => {
                     report.count(attempt);
                     let of = AttemptOf::new(at, &attempt.stage, attempt.number);
-                    let asked = folder.keep_attempt(&of, attempt, std::mem::take(&mut sent))?;
+                    let asked = folder.keep_attempt(&of, attempt)?;
                     self.timer.add(&attempt.stage, attempt.took);
                     let answer = attempt.reply.as_ref().zip(asked.reply.clone());
                     if let Some((reply, file)) = answer {
