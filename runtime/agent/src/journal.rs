@@ -5,16 +5,16 @@
 //! finish. The same rollout always writes the same bytes; durations and costs, which differ, are in `spent.jsonl`. So
 //! an interrupted rollout is resumed by repeating it: lines that already exist are compared instead of written.
 
-mod earlier;
-
 use crate::policy::{Attempt, Question};
 use crate::record::{Asked, Line, MAX_BYTES, RECORD_FILE, SPENT_FILE, Spent};
 use crate::rollout::event::{AttemptOf, SentFiles};
-use earlier::ExistingLines;
+use fab_base::difference;
 use fab_base::files;
 use fab_base::jsonl::{self, Appender, Reader};
 use fab_model::calls::LedgerError;
 use fab_model::{Part, Request, Speaker};
+use serde_json::Value;
+use std::collections::VecDeque;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -134,7 +134,7 @@ impl RunFolder {
             return if known == text {
                 Ok(())
             } else {
-                let why = earlier::difference(&known, &text);
+                let why = difference(&known, &text);
                 Err(JournalError::Differs(self.path.clone(), why))
             };
         }
@@ -274,4 +274,61 @@ fn transcript(request: &Request) -> String {
         }
     }
     text
+}
+
+/// The whole lines of an earlier part of the same rollout up to the point of resuming: the header, and every step that was
+/// taken. The rest (a step that ended the rollout, its end, a torn line) is written again.
+#[derive(Debug, Default)]
+struct ExistingLines {
+    /// Those that have not been repeated yet, oldest first.
+    lines: VecDeque<String>,
+    /// How many steps there were.
+    steps: u32,
+    /// Bytes up to the end of the last line.
+    bytes: u64,
+}
+
+impl ExistingLines {
+    /// Reads a journal.
+    ///
+    /// Fails for a line of JSON that this program does not write: it belongs to another version, and must not be
+    /// overwritten.
+    fn read(path: &Path) -> Result<ExistingLines, String> {
+        let mut reader = Reader::open(path, MAX_BYTES)?;
+        let mut earlier = ExistingLines::default();
+        while let Some(line) = reader.next_line()? {
+            match serde_json::from_slice(line) {
+                Ok(Line::Header(_)) if earlier.lines.is_empty() => {}
+                Ok(Line::Step(step)) if !earlier.lines.is_empty() && step.stopped.is_none() => {
+                    earlier.steps += 1;
+                }
+                Err(error) if error.is_data() => {
+                    let number = earlier.lines.len() + 1;
+                    return Err(format!(
+                        "line {number} is not as this version of fabc writes it: {error}"
+                    ));
+                }
+                _ => break,
+            }
+            let text = String::from_utf8_lossy(line).into_owned();
+            earlier.lines.push_back(text);
+            earlier.bytes = reader.whole_bytes();
+        }
+        Ok(earlier)
+    }
+}
+
+/// Names the field in which two lines differ.
+fn difference(stored: &str, now: &str) -> String {
+    let object = |line: &str| serde_json::from_str::<Value>(line).unwrap_or_default();
+    let (stored, now) = (object(stored), object(now));
+    let line = match stored["type"].as_str() {
+        Some("step") => format!("step {}", stored["step"]),
+        _ => "the first line".to_owned(),
+    };
+    match difference::first(&stored, &now) {
+        Some(found) => format!("{line} differs in {found}"),
+        // The same values may be written in another way by another version.
+        None => format!("{line} is written differently"),
+    }
 }

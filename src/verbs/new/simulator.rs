@@ -2,8 +2,6 @@
 
 mod from_images;
 mod page;
-mod pictures;
-mod points;
 
 pub use from_images::draft;
 

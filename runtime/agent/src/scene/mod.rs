@@ -5,7 +5,6 @@
 
 mod annotate;
 mod extract;
-mod mask_counts;
 mod reach;
 mod stages;
 #[cfg(test)]

@@ -3,12 +3,11 @@
 //! In: what `fab_agent::draft` found in pictures. Out: text that compiles, with a comment
 //! `# guessed: …` at each guess.
 
-use super::points::{fold_text, point_text};
 use crate::verbs::new::GUESSED;
 use fab_agent::draft;
 use fab_agent::draft::{DraftStep, NamedPicture};
 use fab_base::wording::quoted;
-use fab_program::{Fold, Sequence};
+use fab_program::{ClothPoint, Fold, Sequence};
 
 /// Least overlap that the base task requires of a step's result.
 const BASE_ALIKE: f64 = 0.7;
@@ -260,4 +259,28 @@ const SIDES_NOW: &str = "        # One fold ends elsewhere than on a corner or a
 /// Returns whether all that is known of a step is a guess that does not explain it.
 fn is_lost(step: &DraftStep) -> bool {
     !step.is_drawn && step.found().is_none()
+}
+
+/// Writes a fold as a whole, ignoring its fraction.
+fn fold_text(fold: &Fold) -> String {
+    format!("{} -> {}", point_text(&fold.pick), point_text(&fold.place))
+}
+
+/// Writes a point of the cloth in the language's syntax.
+fn point_text(point: &ClothPoint) -> String {
+    let ClothPoint::Particle { right, front } = *point else {
+        return "center".to_owned();
+    };
+    let name = |low: &'static str, high: &'static str, at: f64| match at {
+        0.0 => Some(low),
+        1.0 => Some(high),
+        _ => None,
+    };
+    let (side, end) = (name("left", "right", right), name("back", "front", front));
+    match (end, side) {
+        (Some(end), Some(side)) => format!("corner({end}_{side})"),
+        (None, Some(side)) if front == 0.5 => format!("middle({side})"),
+        (Some(end), None) if right == 0.5 => format!("middle({end})"),
+        _ => format!("point({right}, {front})"),
+    }
 }
