@@ -32,9 +32,14 @@ pub struct RunFolder {
 /// Why a run cannot be stored.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
-    /// A file or folder cannot be written; says why.
-    #[error("cannot write `{0}`: {1}")]
-    Unwritable(PathBuf, String),
+    /// A file or folder cannot be written.
+    #[error("cannot write `{path}`: {why}")]
+    Unwritable {
+        /// The file or folder.
+        path: PathBuf,
+        /// The system's error.
+        why: String,
+    },
     /// A file of a rollout to be resumed cannot be read; says why.
     #[error("cannot read `{0}`: {1}")]
     Unreadable(PathBuf, String),
@@ -54,7 +59,10 @@ pub enum JournalError {
 
 impl JournalError {
     fn unwritable(path: &Path, error: io::Error) -> JournalError {
-        JournalError::Unwritable(path.to_owned(), error.to_string())
+        JournalError::Unwritable {
+            path: path.to_owned(),
+            why: error.to_string(),
+        }
     }
 }
 

@@ -315,7 +315,7 @@ pub enum CoverageSource {
 }
 
 /// The figures of a rollout that are the same in every run of it; null if not applicable.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// The task's name.
     pub task: String,

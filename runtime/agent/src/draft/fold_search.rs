@@ -1,11 +1,11 @@
 //! Tries folds between named points of the cloth, and takes the one with the result closest to the next picture.
 //!
-//! In: the cloth after the previous steps, and the outlines before and after one step. Out: a [`FoldMatch`]. Reflecting the
+//! In: the cloth after the previous steps, and the outlines before and after one step. Out: a [`DraftStep`]. Reflecting the
 //! outline would be faster but often wrong: a cloth held down by another corner does not fold along the line between
 //! the two points, so each fold is simulated.
 
-use super::DraftError;
 use super::outline::Outline;
+use super::{DraftError, DraftStep};
 use crate::subgoals::ArrowPx;
 use fab_base::interrupt::Interrupt;
 use fab_base::parallel;
@@ -62,20 +62,6 @@ pub struct StepSearch<'s> {
     pub interrupt: &'s Interrupt,
 }
 
-/// A fold and its result.
-pub struct FoldMatch {
-    /// The fold's ends in the straightened picture.
-    pub arrow: ArrowPx,
-    /// The fold between named points; `None` if a drawn arrow joins no named points.
-    pub fold: Option<Fold>,
-    /// Overlap of its outline with the next picture's.
-    pub overlap: f64,
-    /// The best fold that differs from it.
-    pub next_best: Option<(Fold, f64)>,
-    /// The cloth after it.
-    pub positions: Vec<[f32; 3]>,
-}
-
 /// A fold to be tried.
 struct Candidate {
     fold: Option<Fold>,
@@ -108,8 +94,12 @@ struct TriedFold<'c> {
 }
 
 impl StepSearch<'_> {
-    /// Finds the fold whose result is closest to the next picture; `None` if no pick or place is possible.
-    pub fn explain(&self, positions: &[[f32; 3]]) -> Result<Option<FoldMatch>, DraftError> {
+    /// Finds the fold whose result is closest to the next picture, with its ends in the straightened picture, and the cloth
+    /// after it; `None` if no pick or place is possible.
+    pub fn explain(
+        &self,
+        positions: &[[f32; 3]],
+    ) -> Result<Option<(DraftStep, Vec<[f32; 3]>)>, DraftError> {
         let world = self.lay(positions)?;
         let candidates = match self.arrow {
             Some(arrow) => self.drawn(arrow, world.as_ref())?,
@@ -126,13 +116,14 @@ impl StepSearch<'_> {
             .filter(|other| !other.candidate.is_near(arrow, ALIKE_PX));
         let next_best = best(others, |other| other.overlap)
             .and_then(|other| Some((other.candidate.fold.clone()?, other.overlap)));
-        Ok(Some(FoldMatch {
+        let step = DraftStep {
             arrow: *arrow,
+            is_drawn: self.arrow.is_some(),
             fold: fold.clone(),
             overlap: taken.overlap,
             next_best,
-            positions: taken.positions.clone(),
-        }))
+        };
+        Ok(Some((step, taken.positions.clone())))
     }
 
     fn lens(&self) -> Camera {

@@ -173,21 +173,16 @@ pub fn draft(
             camera: &compared,
             interrupt,
         };
-        let Some(found) = search.explain(&positions)? else {
+        let Some((found, folded)) = search.explain(&positions)? else {
             let [before, after] = names;
             return Err(DraftError::Unfit(format!(
                 "no fold leads from `{before}` to `{after}`: the part that is gone holds no corner, side middle or \
                  quarter point of the cloth; an arrow drawn on `{before}` would say what is meant"
             )));
         };
-        steps.push(DraftStep {
-            arrow: drawn.unwrap_or_else(|| found.arrow.map(|at| pose.as_shown(at))),
-            is_drawn: drawn.is_some(),
-            fold: found.fold,
-            overlap: found.overlap,
-            next_best: found.next_best,
-        });
-        positions = found.positions;
+        let arrow = drawn.unwrap_or_else(|| found.arrow.map(|at| pose.as_shown(at)));
+        steps.push(DraftStep { arrow, ..found });
+        positions = folded;
     }
     Ok(Draft {
         turned_rad: pose.turned_rad,

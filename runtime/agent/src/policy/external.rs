@@ -314,7 +314,10 @@ fn write_files(
             std::fs::create_dir_all(parent).and_then(|()| files::write_whole(&path, bytes));
         match written {
             Ok(()) => Ok(name),
-            Err(error) => Err(JournalError::Unwritable(path, error.to_string())),
+            Err(error) => Err(JournalError::Unwritable {
+                path,
+                why: error.to_string(),
+            }),
         }
     };
     let depth = &step.observation.depth_m;

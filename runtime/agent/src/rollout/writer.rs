@@ -10,8 +10,7 @@ use crate::operator;
 use crate::outcome::Outcome;
 use crate::policy::{self, Asking, Attempt, Finding};
 use crate::record::{
-    self, End, Header, JudgedBy, Line, Measures, Progress, Report, RunCosts, Spent, StartFile,
-    StepSpent,
+    self, End, Header, JudgedBy, Line, Progress, Report, RunCosts, Spent, StartFile, StepSpent,
 };
 use crate::sheet::{SHEET_FILE, Sheet};
 use fab_base::{digest, npy};
@@ -21,7 +20,6 @@ use fab_program::verify::Verdict;
 use fab_world::World;
 use fab_world::start::Up;
 use image::RgbImage;
-use std::collections::BTreeMap;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 /// Writes a rollout into its folder.
@@ -55,7 +53,19 @@ impl<'j> RolloutWriter<'j> {
         let start_file = folder.keep("start.npy", &npy::encode(&job.start.positions))?;
         folder.keep("start.json", &job.start.description())?;
         let run_id = folder.run_id().unwrap_or_else(|| new_run_id(job, &folder));
-        let report = report_of(job, &policy, world);
+        let report = Report {
+            task: job.program.task.clone(),
+            variant: job.program.variant.clone(),
+            policy: policy.title(),
+            sees_particles: policy.sees_particles,
+            model: policy.models.is_some().then(|| policy.name.clone()),
+            model_is_stand_in: policy.is_stand_in(),
+            seed: job.start.seed,
+            program: job.program.hash(),
+            world: world.name().to_owned(),
+            params: world.parameters(),
+            ..Report::default()
+        };
         let header = Box::new(Header {
             schema: record::VERSION,
             fabc: env!("CARGO_PKG_VERSION").to_owned(),
@@ -254,40 +264,6 @@ impl Report {
             Finding::Malformed { .. } => self.malformed_replies += 1,
             Finding::Action { .. } | Finding::Text { .. } | Finding::Failed { .. } => {}
         }
-    }
-}
-
-/// Begins the report of a rollout in which nothing has happened yet.
-fn report_of(job: &Job<'_>, policy: &policy::Description, world: &dyn World) -> Report {
-    Report {
-        task: job.program.task.clone(),
-        variant: job.program.variant.clone(),
-        outcome: Outcome::HorizonReached,
-        stopped: None,
-        goal_reached: None,
-        operator: None,
-        mean_particle_distance_mm: None,
-        judged_by: None,
-        coverage_source: None,
-        measures: Measures::default(),
-        coverage_at_start: None,
-        coverage_true_at_start: None,
-        progress: Vec::new(),
-        steps: 0,
-        skipped_steps: 0,
-        skipped: BTreeMap::new(),
-        retries: 0,
-        queries: 0,
-        refusals: BTreeMap::new(),
-        malformed_replies: 0,
-        policy: policy.title(),
-        sees_particles: policy.sees_particles,
-        model: policy.models.is_some().then(|| policy.name.clone()),
-        model_is_stand_in: policy.is_stand_in(),
-        seed: job.start.seed,
-        program: job.program.hash(),
-        world: world.name().to_owned(),
-        params: world.parameters(),
     }
 }
 
