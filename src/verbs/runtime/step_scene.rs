@@ -13,10 +13,11 @@ use fab_agent::scene::Scene;
 use fab_agent::subgoals::SubgoalSet;
 use fab_base::interrupt::Interrupt;
 use fab_model::Models;
+use fab_picture::SubpixelPoint;
 use fab_picture::camera::Camera;
 use fab_picture::observation::Observation;
 use fab_program::facts::ExecutedAction;
-use fab_program::{Fold, PixelPoint, Program, Proposal, Subgoals, Value};
+use fab_program::{Fold, Program, Proposal, Subgoals, Value};
 use fab_standins::Geometric;
 use fab_world::start::Start;
 use fab_world::{Grip, World, expert};
@@ -85,10 +86,7 @@ fn demonstrated(
     world: &mut dyn World,
 ) -> Result<(Grip, Option<ExecutedAction>), Failure> {
     let grip = expert::grip(fold, start, world)?.with_manner(program.manner);
-    let pixel = |point| {
-        let [column, row]: [f64; 2] = camera.pixel_from_world(point)?;
-        Some(PixelPoint::new(column.floor() as i32, row.floor() as i32))
-    };
+    let pixel = |point| Some(SubpixelPoint::at(camera.pixel_from_world(point)?).pixel);
     let ends = pixel(grip.pick).zip(pixel(grip.place));
     let done = ends.map(|(pick, place)| {
         let field = |name: &str, point| (name.to_owned(), Value::Point(point));

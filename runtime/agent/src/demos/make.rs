@@ -11,6 +11,7 @@ use crate::scene::{Scene, SceneError};
 use fab_base::chance::Chance;
 use fab_base::interrupt::Interrupt;
 use fab_base::wording::quoted;
+use fab_picture::SubpixelPoint;
 use fab_program::Proposal;
 use fab_program::facts::{ExecutedAction, Facts};
 use fab_program::pointing::Pointing;
@@ -209,10 +210,8 @@ fn demonstrate(
         let scene = Scene::of(program, &observation, first.as_ref());
         let scene = scene.map_err(|why| Unfit::Scene(number, why))?;
         let grip = expert::grip(fold, &start, world)?;
-        let pixel = |point: WorldPoint| {
-            let [column, row] = observation.camera.pixel_from_world(point)?;
-            Some(PixelPoint::new(column.floor() as i32, row.floor() as i32))
-        };
+        let camera = &observation.camera;
+        let pixel = |point| Some(SubpixelPoint::at(camera.pixel_from_world(point)?).pixel);
         let center = pixel(middle).ok_or(Unfit::Table(number))?;
         let named = |name: &'static str, point: WorldPoint, of| {
             let offered = verify::offered(program, &scene, name);

@@ -9,6 +9,7 @@ use super::{DraftError, DraftStep};
 use crate::subgoals::ArrowPx;
 use fab_base::interrupt::Interrupt;
 use fab_base::parallel;
+use fab_picture::SubpixelPoint;
 use fab_picture::camera::Camera;
 use fab_picture::depth_mask;
 use fab_picture::hull::distance;
@@ -147,7 +148,7 @@ impl StepSearch<'_> {
     fn likely(&self, world: &dyn World) -> Result<Vec<Candidate>, DraftError> {
         let gone = self.before.without(self.after);
         let fits = |[tail, tip]: &ArrowPx| {
-            gone.distance_px(tail.map(|at| at.floor() as i32).into()) <= GONE_PX
+            gone.distance_px(SubpixelPoint::at(*tail).pixel) <= GONE_PX
                 && self.after.distance_px(*tip) <= BESIDE_PX
                 && distance(*tail, *tip) > SHORTEST_PX
         };

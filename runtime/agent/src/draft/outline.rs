@@ -6,10 +6,10 @@
 use super::{COMPARED_PX, DraftError, NamedPicture};
 use crate::result::silhouette;
 use crate::subgoals::ArrowPx;
-use fab_picture::Mask;
 use fab_picture::arrow;
 use fab_picture::camera::center_of;
 use fab_picture::hull;
+use fab_picture::{Mask, SubpixelPoint};
 use fab_program::PixelPoint;
 
 /// Least area of the cloth, as a share of the picture.
@@ -73,9 +73,8 @@ impl PictureParts {
     /// An arrow along an edge hides all of it, and its ends tell where the edge is.
     fn without_gaps(&self) -> Mask {
         let scale = f64::from(self.cloth.width()) / f64::from(COMPARED_PX);
-        let ends = self.arrow.into_iter().flatten().filter(|[u, v]| {
-            let pixel = PixelPoint::new(u.floor() as i32, v.floor() as i32);
-            self.cloth.distance_px(pixel) <= ARROW_END_PX * scale
+        let ends = self.arrow.into_iter().flatten().filter(|at| {
+            self.cloth.distance_px(SubpixelPoint::at(*at).pixel) <= ARROW_END_PX * scale
         });
         let pixels: Vec<PixelPoint> = self.cloth.pixels().collect();
         let rows = pixels.chunk_by(|a, b| a.v == b.v);
@@ -167,8 +166,7 @@ impl Pose {
         let straight = |mask: &Mask| {
             Mask::from_fn(COMPARED_PX, COMPARED_PX, |column, row| {
                 let at = [column, row].map(|at| f64::from(at) + 0.5);
-                let [u, v] = self.as_shown(at).map(|at| at.floor() as i32);
-                mask.contains(PixelPoint::new(u, v))
+                mask.contains(SubpixelPoint::at(self.as_shown(at)).pixel)
             })
         };
         Outline {
@@ -222,8 +220,8 @@ impl Outline {
         let way = [tip[0] - tail[0], tip[1] - tail[1]];
         let length = way[0].hypot(way[1]).max(f64::MIN_POSITIVE);
         let way = way.map(|part| part / length);
-        let is_cloth = |[u, v]: [f64; 2]| {
-            let pixel = PixelPoint::new(u.floor() as i32, v.floor() as i32);
+        let is_cloth = |at: [f64; 2]| {
+            let pixel = SubpixelPoint::at(at).pixel;
             self.cloth.contains(pixel) || self.hidden.contains(pixel)
         };
         Outline::whole(Mask::from_fn(COMPARED_PX, COMPARED_PX, |column, row| {
@@ -238,7 +236,6 @@ impl Outline {
 
     /// Returns the distance from a point to the cloth, pixels.
     pub fn distance_px(&self, at: [f64; 2]) -> f64 {
-        let [u, v] = at.map(|at| at.floor() as i32);
-        self.cloth.distance_px(PixelPoint::new(u, v))
+        self.cloth.distance_px(SubpixelPoint::at(at).pixel)
     }
 }
