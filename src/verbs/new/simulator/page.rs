@@ -55,6 +55,7 @@ impl Page<'_> {
         let steps = found.steps.iter();
         let places = steps.filter_map(|step| Some(point_text(&step.fold.as_ref()?.place)));
         let places: Vec<String> = places.collect();
+        let is_beside = places.iter().any(|place| place.starts_with("point"));
         let is_side = |place: &String| !place.starts_with("corner") && !place.starts_with("center");
         let base = if places.iter().any(is_side) {
             "folding_to_sides"
@@ -74,10 +75,13 @@ impl Page<'_> {
             ("@BASE@", base),
             ("@CLOTH@", &cloth),
             ("    @GUESSES@\n", &guesses.collect::<String>()),
-            ("    @CAMERA@\n", &self.camera()),
+            ("@HEIGHT@", &self.height_mm().to_string()),
+            ("@BELOW@", &(self.height_mm() - CLOTH_MM).to_string()),
+            ("@FOV@", &self.fov_deg().to_string()),
+            ("@IMAGE@", &found.camera.image_px.to_string()),
             ("    @GOAL@\n", &goal),
             ("    @ALIKE@\n", &self.alike()),
-            ("    @SIDES@\n", &format!("{}\n", self.keypoints(&places))),
+            ("        @SIDES@\n", if is_beside { SIDES_NOW } else { "" }),
             ("    @IMAGES@\n", &self.images()),
             ("    @EXPERTS@\n", experts),
             ("@SEQUENCES@\n", &sequences),
@@ -154,28 +158,6 @@ impl Page<'_> {
         format!(
             "    const alike = {alike}   # a step whose result shares less of the next picture's outline is tried again\n"
         )
-    }
-
-    fn camera(&self) -> String {
-        format!(
-            "    camera top_down(height: {}mm, fov: {}deg, image: {}px)\n",
-            self.height_mm(),
-            self.fov_deg(),
-            self.found.camera.image_px
-        )
-    }
-
-    /// Writes the keypoints that depend on the camera, and on where the folds end.
-    fn keypoints(&self, places: &[String]) -> String {
-        let height_mm = self.height_mm();
-        let mut lines = format!(
-            "        cloth = mask(depth < {}mm)   # the table is {height_mm}mm away\n",
-            height_mm - CLOTH_MM
-        );
-        if places.iter().any(|place| place.starts_with("point")) {
-            lines.push_str(SIDES_NOW);
-        }
-        format!("    keypoints {{\n{lines}    }}\n")
     }
 
     /// Writes the pictures, with a guess before each from which a step begins.
