@@ -198,7 +198,7 @@ fn begin(arguments: &NewTaskArguments, draft: Draft, io: &Io) -> Result<Exit, Fa
     };
     let program = compile(arguments, &draft, &present, io)?;
     #[cfg(feature = "runtime")]
-    let drawn = simulator::Drawn::of(&program, io)?;
+    let drawn = simulator::demonstrated(&program, io)?;
     #[cfg(not(feature = "runtime"))]
     if program.subgoals.is_some() {
         io.talk("note: no subgoal pictures are drawn, since this build of fabc has no simulator");
@@ -216,8 +216,8 @@ fn begin(arguments: &NewTaskArguments, draft: Draft, io: &Io) -> Result<Exit, Fa
         files.push(shown(&place));
     }
     #[cfg(feature = "runtime")]
-    if let Some(drawn) = drawn {
-        let drawn = drawn.write(&program, &folder)?;
+    if let Some((drawn, parameters)) = drawn {
+        let drawn = drawn.pin(&program, &folder, &parameters)?;
         files.extend(drawn.iter().map(|file| shown(file)));
     }
     // Last, so that there is no task without what it uses.

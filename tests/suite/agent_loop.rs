@@ -51,7 +51,7 @@ fn play_task(program: &Program, vision: &[&str], text: &[&str], interrupt: &Inte
         pictures: vec![image::RgbImage::new(32, 32); steps + 1],
         arrows: vec![None; steps],
         origin: Origin::Author,
-        notes: Vec::new(),
+        ..SubgoalSet::default()
     };
     let trial = Trial {
         examples: fab_agent::examples::Examples::default(),

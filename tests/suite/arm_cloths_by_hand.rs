@@ -70,10 +70,8 @@ fn a_person_is_told_in_words_and_nothing_is_connected_for_an_estimate() {
             models: Some(prompted.models),
             programs: BTreeMap::from([([28, 28], program.clone())]),
             subgoals: SubgoalSet {
-                pictures: Vec::new(),
-                arrows: Vec::new(),
                 origin: Origin::Author,
-                notes: Vec::new(),
+                ..SubgoalSet::default()
             },
             examples: Examples::default(),
             varies: false,

@@ -80,7 +80,7 @@ fn a_plan_is_drawn_and_nothing_moves() {
         .collect();
     assert_eq!((names[0], names[12], names.len()), ("rise", "rest", 13));
     let drawn = image::open(run.join("plan.png")).unwrap();
-    assert_eq!((drawn.width(), drawn.height()), (900, 720 + 230));
+    assert_eq!((drawn.width(), drawn.height()), (720, 720));
     // The journal of motions does not exist.
     assert!(!run.join("arm.jsonl").exists());
 }

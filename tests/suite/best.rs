@@ -527,7 +527,7 @@ fn a_world_without_copies_is_searched_with_equal_results_and_one_without_particl
         best::search(&Search {
             program: &program,
             start: &Start::flat(&program.cloth),
-            subgoals: &SubgoalSet::none(),
+            subgoals: &SubgoalSet::default(),
             make_world,
             make_expert_world: &|| Ok(Box::new(simulated()?)),
             cache: &Cache::none(),

@@ -185,7 +185,7 @@ fn the_simulators_cloth_is_folded_in_half_twice_by_colour_alone() {
         Trial::new(&program, &beside, Look::default()).run_stand_in(&folder.path().join("run"));
     assert_eq!((report.steps, report.retries), (3, 0));
     // A quarter, plus a little because the layers lie askew.
-    let covered = report.coverage_true.unwrap();
+    let covered = report.measures.coverage_true.unwrap();
     assert!((0.24..0.32).contains(&covered), "{covered}");
 }
 

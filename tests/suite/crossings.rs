@@ -47,7 +47,7 @@ fn a_run_says_that_the_cloth_goes_through_itself_and_its_record_counts_the_edges
         assert!(step.executed.is_some(), "{said}");
         assert_eq!(step.crossings.is_some(), crosses, "{said}");
         let at_start =
-            "the simulated cloth goes through itself at the start, as no real one does (";
+            "at the start the simulated cloth goes through itself, as no real one does (";
         assert_eq!(said.contains(at_start), crosses, "{said}");
         // It is said again only of an action that adds to it.
         let places = |said: &str, behind: &str| -> usize {

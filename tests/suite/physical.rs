@@ -246,10 +246,8 @@ fn coverage_by_pictures_has_columns_of_its_own() {
             models: Some(models),
             programs: BTreeMap::from([([28, 28], program.clone())]),
             subgoals: SubgoalSet {
-                pictures: Vec::new(),
-                arrows: Vec::new(),
                 origin: Origin::Author,
-                notes: Vec::new(),
+                ..SubgoalSet::default()
             },
             examples: Examples::default(),
             varies: false,
@@ -307,10 +305,8 @@ fn coverage_by_pictures_has_columns_of_its_own() {
         models: Some(models),
         programs: BTreeMap::from([([28, 28], fold.clone())]),
         subgoals: SubgoalSet {
-            pictures: Vec::new(),
-            arrows: Vec::new(),
             origin: Origin::Author,
-            notes: Vec::new(),
+            ..SubgoalSet::default()
         },
         examples: Examples::default(),
         varies: false,

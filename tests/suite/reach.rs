@@ -145,7 +145,7 @@ fn with_job<T>(
             pictures: vec![image::RgbImage::new(32, 32); steps + 1],
             arrows: vec![None; steps],
             origin: Origin::Author,
-            notes: Vec::new(),
+            ..SubgoalSet::default()
         },
         examples: &Examples::default(),
         make_policy: &Prompted {

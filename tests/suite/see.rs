@@ -224,7 +224,7 @@ fn what_is_seen_is_what_a_rollout_sees() {
         assert_eq!(seen.scene.to_json(), expected.to_json());
         let is_red = |pixel: &Rgb<u8>| pixel.0 == [255, 0, 0];
         assert_eq!(seen.annotated.pixels().any(is_red), last.is_some());
-        let names = seen.stages.iter().map(|stage| stage.name.as_str());
+        let names = seen.stages.iter().map(|(name, _)| name.as_str());
         let kept = program
             .layers
             .iter()
@@ -235,7 +235,7 @@ fn what_is_seen_is_what_a_rollout_sees() {
             .map(|keypoint| keypoint.name.as_str());
         let wanted = keypoints.chain(kept.map(|layer| layer.name.as_str()));
         assert!(names.eq(wanted), "{:?}", seen.stages.len());
-        assert!(seen.stages.last().unwrap().picture == seen.annotated);
+        assert!(seen.stages.last().unwrap().1 == seen.annotated);
     }
 }
 

@@ -97,7 +97,7 @@ fn play_in(
             pictures: vec![image::RgbImage::new(32, 32); steps + 1],
             arrows: vec![None; steps],
             origin: Origin::Author,
-            notes: Vec::new(),
+            ..SubgoalSet::default()
         }),
         examples: &Examples::default(),
         make_policy: &Prompted {
@@ -133,11 +133,14 @@ fn a_picture_measures_nearly_what_the_particles_do() {
     assert_eq!(report.coverage_at_start, Some(1.0));
     assert_eq!(report.outcome, Outcome::GoalReached);
     assert_eq!(report.goal_reached, Some(true));
-    let seen = report.coverage.unwrap();
+    let seen = report.measures.coverage.unwrap();
     // Half of a square that is folded corner to corner; the fold is 10 mm nearer to the camera.
     assert!((0.45..0.60).contains(&seen), "{seen}");
     assert_eq!(
-        (report.coverage_true, report.normalized_improvement),
+        (
+            report.measures.coverage_true,
+            report.measures.normalized_improvement
+        ),
         (None, None),
         "nothing was missing at first"
     );
@@ -158,10 +161,13 @@ fn a_picture_measures_nearly_what_the_particles_do() {
 fn improvement_counts_from_the_first_picture_to_the_flat_cloth() {
     let program = with_goal(Metric::NormalizedImprovement, 0.9);
     let (report, _) = play(&program, Some(flat(&program, 40))).unwrap();
-    let (first, last) = (report.coverage_at_start.unwrap(), report.coverage.unwrap());
+    let (first, last) = (
+        report.coverage_at_start.unwrap(),
+        report.measures.coverage.unwrap(),
+    );
     assert!((first - (27.0_f64 / 39.0).powi(2)).abs() < 0.02, "{first}");
     let gained = (last - first) / (1.0 - first);
-    assert!((report.normalized_improvement.unwrap() - gained).abs() < 1e-12);
+    assert!((report.measures.normalized_improvement.unwrap() - gained).abs() < 1e-12);
     assert_eq!(report.goal_reached, Some(false));
 }
 

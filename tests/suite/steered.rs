@@ -204,7 +204,7 @@ fn a_goal_of_coverage_is_judged_after_each_step() {
     );
     assert_eq!(played.report.outcome, Outcome::GoalReached);
     assert_eq!(played.report.steps, 1);
-    let coverage = played.report.coverage.unwrap();
+    let coverage = played.report.measures.coverage.unwrap();
     assert!((0.5..1.1).contains(&coverage), "{coverage}");
 }
 

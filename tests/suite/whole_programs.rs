@@ -328,9 +328,9 @@ fn a_goal_on_coverage_ends_the_rollout_with_the_step_that_reaches_it() {
         (played.report.outcome, played.report.steps),
         (Outcome::GoalReached, 1)
     );
-    let coverage = played.report.coverage.unwrap();
+    let coverage = played.report.measures.coverage.unwrap();
     assert!((0.3..0.9).contains(&coverage), "{coverage}");
-    assert!(played.report.normalized_improvement.unwrap() < 0.0);
+    assert!(played.report.measures.normalized_improvement.unwrap() < 0.0);
     assert_eq!(played.steps[0]["coverage"].as_f64(), Some(coverage));
     assert_eq!(played.report.goal_reached, Some(true));
 }
@@ -368,7 +368,7 @@ fn a_colour_that_is_not_in_view_is_an_empty_mask_unless_it_is_the_cloth() {
     program.keypoints.insert(0, underside);
     assert!(matches!(
         flat_scene(&program),
-        Err(SceneError::OutOfView { mask, .. }) if mask == "underside"
+        Err(SceneError::OutOfView(mask, _)) if mask == "underside"
     ));
 }
 

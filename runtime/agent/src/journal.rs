@@ -5,18 +5,18 @@
 //! finish. The same rollout always writes the same bytes; durations and costs, which differ, are in `spent.jsonl`. So
 //! an interrupted rollout is resumed by repeating it: lines that already exist are compared instead of written.
 
-mod earlier;
-
 use crate::policy::{Attempt, Question};
-use crate::record::{Asked, Line, MAX_SPENT_BYTES, RECORD_FILE, SPENT_FILE, Spent};
+use crate::record::{Asked, Line, MAX_BYTES, RECORD_FILE, SPENT_FILE, Spent};
 use crate::rollout::event::{AttemptOf, SentFiles};
-use earlier::ExistingLines;
+use fab_base::difference;
 use fab_base::files;
 use fab_base::jsonl::{self, Appender, Reader};
 use fab_model::calls::LedgerError;
 use fab_model::{Part, Request, Speaker};
-use std::collections::BTreeSet;
+use serde_json::Value;
+use std::collections::VecDeque;
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// A run folder being written.
@@ -25,7 +25,6 @@ pub struct RunFolder {
     path: PathBuf,
     journal: Appender,
     spent: Appender,
-    images: BTreeSet<String>,
     /// The lines of an earlier part of the rollout.
     earlier: ExistingLines,
 }
@@ -41,67 +40,44 @@ pub enum JournalError {
         /// The system's error.
         why: String,
     },
-    /// The journal of a rollout to be resumed cannot be read.
-    #[error("cannot read `{path}`: {why}")]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        why: String,
-    },
+    /// A file of a rollout to be resumed cannot be read; says why.
+    #[error("cannot read `{0}`: {1}")]
+    Unreadable(PathBuf, String),
     /// Another process is writing to the folder.
-    #[error("another fabc is writing into the run folder `{path}`")]
-    InUse {
-        /// The folder.
-        path: PathBuf,
-    },
-    /// The repeated rollout differs from the original.
-    #[error(
-        "the rollout in `{path}` cannot be resumed, because it does not repeat identically: {why}"
-    )]
-    Differs {
-        /// The folder.
-        path: PathBuf,
-        /// What differs.
-        why: String,
-    },
+    #[error("another fabc is writing into the run folder `{0}`")]
+    InUse(PathBuf),
+    /// The repeated rollout differs from the original; says where.
+    #[error("the rollout in `{0}` cannot be resumed, because it does not repeat identically: {1}")]
+    Differs(PathBuf, String),
     /// The calls of an earlier part cannot be read.
     #[error(transparent)]
     Ledger(#[from] LedgerError),
     /// The folder is not empty.
-    #[error("the run folder `{path}` is not empty; name a new one, nothing is overwritten")]
-    NotEmpty {
-        /// The folder.
-        path: PathBuf,
-    },
+    #[error("the run folder `{0}` is not empty; name a new one, nothing is overwritten")]
+    NotEmpty(PathBuf),
+}
+
+impl JournalError {
+    fn unwritable(path: &Path, error: io::Error) -> JournalError {
+        JournalError::Unwritable {
+            path: path.to_owned(),
+            why: error.to_string(),
+        }
+    }
 }
 
 impl RunFolder {
     /// Makes a folder for one rollout; it must not exist or be empty.
     pub fn create(path: &Path) -> Result<RunFolder, JournalError> {
-        let unwritable = |path: &Path, error: std::io::Error| JournalError::Unwritable {
-            path: path.to_owned(),
-            why: error.to_string(),
-        };
-        fs::create_dir_all(path).map_err(|error| unwritable(path, error))?;
-        let mut entries = fs::read_dir(path).map_err(|error| unwritable(path, error))?;
+        let entries = fs::create_dir_all(path).and_then(|()| fs::read_dir(path));
+        let mut entries = entries.map_err(|error| JournalError::unwritable(path, error))?;
         if entries.next().is_some() {
-            return Err(JournalError::NotEmpty {
-                path: path.to_owned(),
-            });
+            return Err(JournalError::NotEmpty(path.to_owned()));
         }
         let file = path.join(RECORD_FILE);
-        let journal = Appender::open(&file).map_err(|error| unwritable(&file, error))?;
-        locked(&journal, path)?;
-        let file = path.join(SPENT_FILE);
-        let spent = Appender::open(&file).map_err(|error| unwritable(&file, error))?;
-        Ok(RunFolder {
-            path: path.to_owned(),
-            journal,
-            spent,
-            images: BTreeSet::new(),
-            earlier: ExistingLines::default(),
-        })
+        let journal = Appender::open(&file);
+        let journal = journal.map_err(|error| JournalError::unwritable(&file, error))?;
+        RunFolder::locked(path, journal)
     }
 
     /// Opens the folder of an interrupted rollout, to resume it.
@@ -111,40 +87,43 @@ impl RunFolder {
         let file = path.join(RECORD_FILE);
         // `Appender::open` would create a missing file.
         let journal = fs::metadata(&file).and_then(|_| Appender::open(&file));
-        let mut journal = journal.map_err(|error| JournalError::Unreadable {
-            path: file.clone(),
-            why: error.to_string(),
-        })?;
-        locked(&journal, path)?;
-        let earlier = ExistingLines::read(&file)?;
-        journal.keep(earlier.bytes());
-        let spent = after_whole_lines(&path.join(SPENT_FILE))?;
+        let unreadable = |why: String| JournalError::Unreadable(file.clone(), why);
+        let journal = journal.map_err(|error| unreadable(error.to_string()))?;
+        let mut folder = RunFolder::locked(path, journal)?;
+        folder.earlier = ExistingLines::read(&file).map_err(unreadable)?;
+        folder.journal.keep(folder.earlier.bytes);
+        Ok(folder)
+    }
+
+    /// Makes sure that no other process writes the journal, and opens the file beside it.
+    fn locked(path: &Path, journal: Appender) -> Result<RunFolder, JournalError> {
+        if !journal.lock() {
+            return Err(JournalError::InUse(path.to_owned()));
+        }
+        let file = path.join(SPENT_FILE);
+        let spent = Appender::open_after_whole_lines(&file, MAX_BYTES);
         Ok(RunFolder {
             path: path.to_owned(),
             journal,
-            spent,
-            images: BTreeSet::new(),
-            earlier,
+            spent: spent.map_err(|why| JournalError::Unreadable(file, why))?,
+            earlier: ExistingLines::default(),
         })
     }
 
     /// Returns whether the next line already exists.
     pub fn repeats(&self) -> bool {
-        self.earlier.has_more()
+        !self.earlier.lines.is_empty()
     }
 
     /// Returns how many steps an earlier part of the rollout took.
     pub fn earlier_steps(&self) -> u32 {
-        self.earlier.steps()
+        self.earlier.steps
     }
 
     /// Makes the first free folder `NAME-0001`, `NAME-0002`, … in `parent`.
     pub fn create_next(parent: &Path, name: &str) -> Result<RunFolder, JournalError> {
-        let folder =
-            files::next_folder(parent, name).map_err(|error| JournalError::Unwritable {
-                path: parent.to_owned(),
-                why: error.to_string(),
-            })?;
+        let folder = files::next_folder(parent, name)
+            .map_err(|error| JournalError::unwritable(parent, error))?;
         RunFolder::create(&folder)
     }
 
@@ -159,29 +138,30 @@ impl RunFolder {
     /// existing ones.
     pub fn append(&mut self, line: &Line) -> Result<(), JournalError> {
         let text = jsonl::text(line).expect("journal lines have string keys");
-        let is_known = self.earlier.take(&text);
-        if is_known.map_err(|why| JournalError::Differs {
-            path: self.path.clone(),
-            why,
-        })? {
-            return Ok(());
+        if let Some(known) = self.earlier.lines.pop_front() {
+            return if known == text {
+                Ok(())
+            } else {
+                let why = difference(&known, &text);
+                Err(JournalError::Differs(self.path.clone(), why))
+            };
         }
         let written = self.journal.append_text(text);
-        written.map_err(|error| self.unwritable(RECORD_FILE, &error))
+        written.map_err(|error| self.unwritable(RECORD_FILE, error))
     }
 
     /// Adds a line to the rollout's durations and costs.
     pub fn spend(&mut self, line: &Spent) -> Result<(), JournalError> {
         let written = self.spent.append(line);
-        written.map_err(|error| self.unwritable(SPENT_FILE, &error))
+        written.map_err(|error| self.unwritable(SPENT_FILE, error))
     }
 
     /// Returns the run's identity, if an earlier part of it has begun.
     pub fn run_id(&self) -> Option<String> {
-        let mut lines = Reader::open(&self.path.join(SPENT_FILE), MAX_SPENT_BYTES).ok()?;
+        let mut lines = Reader::open(&self.path.join(SPENT_FILE), MAX_BYTES).ok()?;
         match lines.read().ok()?? {
             Spent::Begin { run_id } => Some(run_id),
-            Spent::Step(_) | Spent::End { .. } => None,
+            _ => None,
         }
     }
 
@@ -190,7 +170,7 @@ impl RunFolder {
         let path = self.path.join(name);
         let folder = path.parent().unwrap_or(&self.path);
         let written = fs::create_dir_all(folder).and_then(|()| files::write_whole(&path, bytes));
-        written.map_err(|error| self.unwritable(name, &error))?;
+        written.map_err(|error| self.unwritable(name, error))?;
         Ok(name.to_owned())
     }
 
@@ -198,31 +178,25 @@ impl RunFolder {
     ///
     /// In a step that is repeated they exist, and stay as they are until its answer is found.
     pub fn keep_question(
-        &mut self,
+        &self,
         of: &AttemptOf,
         question: &Question,
     ) -> Result<SentFiles, JournalError> {
-        let stem = of.stem();
-        let prompt = format!("{stem}.prompt.txt");
-        let files = SentFiles {
-            request: Some(format!("{stem}.request.json")),
-            prompt: matches!(question, Question::Prompt(_)).then_some(prompt),
-        };
+        let files = sent_files(of, question);
         if !self.repeats() {
             self.write_question(&files, question)?;
         }
         Ok(files)
     }
 
-    fn write_question(
-        &mut self,
-        files: &SentFiles,
-        question: &Question,
-    ) -> Result<(), JournalError> {
+    fn write_question(&self, files: &SentFiles, question: &Question) -> Result<(), JournalError> {
         let text = match question {
             Question::Line { text, .. } => text.clone().into_bytes(),
             Question::Prompt(request) => {
                 self.keep_images(request)?;
+                if let Some(file) = &files.prompt {
+                    self.keep(file, transcript(request).as_bytes())?;
+                }
                 serde_json::to_vec_pretty(request)
                     .expect("a request holds strings and finite numbers")
             }
@@ -230,78 +204,56 @@ impl RunFolder {
         if let Some(file) = &files.request {
             self.keep(file, &text)?;
         }
-        if let (Some(file), Question::Prompt(request)) = (&files.prompt, question) {
-            self.keep(file, transcript(request).as_bytes())?;
-        }
         Ok(())
     }
 
     /// Writes the exact reply of one attempt and returns its entry for the step's line.
-    pub fn keep_attempt(
-        &mut self,
-        of: &AttemptOf,
-        attempt: &Attempt,
-        sent: SentFiles,
-    ) -> Result<Asked, JournalError> {
-        if let Some(question) = attempt.question.as_ref().filter(|_| self.repeats()) {
+    pub fn keep_attempt(&self, of: &AttemptOf, attempt: &Attempt) -> Result<Asked, JournalError> {
+        let question = attempt.question.as_ref();
+        let sent = question.map(|question| sent_files(of, question));
+        let sent = sent.unwrap_or_default();
+        if let Some(question) = question.filter(|_| self.repeats()) {
             self.write_question(&sent, question)?;
         }
-        let SentFiles { request, prompt } = sent;
-        let reply_file = match &attempt.reply {
-            Some(reply) => {
-                Some(self.keep(&format!("{}.reply.txt", of.stem()), reply.text.as_bytes())?)
-            }
-            None => None,
-        };
+        let reply = attempt.reply.as_ref();
+        let file = format!("{}.reply.txt", of.stem());
+        let reply_file = reply.map(|reply| self.keep(&file, reply.text.as_bytes()));
         Ok(Asked {
             stage: attempt.stage.clone(),
             attempt: attempt.number,
-            request_key: attempt.question.as_ref().map(Question::key),
-            request,
-            prompt,
+            request_key: question.map(Question::key),
+            request: sent.request,
+            prompt: sent.prompt,
             note: attempt.note.clone(),
-            reply: reply_file,
+            reply: reply_file.transpose()?,
             result: attempt.finding.clone(),
-            usage: attempt.reply.as_ref().and_then(|reply| reply.usage),
+            usage: reply.and_then(|reply| reply.usage),
         })
     }
 
-    fn keep_images(&mut self, request: &Request) -> Result<(), JournalError> {
+    fn keep_images(&self, request: &Request) -> Result<(), JournalError> {
         for part in request.messages.iter().flat_map(|message| &message.parts) {
-            if let Part::Image(png) = part
-                && !self.images.contains(png.sha256())
-            {
-                self.keep(&image_name(png.sha256()), png.bytes())?;
-                self.images.insert(png.sha256().to_owned());
+            let Part::Image(png) = part else { continue };
+            let name = image_name(png.sha256());
+            // Files are written whole, so one that is there is complete.
+            if !self.path.join(&name).exists() {
+                self.keep(&name, png.bytes())?;
             }
         }
         Ok(())
     }
 
-    fn unwritable(&self, name: &str, error: &std::io::Error) -> JournalError {
-        JournalError::Unwritable {
-            path: self.path.join(name),
-            why: error.to_string(),
-        }
+    fn unwritable(&self, name: &str, error: io::Error) -> JournalError {
+        JournalError::unwritable(&self.path.join(name), error)
     }
 }
 
-/// Opens a file of lines for appending after its last whole line.
-fn after_whole_lines(path: &Path) -> Result<Appender, JournalError> {
-    let opened = Appender::open_after_whole_lines(path, MAX_SPENT_BYTES);
-    opened.map_err(|why| JournalError::Unreadable {
-        path: path.to_owned(),
-        why,
-    })
-}
-
-/// Makes sure that no other process writes the journal.
-fn locked(journal: &Appender, folder: &Path) -> Result<(), JournalError> {
-    match journal.lock() {
-        true => Ok(()),
-        false => Err(JournalError::InUse {
-            path: folder.to_owned(),
-        }),
+fn sent_files(of: &AttemptOf, question: &Question) -> SentFiles {
+    let stem = of.stem();
+    let is_prompt = matches!(question, Question::Prompt(_));
+    SentFiles {
+        request: Some(format!("{stem}.request.json")),
+        prompt: is_prompt.then(|| format!("{stem}.prompt.txt")),
     }
 }
 
@@ -310,7 +262,7 @@ fn image_name(sha256: &str) -> String {
 }
 
 /// Writes a request in readable form: who speaks, the words, and the pictures by file name.
-pub fn transcript(request: &Request) -> String {
+fn transcript(request: &Request) -> String {
     let mut text = String::new();
     for message in &request.messages {
         let speaker = match message.speaker {
@@ -330,4 +282,61 @@ pub fn transcript(request: &Request) -> String {
         }
     }
     text
+}
+
+/// The whole lines of an earlier part of the same rollout up to the point of resuming: the header, and every step that was
+/// taken. The rest (a step that ended the rollout, its end, a torn line) is written again.
+#[derive(Debug, Default)]
+struct ExistingLines {
+    /// Those that have not been repeated yet, oldest first.
+    lines: VecDeque<String>,
+    /// How many steps there were.
+    steps: u32,
+    /// Bytes up to the end of the last line.
+    bytes: u64,
+}
+
+impl ExistingLines {
+    /// Reads a journal.
+    ///
+    /// Fails for a line of JSON that this program does not write: it belongs to another version, and must not be
+    /// overwritten.
+    fn read(path: &Path) -> Result<ExistingLines, String> {
+        let mut reader = Reader::open(path, MAX_BYTES)?;
+        let mut earlier = ExistingLines::default();
+        while let Some(line) = reader.next_line()? {
+            match serde_json::from_slice(line) {
+                Ok(Line::Header(_)) if earlier.lines.is_empty() => {}
+                Ok(Line::Step(step)) if !earlier.lines.is_empty() && step.stopped.is_none() => {
+                    earlier.steps += 1;
+                }
+                Err(error) if error.is_data() => {
+                    let number = earlier.lines.len() + 1;
+                    return Err(format!(
+                        "line {number} is not as this version of fabc writes it: {error}"
+                    ));
+                }
+                _ => break,
+            }
+            let text = String::from_utf8_lossy(line).into_owned();
+            earlier.lines.push_back(text);
+            earlier.bytes = reader.whole_bytes();
+        }
+        Ok(earlier)
+    }
+}
+
+/// Names the field in which two lines differ.
+fn difference(stored: &str, now: &str) -> String {
+    let object = |line: &str| serde_json::from_str::<Value>(line).unwrap_or_default();
+    let (stored, now) = (object(stored), object(now));
+    let line = match stored["type"].as_str() {
+        Some("step") => format!("step {}", stored["step"]),
+        _ => "the first line".to_owned(),
+    };
+    match difference::first(&stored, &now) {
+        Some(found) => format!("{line} differs in {found}"),
+        // The same values may be written in another way by another version.
+        None => format!("{line} is written differently"),
+    }
 }

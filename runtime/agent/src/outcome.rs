@@ -4,11 +4,12 @@ use serde::{Deserialize, Serialize};
 
 fab_base::named! {
     /// The end of a rollout.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
     pub enum Outcome {
         /// The declared goal was met.
         GoalReached = "goal_reached",
         /// Every step was done; the goal, if declared, was not met.
+        #[default]
         HorizonReached = "horizon_reached",
         /// A check refused the last permitted answer of a step.
         AttemptsExhausted = "attempts_exhausted",

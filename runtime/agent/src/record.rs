@@ -28,10 +28,8 @@ pub const VERSION: u32 = 4;
 pub const RECORD_FILE: &str = "rollout.jsonl";
 /// Name of the file beside it with durations and costs.
 pub const SPENT_FILE: &str = "spent.jsonl";
-/// The largest record accepted, bytes.
+/// The largest of both that is accepted, bytes.
 pub const MAX_BYTES: u64 = 256 << 20;
-/// The largest `spent.jsonl` accepted, bytes.
-pub const MAX_SPENT_BYTES: u64 = 64 << 20;
 
 /// One line of [`RECORD_FILE`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -317,7 +315,7 @@ pub enum CoverageSource {
 }
 
 /// The figures of a rollout that are the same in every run of it; null if not applicable.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// The task's name.
     pub task: String,
@@ -337,14 +335,9 @@ pub struct Report {
     pub judged_by: Option<JudgedBy>,
     /// What coverage was measured on, and so what its figures can be compared with; null if nothing was measured.
     pub coverage_source: Option<CoverageSource>,
-    /// Final covered share of the flat cloth's area, by the source measure: SoftGym's, or by pictures.
-    pub coverage: Option<f64>,
-    /// The same by the true measure.
-    pub coverage_true: Option<f64>,
-    /// The gained share of the initially missing coverage, by the source measure.
-    pub normalized_improvement: Option<f64>,
-    /// The same by the true measure.
-    pub normalized_improvement_true: Option<f64>,
+    /// The final measures.
+    #[serde(flatten)]
+    pub measures: Measures,
     /// Coverage of the start, by the source measure.
     pub coverage_at_start: Option<f64>,
     /// Coverage of the start, by the true measure.
@@ -440,12 +433,6 @@ pub struct Progress {
     pub measures: Measures,
 }
 
-/// The common part of all versions' first lines.
-#[derive(Deserialize)]
-struct Versioned {
-    schema: u32,
-}
-
 /// A run folder that was read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
@@ -468,82 +455,62 @@ pub enum RecordError {
     #[error("it holds no rollout: {0}")]
     Absent(String),
     /// Another version of the program wrote it.
-    #[error("its lines have version {found}, and this program reads version {VERSION}")]
-    Version {
-        /// The version of its lines.
-        found: u32,
-    },
-    /// A file is damaged.
-    #[error("its {file} cannot be read: {why}")]
-    Damaged {
-        /// The file.
-        file: &'static str,
-        /// What is wrong.
-        why: String,
-    },
+    #[error("its lines have version {0}, and this program reads version {VERSION}")]
+    Version(u32),
+    /// A file is damaged; says what is wrong.
+    #[error("its {0} cannot be read: {1}")]
+    Damaged(&'static str, String),
 }
 
 impl Record {
     /// Reads a run folder; a torn line at the end of a file counts as not written.
     pub fn read(folder: &Path) -> Result<Record, RecordError> {
-        let damaged = |why: String| RecordError::Damaged {
-            file: RECORD_FILE,
-            why,
-        };
+        let damaged = |why: String| RecordError::Damaged(RECORD_FILE, why);
         let lines = Reader::open(&folder.join(RECORD_FILE), MAX_BYTES);
         let mut lines = lines.map_err(RecordError::Absent)?;
-        let first = lines.next_line().map_err(damaged)?;
-        let Some(first) = first else {
+        let Some(first) = lines.next_line().map_err(damaged)? else {
             return Err(RecordError::Absent(format!("{RECORD_FILE} has no line")));
         };
-        let version = serde_json::from_slice(first).ok();
-        if let Some(Versioned { schema }) = version.filter(|it: &Versioned| it.schema != VERSION) {
-            return Err(RecordError::Version { found: schema });
+        // The common part of all versions' first lines.
+        let version = serde_json::from_slice::<Value>(first).ok();
+        let version = version.and_then(|line| u32::try_from(line["schema"].as_u64()?).ok());
+        if let Some(other) = version.filter(|version| *version != VERSION) {
+            return Err(RecordError::Version(other));
         }
         let header = match serde_json::from_slice(first) {
             Ok(Line::Header(header)) => *header,
             Ok(_) => return Err(damaged("it does not begin with a header".to_owned())),
             Err(error) => return Err(damaged(format!("line 1 is damaged: {error}"))),
         };
-        let (mut steps, mut end) = (Vec::new(), None);
+        let mut record = Record {
+            header,
+            steps: Vec::new(),
+            end: None,
+            spent: BTreeMap::new(),
+            took: None,
+        };
         while let Some(line) = lines.read().map_err(damaged)? {
             match line {
-                Line::Step(step) => steps.push(*step),
-                Line::End(last) => end = Some(*last),
+                Line::Step(step) => record.steps.push(*step),
+                Line::End(last) => record.end = Some(*last),
                 Line::Header(_) => return Err(damaged("it has two headers".to_owned())),
             }
         }
-        let (spent, took) = read_spent(folder)?;
-        Ok(Record {
-            header,
-            steps,
-            end,
-            spent,
-            took,
-        })
-    }
-}
-
-fn read_spent(folder: &Path) -> Result<(BTreeMap<u32, StepSpent>, Option<RunCosts>), RecordError> {
-    let damaged = |why: String| RecordError::Damaged {
-        file: SPENT_FILE,
-        why,
-    };
-    let path = folder.join(SPENT_FILE);
-    let (mut spent, mut took) = (BTreeMap::new(), None);
-    // A copied folder may lack it: it holds none of the rollout's figures.
-    if !path.exists() {
-        return Ok((spent, took));
-    }
-    let mut lines = Reader::open(&path, MAX_SPENT_BYTES).map_err(damaged)?;
-    while let Some(line) = lines.read().map_err(damaged)? {
-        match line {
-            Spent::Begin { .. } => {}
-            Spent::Step(step) => {
-                spent.entry(step.step).or_insert(step);
+        // A copied folder may lack it: it holds none of the rollout's figures.
+        let path = folder.join(SPENT_FILE);
+        if path.exists() {
+            let damaged = |why: String| RecordError::Damaged(SPENT_FILE, why);
+            let mut lines = Reader::open(&path, MAX_BYTES).map_err(damaged)?;
+            while let Some(line) = lines.read().map_err(damaged)? {
+                match line {
+                    Spent::Begin { .. } => {}
+                    Spent::Step(step) => {
+                        record.spent.entry(step.step).or_insert(step);
+                    }
+                    Spent::End { report } => record.took = Some(*report),
+                }
             }
-            Spent::End { report } => took = Some(*report),
         }
+        Ok(record)
     }
-    Ok((spent, took))
 }

@@ -8,7 +8,6 @@ mod covered;
 pub mod event;
 mod first;
 mod score;
-mod tally;
 mod timer;
 mod tries;
 mod turn;
@@ -19,9 +18,8 @@ use crate::journal::{JournalError, RunFolder};
 use crate::operator::Operator;
 use crate::outcome::Outcome;
 use crate::policy::{Asking, Kind, MakePolicy, PolicyError, PromptError, Rehearsing, StepKind};
-use crate::record::{Line, Report, RunCosts};
+use crate::record::{Report, RunCosts};
 use crate::scene::SceneError;
-use crate::sheet::Sheet;
 use crate::subgoals::SubgoalSet;
 use crate::twins::Twins;
 use covered::Covered;
@@ -30,12 +28,12 @@ use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_base::wording::counted;
 use fab_model::calls::Budget;
-use fab_program::{Choices, Manner, Program, manner_field};
+use fab_program::{ActionField, Choices, Manner, Program, manner_field};
 use fab_vision::VisionError;
 use fab_world::expert::MakeWorld;
 use fab_world::start::{RESTING_HEIGHT_M, Start};
 use fab_world::{Grip, World, WorldError, WorldPoint};
-use score::{Scored, meets, score};
+use score::{meets, score};
 use serde::{Deserialize, Serialize};
 use std::ops::Deref;
 use std::time::Instant;
@@ -46,7 +44,6 @@ pub(crate) use tries::Tries;
 
 pub use event::Event;
 pub use first::{FirstQuestion, first_questions};
-pub use score::Score;
 
 /// What to run.
 pub struct Job<'a> {
@@ -134,19 +131,13 @@ pub enum RunError {
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// The picture of the flat cloth cannot be compared with the camera's.
-    #[error("the picture of the flat cloth cannot be used: {why}")]
-    Flat {
-        /// What is wrong, and what would be right.
-        why: String,
-    },
-    /// The goal is a measure of coverage, which cannot be measured here.
+    #[error("the picture of the flat cloth cannot be used: {0}")]
+    Flat(String),
+    /// The goal is a measure of coverage, which cannot be measured in this world.
     #[error(
-        "the task's goal is a measure of coverage, and `{world}` knows neither its cloth's particles nor a picture of the flat cloth: give it one"
+        "the task's goal is a measure of coverage, and `{0}` knows neither its cloth's particles nor a picture of the flat cloth: give it one"
     )]
-    Unmeasured {
-        /// The world.
-        world: String,
-    },
+    Unmeasured(String),
     /// A picture cannot be drawn on.
     #[error(transparent)]
     Vision(#[from] VisionError),
@@ -199,8 +190,6 @@ pub fn run(
     let asking = asking.map_err(JournalError::from)?;
     let mut keeper =
         RolloutWriter::open(job, folder, asking, who.clone(), world.as_ref(), progress)?;
-    let mut sheet = Sheet::new();
-    let mut memory = Memory::new(job.start.digest(), who.sees_particles);
     // A policy that asks no model has nothing to rehearse; but where something real could move, its twins must be trusted too.
     if who.kind == Kind::Prompted || !world.is_simulated() {
         let draws = format!("{} {}", job.start_number.unwrap_or(0), job.repetition);
@@ -209,59 +198,42 @@ pub fn run(
             policy = Box::new(Rehearsing::new(policy, twins));
         }
     }
-    memory.crossings = world.crossings().unwrap_or(0);
-    if memory.crossings > 0 {
-        let places = counted(memory.crossings, "place");
-        let note = format!(
-            "the simulated cloth goes through itself at the start, as no real one does ({places})"
-        );
+    let mut memory = Memory::default();
+    if let Some(note) = memory.new_crossings(world.crossings(), "at the start") {
         progress(Event::Note { note });
     }
     let mut covered = Covered::at_start(job, world.as_mut())?;
-    let mut end = Outcome::HorizonReached;
+    let mut ended = None;
     let mut tries = Tries::default();
-    while let Some(step) = tries.step(job.horizon()) {
+    while let (None, Some(step)) = (ended, tries.step(job.horizon())) {
         tries.number += 1;
-        keeper.asking.begin(match keeper.folder.repeats() {
-            true => StepKind::Repeated,
-            false => StepKind::New,
+        keeper.asking.begin(if keeper.folder.repeats() {
+            StepKind::Repeated
+        } else {
+            StepKind::New
         });
-        let mut turn = Turn::new(job, tries.number, step, tries.before);
-        let mut stopped = turn.take(
-            policy.as_mut(),
-            world.as_mut(),
-            &mut memory,
-            &mut keeper,
-            &mut sheet,
-            progress,
-        )?;
-        if stopped.is_none() {
-            covered.update(job, world.as_ref(), turn.after.as_ref())?;
+        let action = tries.number;
+        let mut turn = Turn::new(job, At { action, step }, tries.before);
+        let world = world.as_mut();
+        ended = turn.take(policy.as_mut(), world, &mut memory, &mut keeper, progress)?;
+        if ended.is_none() {
+            covered.update(job, world, turn.after.as_ref())?;
             turn.line.measures = covered.now;
             if job.early_stop && covered.meets_goal(job) {
-                stopped = Some(Outcome::GoalReached);
+                ended = Some(Outcome::GoalReached);
             }
         }
-        keeper
-            .folder
-            .append(&Line::Step(Box::new(turn.line.clone())))?;
-        keeper.count(&turn)?;
+        keeper.keep_step(&turn)?;
         // Ending after a requested plan is not ending early.
-        if let (Some(why), true) = (&turn.line.stopped, stopped != Some(Outcome::Planned)) {
+        if let (Some(why), true) = (&turn.line.stopped, ended != Some(Outcome::Planned)) {
             progress(Event::Stopped {
-                at: turn.at(),
+                at: turn.at,
                 why: why.clone(),
             });
         }
-        if tries.before.is_some() && turn.line.executed.is_some() {
-            keeper.tally.retries += 1;
-        }
         tries.after(job.program.actions_per_step(), turn.line.result);
-        if let Some(outcome) = stopped {
-            end = outcome;
-            break;
-        }
-        if let (Some(before), Some(asked)) = (tries.before, &job.program.verify.result) {
+        if let (None, Some(before), Some(asked)) = (ended, tries.before, &job.program.verify.result)
+        {
             let action = tries.number + 1;
             progress(Event::Retried {
                 at: At { action, step },
@@ -270,31 +242,26 @@ pub fn run(
             });
         }
     }
-    if end == Outcome::HorizonReached {
-        end = keeper.outcome_at_horizon(covered.meets_goal(job));
-    }
-    if end == Outcome::PolicyStopped && covered.meets_goal(job) {
-        end = Outcome::GoalReached;
-    }
-    let score = match end.is_scored() {
-        true => score(job, world.as_ref(), &mut keeper, progress)?,
-        false => Scored::Absent,
+    let is_goal_met = covered.meets_goal(job);
+    let end = match ended {
+        None => keeper.outcome_at_horizon(is_goal_met),
+        Some(Outcome::PolicyStopped) if is_goal_met => Outcome::GoalReached,
+        Some(outcome) => outcome,
     };
-    let outcome = match &score {
-        Scored::Interrupted => Outcome::Interrupted,
-        Scored::Found(score) if meets(job.program.goal.as_ref(), score.distance_m) => {
-            Outcome::GoalReached
+    let scored = if end.is_scored() {
+        score(job, world.as_ref(), &mut keeper, progress)
+    } else {
+        Ok(None)
+    };
+    let (outcome, score) = match scored {
+        Ok(Some(score)) if meets(job.program.goal.as_ref(), score.distance_m) => {
+            (Outcome::GoalReached, Some(score))
         }
-        _ => end,
+        Ok(score) => (end, score),
+        Err(RunError::World(WorldError::Interrupted)) => (Outcome::Interrupted, None),
+        Err(error) => return Err(error),
     };
-    let ended = keeper.close(
-        job,
-        outcome,
-        score.found(),
-        covered,
-        &sheet,
-        begun.elapsed(),
-    )?;
+    let ended = keeper.close(job, outcome, score, covered, begun.elapsed())?;
     progress(Event::End {
         report: Box::new(ended.clone()),
     });
@@ -305,34 +272,27 @@ pub fn run(
 /// or every value that a field offers. It is asked about a way through the table's middle.
 fn unfit(program: &Program, world: &dyn World) -> Option<String> {
     let [pick, place] = [-0.02, 0.02].map(|x| WorldPoint::new(x, 0.0, RESTING_HEIGHT_M));
-    let across = Grip::new(pick, place);
-    let refused = |manner: Manner| world.refuses(&across.with_manner(manner).into());
-    let told = |why: String| {
-        let (task, name) = (program.title(), world.name());
-        format!("`{task}` cannot be executed in the world `{name}`: {why}")
-    };
-    if world.grippers() != 1 {
-        let grippers = counted(world.grippers(), "gripper");
-        return Some(told(format!(
-            "the task's actions are for 1 gripper, and the world has {grippers}"
-        )));
-    }
-    if let Some(why) = refused(program.manner) {
-        return Some(told(why));
-    }
-    let fields = program.actions.iter();
-    let offering = fields.filter(|field| manner_field(&field.name).is_some());
-    for field in offering {
+    let refused =
+        |manner: Manner| world.refuses(&Grip::new(pick, place).with_manner(manner).into());
+    let refused_field = |field: &ActionField| {
         let Choices::Lengths { choices, .. } = &field.choices else {
-            continue;
+            return None;
         };
+        manner_field(&field.name)?;
         let manners = choices
             .iter()
             .map(|it| program.manner.with(&field.name, it.m));
         let whys: Option<Vec<String>> = manners.map(refused).collect();
-        if let Some(why) = whys.and_then(|whys| whys.into_iter().next()) {
-            return Some(told(why));
-        }
-    }
-    None
+        whys?.into_iter().next()
+    };
+    let why = if world.grippers() != 1 {
+        let grippers = counted(world.grippers(), "gripper");
+        format!("the task's actions are for 1 gripper, and the world has {grippers}")
+    } else {
+        refused(program.manner).or_else(|| program.actions.iter().find_map(refused_field))?
+    };
+    let (task, name) = (program.title(), world.name());
+    Some(format!(
+        "`{task}` cannot be executed in the world `{name}`: {why}"
+    ))
 }

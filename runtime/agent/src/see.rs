@@ -3,7 +3,7 @@
 //! In: a program and pictures. Out: the [`Scene`] of a rollout's first step there, and a picture of each stage.
 //! Extractors and layers are the same as in a rollout.
 
-use crate::scene::{Scene, SceneError, StagePicture};
+use crate::scene::{Scene, SceneError};
 use fab_picture::DepthImage;
 use fab_picture::observation::{NotAligned, Observation};
 use fab_program::Proposal;
@@ -36,8 +36,8 @@ pub struct LastAction {
 pub struct SeeOutput {
     /// The keypoints.
     pub scene: Scene,
-    /// A picture of each keypoint and of each layer, in their order.
-    pub stages: Vec<StagePicture>,
+    /// A picture of each keypoint and of each layer, with its name, in their order.
+    pub stages: Vec<(String, RgbImage)>,
     /// The picture that a model would get.
     pub annotated: RgbImage,
     /// Layers that need a previous action, if there is none.
@@ -49,20 +49,12 @@ pub struct SeeOutput {
 /// Why there is no result.
 #[derive(Debug, thiserror::Error)]
 pub enum SeeError {
-    /// A keypoint needs depth.
-    #[error("`{keypoint}` needs depth, but the picture has none; use {alternative} instead")]
-    NeedsDepth {
-        /// The keypoint.
-        keypoint: String,
-        /// What would work without depth.
-        alternative: &'static str,
-    },
+    /// A keypoint needs depth; says what would work without.
+    #[error("`{0}` needs depth, but the picture has none; use {1} instead")]
+    NeedsDepth(String, &'static str),
     /// A layer shows where the last action picked, which is unknown.
-    #[error("the layer `{layer}` shows where the last action picked, but only its place was given")]
-    NeedsPick {
-        /// The layer.
-        layer: String,
-    },
+    #[error("the layer `{0}` shows where the last action picked, but only its place was given")]
+    NeedsPick(String),
     /// The depth is not that of the picture.
     #[error(transparent)]
     NotAligned(#[from] NotAligned),
@@ -104,19 +96,14 @@ fn check_depth(program: &Program) -> Result<(), SeeError> {
         } => "a detector that looks at `of: mask` or `of: picture`",
         _ => "`mask(hue: …, saturation: …, value: …)`",
     };
-    Err(SeeError::NeedsDepth {
-        keypoint: keypoint.name.clone(),
-        alternative,
-    })
+    Err(SeeError::NeedsDepth(keypoint.name.clone(), alternative))
 }
 
 /// Makes the action for layers; only its two ends are known.
 fn done(program: &Program, last: LastAction) -> Result<ExecutedAction, SeeError> {
     let of_pick = program.layers.iter().find(|layer| layer.uses_last_pick());
     match (last.pick, of_pick) {
-        (None, Some(layer)) => Err(SeeError::NeedsPick {
-            layer: layer.name.clone(),
-        }),
+        (None, Some(layer)) => Err(SeeError::NeedsPick(layer.name.clone())),
         // If no layer shows the pick, any pixel will do.
         (pick, _) => Ok(ExecutedAction {
             proposal: Proposal { fields: Vec::new() },

@@ -31,11 +31,6 @@ pub struct Sheet {
 }
 
 impl Sheet {
-    /// Makes a sheet without rows.
-    pub fn new() -> Sheet {
-        Sheet::default()
-    }
-
     /// Adds an executed step, numbered from 1.
     ///
     /// The first picture is the subgoal with its arrow; if there is none, the scene with the task's layers.
@@ -58,44 +53,31 @@ impl Sheet {
         let width = 3 * cell + 4 * MARGIN_PX;
         let height = HEADLINE_PX + rows * (CAPTION_PX + cell + MARGIN_PX);
         let mut sheet = RgbImage::from_pixel(width, height, PAPER);
-        fab_vision::draw_label(
-            &mut sheet,
-            &format!("{}   policy: {}", report.task, report.policy),
-            PixelPoint::new(MARGIN_PX as i32, 22),
-            INK,
-            10,
-        )?;
-        let distance = match (report.mean_particle_distance_mm, report.coverage) {
+        let mut label = |text: &str, [left, base]: [u32; 2], height_px: u32| {
+            let at = PixelPoint::new(left as i32, base as i32);
+            fab_vision::draw_label(&mut sheet, text, at, INK, height_px)
+        };
+        let title = format!("{}   policy: {}", report.task, report.policy);
+        label(&title, [MARGIN_PX, 22], 10)?;
+        let distance = match (report.mean_particle_distance_mm, report.measures.coverage) {
             (Some(mm), _) => format!("   {mm:.1} mm from the nearest expert result"),
             (None, Some(coverage)) => format!("   coverage {coverage:.3}"),
             (None, None) => String::new(),
         };
-        fab_vision::draw_label(
-            &mut sheet,
-            &format!("{}{distance}", report.outcome.name()),
-            PixelPoint::new(MARGIN_PX as i32, 44),
-            INK,
-            10,
-        )?;
-        for (number, (step, row)) in self.rows.iter().enumerate() {
-            let top = HEADLINE_PX + number as u32 * (CAPTION_PX + cell + MARGIN_PX);
-            for (column, picture) in row.iter().enumerate() {
-                let left = MARGIN_PX + column as u32 * (cell + MARGIN_PX);
-                let caption = format!("{step}. {}", CAPTIONS[column]);
-                fab_vision::draw_label(
-                    &mut sheet,
-                    &caption,
-                    PixelPoint::new(left as i32, (top + CAPTION_PX - 7) as i32),
-                    INK,
-                    8,
-                )?;
-                let fitted = fit(picture, cell);
-                imageops::replace(
-                    &mut sheet,
-                    &fitted,
-                    i64::from(left),
-                    i64::from(top + CAPTION_PX),
-                );
+        let result = format!("{}{distance}", report.outcome.name());
+        label(&result, [MARGIN_PX, 44], 10)?;
+        let places = |number: usize| {
+            let top = HEADLINE_PX + number as u32 * (CAPTION_PX + cell + MARGIN_PX) + CAPTION_PX;
+            [0, 1, 2].map(|column| [MARGIN_PX + column * (cell + MARGIN_PX), top])
+        };
+        for (number, (step, _)) in self.rows.iter().enumerate() {
+            for (caption, [left, top]) in CAPTIONS.iter().zip(places(number)) {
+                label(&format!("{step}. {caption}"), [left, top - 7], 8)?;
+            }
+        }
+        for (number, (_, row)) in self.rows.iter().enumerate() {
+            for (picture, [left, top]) in row.iter().zip(places(number)) {
+                imageops::replace(&mut sheet, &fit(picture, cell), left.into(), top.into());
             }
         }
         Ok(Some(sheet))

@@ -7,7 +7,6 @@ mod pins;
 
 use crate::task_files::{self, FileError};
 use fab_base::interrupt::Interrupt;
-use fab_picture::observation::Observation;
 use fab_picture::png;
 use fab_picture::png::PictureError;
 use fab_program::{
@@ -18,7 +17,6 @@ use fab_world::metrics::{ClothMoved, cloth_moved};
 use fab_world::start::Start;
 use fab_world::{Grip, World, WorldError, expert, smallest_fold};
 use image::RgbImage;
-use pins::Pinned;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -27,7 +25,7 @@ use std::path::{Path, PathBuf};
 pub type ArrowPx = [[f64; 2]; 2];
 
 /// The pictures of a whole task.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct SubgoalSet {
     /// One more than there are steps.
     pub pictures: Vec<RgbImage>,
@@ -37,6 +35,8 @@ pub struct SubgoalSet {
     pub origin: Origin,
     /// What was done to show the author's pictures as a viewer does.
     pub notes: Vec<String>,
+    /// What the steps did to the cloth, if they were drawn anew to be pinned.
+    pub trial: Option<Trial>,
 }
 
 impl SubgoalSet {
@@ -44,17 +44,21 @@ impl SubgoalSet {
     pub fn digest(&self) -> String {
         let mut hash = Sha256::new();
         for picture in &self.pictures {
-            hash.update(picture.width().to_le_bytes());
-            hash.update(picture.height().to_le_bytes());
-            hash.update(picture.as_raw());
+            add_picture(&mut hash, picture);
         }
         hash.update(format!("{:?}", self.arrows));
         fab_base::digest::hex(&hash.finalize())
     }
 }
 
+fn add_picture(hash: &mut Sha256, picture: &RgbImage) {
+    hash.update(picture.width().to_le_bytes());
+    hash.update(picture.height().to_le_bytes());
+    hash.update(picture.as_raw());
+}
+
 /// The origin of subgoal pictures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Origin {
     /// Files that the author names.
@@ -66,18 +70,10 @@ pub enum Origin {
     /// Drawn for this run, because none are pinned.
     Drawn,
     /// The task has none.
+    #[default]
     Absent,
     /// Drawn for this run, because the pinned ones show another fold, cloth or camera.
     DrawnAnew,
-}
-
-/// Pictures that were drawn anew.
-#[derive(Clone, Debug)]
-pub struct Drawn {
-    /// The pictures.
-    pub set: SubgoalSet,
-    /// What the steps did to the cloth; `None` if the task demonstrates nothing.
-    pub trial: Option<Trial>,
 }
 
 /// The pictures around one step.
@@ -89,19 +85,6 @@ pub struct StepPictures {
     with_arrow: [RgbImage; 2],
 }
 
-/// A step of a demonstration, before its execution.
-#[derive(Clone, Copy)]
-pub struct Demonstrated<'a> {
-    /// From 0.
-    pub number: usize,
-    /// The fold.
-    pub fold: &'a Fold,
-    /// The cloth before it.
-    pub observation: &'a Observation,
-    /// Where it picks and places, pixels `[column, row]`; `None` if the camera does not see that point.
-    pub ends_px: [Option<[f64; 2]>; 2],
-}
-
 /// Why there are no pictures.
 #[derive(Debug, thiserror::Error)]
 pub enum SubgoalError {
@@ -111,14 +94,9 @@ pub enum SubgoalError {
     /// A picture cannot be used.
     #[error("a subgoal picture cannot be used: {0}")]
     Picture(#[from] PictureError),
-    /// A file cannot be written.
-    #[error("cannot write the subgoal picture `{path}`: {why}")]
-    Unwritable {
-        /// The file.
-        path: PathBuf,
-        /// The system's error.
-        why: String,
-    },
+    /// A file cannot be written; says why.
+    #[error("cannot write the subgoal picture `{0}`: {1}")]
+    Unwritable(PathBuf, String),
     /// An arrow cannot be drawn.
     #[error(transparent)]
     Vision(#[from] VisionError),
@@ -128,16 +106,6 @@ pub enum SubgoalError {
 }
 
 impl SubgoalSet {
-    /// Returns the set of a task without subgoals.
-    pub fn none() -> SubgoalSet {
-        SubgoalSet {
-            pictures: Vec::new(),
-            arrows: Vec::new(),
-            origin: Origin::Absent,
-            notes: Vec::new(),
-        }
-    }
-
     /// Returns the program's pictures; `folder` contains its file.
     ///
     /// `world` is reset and used only if nothing is pinned.
@@ -148,17 +116,16 @@ impl SubgoalSet {
         interrupt: &Interrupt,
     ) -> Result<SubgoalSet, SubgoalError> {
         match &program.subgoals {
-            None => Ok(SubgoalSet::none()),
+            None => Ok(SubgoalSet::default()),
             Some(Subgoals::Images { images }) => load_images(images, folder),
             Some(Subgoals::Demonstrate { folds }) => {
-                let origin = match pins::load(program, folds, folder, world) {
-                    Pinned::Fitting(set) => return Ok(set),
-                    Pinned::Absent => Origin::Drawn,
-                    Pinned::OfAnotherFold => Origin::DrawnAnew,
-                };
-                let unseen = &mut |_: Demonstrated<'_>| {};
-                let (drawn, _) = draw_until(folds.len(), program, folds, world, interrupt, unseen)?;
-                Ok(SubgoalSet { origin, ..drawn })
+                match pins::load(program, folds, folder, world) {
+                    Ok(set) => Ok(set),
+                    Err(origin) => {
+                        let (drawn, _) = demonstrate(program, folds, world, interrupt)?;
+                        Ok(SubgoalSet { origin, ..drawn })
+                    }
+                }
             }
         }
     }
@@ -166,24 +133,19 @@ impl SubgoalSet {
     /// Draws the demonstration again, even if pictures are pinned; the author's own pictures are loaded.
     ///
     /// For a step that folds nothing, the smallest fold that stays is searched.
-    ///
-    /// - `watch`: shown each step before its execution.
     pub fn draw(
         program: &Program,
         folder: &Path,
         world: &mut dyn World,
         interrupt: &Interrupt,
-        watch: &mut dyn FnMut(Demonstrated<'_>),
-    ) -> Result<Drawn, SubgoalError> {
-        let alone = |set| Drawn { set, trial: None };
+    ) -> Result<SubgoalSet, SubgoalError> {
         match &program.subgoals {
-            None => Ok(alone(SubgoalSet::none())),
-            Some(Subgoals::Images { images }) => load_images(images, folder).map(alone),
+            None => Ok(SubgoalSet::default()),
+            Some(Subgoals::Images { images }) => load_images(images, folder),
             Some(Subgoals::Demonstrate { folds }) => {
-                let (set, steps) =
-                    draw_until(folds.len(), program, folds, world, interrupt, watch)?;
+                let (set, steps) = demonstrate(program, folds, world, interrupt)?;
                 let trial = tried(program, steps, world, interrupt)?;
-                Ok(Drawn { set, trial })
+                Ok(SubgoalSet { trial, ..set })
             }
         }
     }
@@ -226,10 +188,8 @@ impl StepPictures {
 
 fn load_images(images: &[SubgoalImage], folder: &Path) -> Result<SubgoalSet, SubgoalError> {
     let mut set = SubgoalSet {
-        pictures: Vec::new(),
-        arrows: Vec::new(),
         origin: Origin::Author,
-        notes: Vec::new(),
+        ..SubgoalSet::default()
     };
     for image in images {
         let path = task_files::resolve(folder, &image.file)?;
@@ -263,18 +223,17 @@ fn tried(
         return Ok(None);
     };
     let tenths = |mm: f64| (mm * 10.0).round() / 10.0;
-    let mut trial = Trial {
-        of,
-        steps: Vec::new(),
-    };
-    for step in steps {
-        let DoneStep { grip, moved, .. } = step;
+    let judged = |DoneStep {
+                      before,
+                      grip,
+                      moved,
+                  }: DoneStep| {
         let effect = match moved.held {
             None => Effect::Missed,
             Some(held) if held.went_back => {
                 let cloth = Start {
                     name: "the cloth before the step".to_owned(),
-                    positions: step.before,
+                    positions: before,
                     ..Start::flat(&program.cloth)
                 };
                 Effect::WentBack {
@@ -287,22 +246,24 @@ fn tried(
             Some(_) => Effect::Changed,
         };
         let way = grip.place - grip.pick;
-        trial.steps.push(StepTrial {
+        Ok(StepTrial {
             planned_mm: tenths(way.x.hypot(way.y) * 1000.0),
             effect,
-        });
-    }
-    Ok(Some(trial))
+        })
+    };
+    let steps = steps
+        .into_iter()
+        .map(judged)
+        .collect::<Result<_, WorldError>>()?;
+    Ok(Some(Trial { of, steps }))
 }
 
-/// Draws the pictures up to number `last`, from 0, and the arrows between them; also returns what was executed.
-fn draw_until(
-    last: usize,
+/// Draws the pictures and the arrows between them; also returns what was executed.
+fn demonstrate(
     program: &Program,
     folds: &[Fold],
     world: &mut dyn World,
     interrupt: &Interrupt,
-    watch: &mut dyn FnMut(Demonstrated<'_>),
 ) -> Result<(SubgoalSet, Vec<DoneStep>), SubgoalError> {
     let start = Start::flat(&program.cloth);
     let mut steps = Vec::new();
@@ -310,26 +271,16 @@ fn draw_until(
     let mut observation = world.observe()?;
     let mut set = SubgoalSet {
         pictures: vec![observation.rgb.clone()],
-        arrows: Vec::new(),
         origin: Origin::Drawn,
-        notes: Vec::new(),
+        ..SubgoalSet::default()
     };
-    for (number, fold) in folds.iter().enumerate() {
+    for fold in folds {
         let grip = expert::grip(fold, &start, world)?.with_manner(program.manner);
         let camera = &observation.camera;
-        let ends = [grip.pick, grip.place].map(|point| camera.pixel_from_world(point));
-        set.arrows.push(match ends {
+        let ends_px = [grip.pick, grip.place].map(|point| camera.pixel_from_world(point));
+        set.arrows.push(match ends_px {
             [Some(tail), Some(tip)] => Some([tail, tip]),
             _ => None,
-        });
-        if number == last {
-            break;
-        }
-        watch(Demonstrated {
-            number,
-            fold,
-            observation: &observation,
-            ends_px: ends,
         });
         let before = world.particles().unwrap_or_default();
         let executed = world.act(&grip.into(), interrupt)?;

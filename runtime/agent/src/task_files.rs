@@ -11,22 +11,12 @@ use std::path::{Path, PathBuf};
 /// Why a file of a task cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum FileError {
-    /// The file cannot be read.
-    #[error("cannot read `{path}`: {why}")]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// The system's error.
-        why: String,
-    },
-    /// The file lies outside the folder.
-    #[error("`{path}` leads out of the task's folder, to `{target}`")]
-    Outside {
-        /// The file.
-        path: PathBuf,
-        /// Its real path.
-        target: PathBuf,
-    },
+    /// The file cannot be read; says why.
+    #[error("cannot read `{0}`: {1}")]
+    Unreadable(PathBuf, String),
+    /// The file lies outside the folder; says where.
+    #[error("`{0}` leads out of the task's folder, to `{1}`")]
+    Outside(PathBuf, PathBuf),
     /// It is not a picture.
     #[error("the picture of an example cannot be used: {0}")]
     Picture(#[from] PictureError),
@@ -41,14 +31,12 @@ pub fn resolve(folder: &Path, file: &FileRef) -> Result<PathBuf, FileError> {
     };
     let path = folder.join(&file.path);
     let real = |path: &Path| {
-        fs::canonicalize(path).map_err(|error| FileError::Unreadable {
-            path: path.to_owned(),
-            why: error.to_string(),
-        })
+        fs::canonicalize(path)
+            .map_err(|error| FileError::Unreadable(path.to_owned(), error.to_string()))
     };
     let (root, target) = (real(folder)?, real(&path)?);
     if !target.starts_with(&root) {
-        return Err(FileError::Outside { path, target });
+        return Err(FileError::Outside(path, target));
     }
     Ok(path)
 }

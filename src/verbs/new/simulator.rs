@@ -2,19 +2,15 @@
 
 mod from_images;
 mod page;
-mod pictures;
-mod points;
 
 pub use from_images::draft;
-pub use points::point_text;
 
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::verbs::runtime::setting;
 use clap::{Args, ValueHint};
-use fab_agent::subgoals::{self, SubgoalError, SubgoalSet};
+use fab_agent::subgoals::SubgoalSet;
 use fab_program::{Program, Subgoals};
-use fab_world::WorldError;
 use std::path::{Path, PathBuf};
 
 /// Pictures to draft a fold from.
@@ -25,22 +21,12 @@ pub struct PictureArguments {
     #[arg(long, value_name = "PICTURE", num_args = 1.., value_hint = ValueHint::FilePath)]
     pub from_images: Vec<PathBuf>,
     /// The flat cloth's longer side, such as `340mm`; without `--height` the camera's height follows from it.
-    #[arg(long, value_name = "LENGTH", requires = "from_images", value_parser = cloth)]
+    #[arg(long, value_name = "LENGTH", requires = "from_images", value_parser = |text: &str| length(text, [20.0, 1200.0]))]
     pub cloth: Option<f64>,
     /// The camera's height above the table, such as `65cm`; without `--cloth` the cloth's size follows from it. With both
     /// the camera's field of view follows.
-    #[arg(long, value_name = "LENGTH", requires = "from_images", value_parser = height)]
+    #[arg(long, value_name = "LENGTH", requires = "from_images", value_parser = |text: &str| length(text, [100.0, 5000.0]))]
     pub height: Option<f64>,
-}
-
-/// Parses a cloth's side, metres.
-fn cloth(text: &str) -> Result<f64, String> {
-    length(text, [20.0, 1200.0])
-}
-
-/// Parses a camera's height, metres.
-fn height(text: &str) -> Result<f64, String> {
-    length(text, [100.0, 5000.0])
 }
 
 /// Parses a length with its unit, metres; the allowed range is in millimetres.
@@ -61,34 +47,15 @@ fn length(text: &str, [least_mm, most_mm]: [f64; 2]) -> Result<f64, String> {
     }
 }
 
-/// The subgoal pictures of a new task, and the parameters of the world in which they were drawn.
-pub struct Drawn {
-    pictures: subgoals::Drawn,
-    parameters: String,
-}
-
-impl Drawn {
-    /// Executes a task's demonstration; `None` if it has none.
-    pub fn of(program: &Program, io: &Io) -> Result<Option<Drawn>, Failure> {
-        if !matches!(program.subgoals, Some(Subgoals::Demonstrate { .. })) {
-            return Ok(None);
-        }
-        let interrupt = io.interrupt()?;
-        let mut world = setting::world(program)?;
-        let beside = Path::new("");
-        let drawn = SubgoalSet::draw(program, beside, world.as_mut(), &interrupt, &mut |_| {});
-        match drawn {
-            Ok(pictures) => Ok(Some(Drawn {
-                pictures,
-                parameters: world.parameters(),
-            })),
-            Err(SubgoalError::World(WorldError::Interrupted)) => Err(Failure::interrupted()),
-            Err(error) => Err(Failure::environment(error)),
-        }
+/// Executes a task's demonstration; `None` if it has none. Also returns the parameters of the world in which it did.
+pub fn demonstrated(program: &Program, io: &Io) -> Result<Option<(SubgoalSet, String)>, Failure> {
+    if !matches!(program.subgoals, Some(Subgoals::Demonstrate { .. })) {
+        return Ok(None);
     }
-
-    /// Writes the pictures beside the task; returns their paths.
-    pub fn write(&self, program: &Program, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
-        Ok(self.pictures.pin(program, folder, &self.parameters)?)
-    }
+    let interrupt = io.interrupt()?;
+    let mut world = setting::world(program)?;
+    let beside = Path::new("");
+    let drawn = SubgoalSet::draw(program, beside, world.as_mut(), &interrupt);
+    let drawn = drawn.map_err(setting::no_subgoals)?;
+    Ok(Some((drawn, world.parameters())))
 }

@@ -7,7 +7,7 @@ use crate::shipped;
 use crate::sources::{self, TaskArguments};
 use crate::verbs::runtime::setting;
 use clap::{Args, ValueHint};
-use fab_agent::demos::{self, Demo, DemoRequest, Header, MakeError};
+use fab_agent::demos::{self, DemoRequest, MakeError};
 use serde::Serialize;
 use std::fs;
 use std::path::PathBuf;
@@ -75,7 +75,8 @@ pub fn run(arguments: &DemosArguments, io: &Io) -> Result<Exit, Failure> {
         // The message names the file, not its folder.
         fs::create_dir_all(folder).map_err(|error| Failure::unwritable(&path, error))?;
     }
-    write_file(&path, lines(&header, &made).as_bytes())?;
+    let text = line(&header) + &made.iter().map(line).collect::<String>();
+    write_file(&path, text.as_bytes())?;
     let written = WrittenDemos {
         file: path.display().to_string(),
         task: program.task,
@@ -97,13 +98,6 @@ impl Report for WrittenDemos {
             self.file, self.demos, self.actions, self.stage
         )
     }
-}
-
-/// Formats the header and each demonstration, one per line.
-fn lines(header: &Header, made: &[Demo]) -> String {
-    let mut text = line(header);
-    made.iter().for_each(|demo| text.push_str(&line(demo)));
-    text
 }
 
 fn line(value: &impl Serialize) -> String {

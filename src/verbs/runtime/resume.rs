@@ -13,7 +13,7 @@ use crate::verbs::runtime::setting::worlds::WorldChoice;
 use crate::{shipped, sources};
 use clap::{Args, ValueHint};
 use fab_agent::outcome::Outcome;
-use fab_agent::record::{Record, Report, RunCosts};
+use fab_agent::record::Record;
 use fab_agent::rollout::Ended;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -42,14 +42,13 @@ pub fn run(arguments: &ResumeArguments, io: &Io) -> Result<Exit, Failure> {
             arguments.run.display()
         ))
     })?;
-    let begun = begun(&folder, &arguments.run)?;
-    if let Some((report, took)) = ended(&folder) {
-        return Ok(report_ended(report, took, arguments, io));
-    }
     let Begun {
         directory,
         arguments: mut wanted,
-    } = begun;
+    } = begun(&folder, &arguments.run)?;
+    if let Some(exit) = ended(&folder, arguments, io) {
+        return Ok(exit);
+    }
     if wanted.world == WorldChoice::Arm {
         return Err(Failure::environment(format!(
             "the rollout in `{}` was carried out by an arm, which cannot do it again: see how it was left with `fabc robot recover`, and begin a new run",
@@ -86,26 +85,18 @@ fn begun(folder: &Path, named: &Path) -> Result<Begun, Failure> {
     begun.map_err(|error| wrong(format!("its {RUN_FILE} is damaged ({error})")))
 }
 
-/// Returns the report of a rollout that ended for good; one ended by the user, a cap or an unavailable model did not.
-fn ended(folder: &Path) -> Option<(Report, Option<RunCosts>)> {
+/// Reports a rollout that ended for good; one ended by the user, a cap or an unavailable model did not. The exit code is
+/// the run's.
+fn ended(folder: &Path, arguments: &ResumeArguments, io: &Io) -> Option<Exit> {
     let record = Record::read(folder).ok()?;
     let report = record.end?.report;
-    match report.outcome {
-        Outcome::Interrupted
-        | Outcome::BudgetExhausted
-        | Outcome::ModelFailed
-        | Outcome::PolicyFailed => None,
-        _ => Some((report, record.took)),
+    if let Outcome::Interrupted
+    | Outcome::BudgetExhausted
+    | Outcome::ModelFailed
+    | Outcome::PolicyFailed = report.outcome
+    {
+        return None;
     }
-}
-
-/// Reports how the rollout had ended; the exit code is the run's.
-fn report_ended(
-    report: Report,
-    took: Option<RunCosts>,
-    arguments: &ResumeArguments,
-    io: &Io,
-) -> Exit {
     io.talk(&format!(
         "the rollout in `{}` has already ended ({}); there is nothing to resume",
         arguments.run.display(),
@@ -114,11 +105,11 @@ fn report_ended(
     let judged = report.operator.as_ref().map(|judgement| judgement.reached);
     let exit = run::exit_of(report.outcome, report.goal_reached, judged);
     if arguments.json {
-        let document = match took {
+        let document = match record.took {
             Some(took) => serde_json::to_value(Ended { report, took }),
             None => serde_json::to_value(report),
         };
         io.json(&document.expect("a report has string keys and finite numbers"));
     }
-    exit
+    Some(exit)
 }

@@ -26,10 +26,10 @@ pub struct SeeArguments {
     #[arg(long, value_name = "PNG", value_hint = ValueHint::FilePath)]
     pub depth: Option<PathBuf>,
     /// Where the action before this one placed the cloth, for layers that show it.
-    #[arg(long, value_name = "U,V", value_parser = crate::verbs::runtime::see::pixel, allow_hyphen_values = true)]
+    #[arg(long, value_name = "U,V", value_parser = pixel, allow_hyphen_values = true)]
     pub last_place: Option<PixelPoint>,
     /// Where that action picked the cloth.
-    #[arg(long, value_name = "U,V", value_parser = crate::verbs::runtime::see::pixel, allow_hyphen_values = true, requires = "last_place")]
+    #[arg(long, value_name = "U,V", value_parser = pixel, allow_hyphen_values = true, requires = "last_place")]
     pub last_pick: Option<PixelPoint>,
     /// Write a picture of each keypoint and layer into this folder, and `annotated.png`, what a model would see.
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
@@ -76,7 +76,11 @@ pub fn run(arguments: &SeeArguments, io: &Io) -> Result<Exit, Failure> {
     for note in opened.note.iter().chain(&seen.notes) {
         io.talk(&format!("note: {note}"));
     }
-    say_doubts(&seen, io);
+    for layer in &seen.left_out {
+        io.talk(&format!(
+            "note: `{layer}` shows the action before this one, which `--last-place U,V` would say; it is left out"
+        ));
+    }
     let files = match &arguments.out {
         Some(folder) => write(folder, &seen).map_err(|error| {
             Failure::environment(format!("cannot write into `{}`: {error}", folder.display()))
@@ -111,26 +115,9 @@ pub fn pixel(text: &str) -> Result<PixelPoint, String> {
 /// Names a missing option; every other error is due to the picture.
 fn failure(error: SeeError) -> Failure {
     match error {
-        SeeError::NeedsDepth { .. } => Failure::usage(format!("{error}; `--depth PNG` brings it")),
-        SeeError::NeedsPick { .. } => Failure::usage(format!("{error}; `--last-pick U,V` says it")),
+        SeeError::NeedsDepth(..) => Failure::usage(format!("{error}; `--depth PNG` brings it")),
+        SeeError::NeedsPick(_) => Failure::usage(format!("{error}; `--last-pick U,V` says it")),
         SeeError::NotAligned(_) | SeeError::Scene(_) => Failure::environment(error),
-    }
-}
-
-fn say_doubts(seen: &SeeOutput, io: &Io) {
-    for layer in &seen.left_out {
-        io.talk(&format!(
-            "note: `{layer}` shows the action before this one, which `--last-place U,V` would say; it is left out"
-        ));
-    }
-    if let Some((name, mask)) = seen.scene.masks().first() {
-        let all = mask.width() as usize * mask.height() as usize;
-        if mask.area_px() == all {
-            io.talk(&format!(
-                "note: all {all} pixels of the picture belong to `{name}`; the picture must show background around \
-                 the cloth"
-            ));
-        }
     }
 }
 
@@ -139,7 +126,7 @@ fn write(folder: &Path, seen: &SeeOutput) -> std::io::Result<Vec<PathBuf>> {
     fs::create_dir_all(folder)?;
     let numbered = (1..).zip(&seen.stages);
     let mut pictures: Vec<(String, &RgbImage)> = numbered
-        .map(|(number, stage)| (format!("{number:02}_{}.png", stage.name), &stage.picture))
+        .map(|(number, (name, picture))| (format!("{number:02}_{name}.png"), picture))
         .collect();
     pictures.push(("annotated.png".to_owned(), &seen.annotated));
     let mut files = Vec::with_capacity(pictures.len());

@@ -13,10 +13,11 @@ use fab_agent::scene::Scene;
 use fab_agent::subgoals::SubgoalSet;
 use fab_base::interrupt::Interrupt;
 use fab_model::Models;
+use fab_picture::SubpixelPoint;
 use fab_picture::camera::Camera;
 use fab_picture::observation::Observation;
 use fab_program::facts::ExecutedAction;
-use fab_program::{Fold, PixelPoint, Program, Proposal, Subgoals, Value};
+use fab_program::{Fold, Program, Proposal, Subgoals, Value};
 use fab_standins::Geometric;
 use fab_world::start::Start;
 use fab_world::{Grip, World, expert};
@@ -53,33 +54,27 @@ pub fn scene_at_step(
         ));
     }
     world.reset(start)?;
-    let mut seen = observe(program, None, None, world)?;
-    let mut first: Option<Scene> = None;
-    for earlier in 1..step {
-        let (grip, done) = match folds.get(earlier as usize - 1) {
+    let (mut first, mut last) = (None, None);
+    for number in 1.. {
+        let observation = world.observe()?;
+        let scene = Scene::of(program, &observation, first.as_ref())?;
+        let seen = StepScene {
+            scene,
+            observation,
+            last,
+        };
+        if number >= step {
+            return Ok(seen);
+        }
+        let (grip, done) = match folds.get(number as usize - 1) {
             Some(fold) => demonstrated(program, fold, start, &seen.observation.camera, world)?,
-            None => stand_in_action(program, &seen, earlier, subgoals)?,
+            None => stand_in_action(program, &seen, number, subgoals)?,
         };
         world.act(&grip.into(), interrupt)?;
-        let first = first.get_or_insert_with(|| seen.scene.clone());
-        seen = observe(program, Some(first), done, world)?;
+        last = done;
+        first.get_or_insert(seen.scene);
     }
-    Ok(seen)
-}
-
-fn observe(
-    program: &Program,
-    first: Option<&Scene>,
-    last: Option<ExecutedAction>,
-    world: &mut dyn World,
-) -> Result<StepScene, Failure> {
-    let observation = world.observe()?;
-    let scene = Scene::of(program, &observation, first)?;
-    Ok(StepScene {
-        scene,
-        observation,
-        last,
-    })
+    unreachable!("the loop ends with the step that is asked for")
 }
 
 /// Returns a demonstrated fold's grip and, if its ends are in the picture, the corresponding action.
@@ -91,10 +86,7 @@ fn demonstrated(
     world: &mut dyn World,
 ) -> Result<(Grip, Option<ExecutedAction>), Failure> {
     let grip = expert::grip(fold, start, world)?.with_manner(program.manner);
-    let pixel = |point| {
-        let [column, row]: [f64; 2] = camera.pixel_from_world(point)?;
-        Some(PixelPoint::new(column.floor() as i32, row.floor() as i32))
-    };
+    let pixel = |point| Some(SubpixelPoint::at(camera.pixel_from_world(point)?).pixel);
     let ends = pixel(grip.pick).zip(pixel(grip.place));
     let done = ends.map(|(pick, place)| {
         let field = |name: &str, point| (name.to_owned(), Value::Point(point));
@@ -116,12 +108,7 @@ fn stand_in_action(
     step: u32,
     subgoals: &SubgoalSet,
 ) -> Result<(Grip, Option<ExecutedAction>), Failure> {
-    let StepScene {
-        scene,
-        observation,
-        last,
-    } = seen;
-    let last = last.as_ref();
+    let (scene, observation, last) = (&seen.scene, &seen.observation, seen.last.as_ref());
     let subgoals = subgoals.step(step as usize - 1)?;
     let examples = Examples::default();
     let pictures = Pictures::of(program, scene, observation, last, subgoals, examples)?;
@@ -136,20 +123,21 @@ fn stand_in_action(
         interrupt: &Interrupt::default(),
         twins: None,
     };
-    let decision = Prompted { models }.decide(&view, &mut exchange);
-    let action = match decision? {
-        Decision::Act { mut grips, .. } => grips.pop().and_then(|proposal| {
-            let action = Action::lower(program, &proposal, scene, observation);
-            action.map(|action| (action, proposal))
-        }),
+    let decision = Prompted { models }.decide(&view, &mut exchange)?;
+    let proposal = match decision {
+        Decision::Act { mut grips, .. } => grips.pop(),
         Decision::Skip(_) | Decision::Stop { .. } => None,
     };
-    let Some((action, proposal)) = action else {
-        return Err(Failure::environment(format!(
+    let lowered = proposal.and_then(|proposal| {
+        let action = Action::lower(program, &proposal, scene, observation)?;
+        Some((action, proposal))
+    });
+    let (action, proposal) = lowered.ok_or_else(|| {
+        Failure::environment(format!(
             "`geometric`, the embedded stand-in, finds no action for step {step} of `{}`; `fabc render` takes the points from `--scene FILE.json`",
             program.title()
-        )));
-    };
+        ))
+    })?;
     let done = ExecutedAction {
         proposal,
         pick: action.pick_on_cloth_px,

@@ -1,22 +1,18 @@
 //! `fabc subgoals`: draws a task's demonstration and pins the pictures beside its file.
 
-pub mod offered;
-mod tried;
-
 use crate::exit::{Exit, Failure};
 use crate::io::{Io, write_file};
 use crate::report::Report;
 use crate::shipped;
-use crate::sources::{self, TaskArguments};
+use crate::sources::{self, Disk, TaskArguments};
 use crate::verbs::runtime::setting;
 use clap::{Args, ValueHint};
-use fab_agent::subgoals::{Demonstrated, Drawn, Origin, SubgoalSet};
+use fab_agent::subgoals::{Origin, SubgoalSet};
 use fab_compiler::diag;
 use fab_picture::png;
 use fab_program::{Arrow, SubgoalStep};
 use fab_vision::VisionError;
 use image::{RgbImage, imageops};
-use offered::Offered;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -50,26 +46,26 @@ pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
     let folder = sources::folder_of(&arguments.task.file);
     let interrupt = io.interrupt()?;
     let mut world = setting::world(&program)?;
-    let mut offered = Offered::of(&program);
-    let watch = &mut |step: Demonstrated<'_>| offered.look(step);
-    let drawn = SubgoalSet::draw(&program, &folder, world.as_mut(), &interrupt, watch);
-    let drawn = drawn.map_err(setting::no_subgoals)?;
+    let drawn = SubgoalSet::draw(&program, &folder, world.as_mut(), &interrupt);
+    let set = drawn.map_err(setting::no_subgoals)?;
     let mut files = if shipped::is_shipped(&arguments.task.file, io) {
         Vec::new()
     } else {
-        drawn.pin(&program, &folder, &world.parameters())?
+        set.pin(&program, &folder, &world.parameters())?
     };
-    for note in offered.notes {
-        io.talk(&format!("note: {note}"));
-    }
-    let Drawn { set, trial } = drawn;
     let mut diagnostics = json!([]);
-    if let Some(trial) = &trial {
-        let tried = tried::compile(&arguments.task.file, &program, trial)?;
-        if !tried.diagnostics.is_empty() {
-            io.painted_talk(&sources::findings(&tried, io.talk_color()));
+    if set.trial.is_some() {
+        // Now that the results are pinned, the compiler tells which steps fold nothing.
+        let file = &arguments.task.file;
+        let mut found = fab_compiler::compile(file, &Disk::beside(file))?;
+        found
+            .diagnostics
+            .retain(|it| it.code == diag::Code::StepFoldsNothing);
+        found.left_out = 0;
+        if !found.diagnostics.is_empty() {
+            io.painted_talk(&sources::findings(&found, io.talk_color()));
         }
-        diagnostics = diag::to_json(&tried.diagnostics, &tried.sources);
+        diagnostics = diag::to_json(&found.diagnostics, &found.sources);
     }
     let name = &program.task;
     match set.origin {
@@ -101,23 +97,18 @@ pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
 /// Lays all pictures side by side, each with the arrow of its next fold.
 fn sheet(set: &SubgoalSet) -> Result<RgbImage, VisionError> {
     const GAP_PX: u32 = 8;
-    let width = set
-        .pictures
-        .iter()
-        .map(|picture| picture.width() + GAP_PX)
-        .sum::<u32>()
-        - GAP_PX;
+    let widths = set.pictures.iter().map(|picture| picture.width() + GAP_PX);
     let height = set.pictures.iter().map(RgbImage::height).max().unwrap_or(1);
+    let width = widths.sum::<u32>() - GAP_PX;
     let mut sheet = RgbImage::from_pixel(width, height, image::Rgb([255; 3]));
     let mut left = 0;
     for (number, bare) in set.pictures.iter().enumerate() {
-        let last = number + 1 == set.pictures.len();
-        let step = if last { None } else { set.step(number)? };
-        let shown = match &step {
-            Some(step) => step.picture(SubgoalStep::Now, Arrow::Drawn).clone(),
-            None => bare.clone(),
-        };
-        imageops::replace(&mut sheet, &shown, i64::from(left), 0);
+        let is_last = number + 1 == set.pictures.len();
+        let step = if is_last { None } else { set.step(number)? };
+        let shown = step
+            .as_ref()
+            .map_or(bare, |step| step.picture(SubgoalStep::Now, Arrow::Drawn));
+        imageops::replace(&mut sheet, shown, i64::from(left), 0);
         left += shown.width() + GAP_PX;
     }
     Ok(sheet)

@@ -7,19 +7,21 @@
 use super::words::{self, NamedPoint};
 use super::{DEMOS_FORMAT, Demo, DemoStep, Header};
 use crate::action::Action;
-use crate::scene::Scene;
+use crate::scene::{Scene, SceneError};
 use fab_base::chance::Chance;
 use fab_base::interrupt::Interrupt;
-use fab_picture::observation::Observation;
+use fab_base::wording::quoted;
+use fab_picture::SubpixelPoint;
 use fab_program::Proposal;
 use fab_program::facts::{ExecutedAction, Facts};
 use fab_program::pointing::Pointing;
+use fab_program::render::RenderError;
 use fab_program::scene::SceneView;
 use fab_program::verify::{self, Strictness, Verdict};
 use fab_program::{Choices, Fold, PixelPoint, Program, Read, Subgoals, Value};
 use fab_world::expert;
 use fab_world::expert::MakeWorld;
-use fab_world::start::{RESTING_HEIGHT_M, Start};
+use fab_world::start::RESTING_HEIGHT_M;
 use fab_world::{World, WorldError, WorldPoint};
 use std::collections::BTreeMap;
 
@@ -53,21 +55,31 @@ pub enum MakeError {
     /// The task cannot be demonstrated.
     #[error("{0}")]
     Task(String),
-    /// Too few starts led to accepted answers.
-    #[error(
-        "only {made} of {wanted} demonstrations were made from {tried} starts; the last failed because {why}"
-    )]
-    TooFew {
-        /// How many were made.
-        made: usize,
-        /// How many were requested.
-        wanted: u32,
-        /// Number of starts tried.
-        tried: u32,
-        /// What was wrong with the last one.
-        why: String,
-    },
+    /// Too few starts led to accepted answers; says how many, and why the last one did not.
+    #[error("{0}")]
+    TooFew(String),
     /// The world failed, or a stop was requested.
+    #[error(transparent)]
+    World(#[from] WorldError),
+}
+
+/// Why a start gives no demonstration.
+#[derive(Debug, thiserror::Error)]
+enum Unfit {
+    #[error("{0}")]
+    Start(String),
+    #[error("in step {0} {1}")]
+    Scene(u32, SceneError),
+    #[error("in step {0} the camera does not see the table")]
+    Table(u32),
+    #[error("in step {0} no offered point is near the expert's {1} point")]
+    Point(u32, &'static str),
+    #[error("in step {0} the check `{1}` refuses the expert's answer")]
+    Refused(u32, String),
+    #[error("in step {0} nothing was grasped")]
+    Missed(u32),
+    #[error(transparent)]
+    Words(#[from] RenderError),
     #[error(transparent)]
     World(#[from] WorldError),
 }
@@ -95,30 +107,23 @@ pub fn make(
     for field in &program.actions {
         let is_point = matches!(field.choices, Choices::Points { .. });
         if !(is_point && ["pick", "place"].contains(&field.name.as_str())) {
-            let why = format!(
+            return Err(task_error(&format!(
                 "asks for `{}`, and an expert knows only where to pick and to place",
                 field.name
-            );
-            return Err(task_error(&why));
+            )));
         }
     }
     let reads = program.stages.iter().filter_map(|stage| match &stage.read {
-        Read::Text { name, .. } => Some(name.clone()),
+        Read::Text { name, .. } => Some(name.as_str()),
         Read::Action => None,
     });
-    let reads: Vec<String> = reads.collect();
+    let reads: Vec<&str> = reads.collect();
     if reads.len() > 1 {
-        let why = format!(
-            "reads several texts before the action (`{}`), and an expert can write one instruction",
-            reads.join("`, `")
-        );
-        return Err(task_error(&why));
+        return Err(task_error(&format!(
+            "reads several texts before the action ({}), and an expert can write one instruction",
+            quoted(&reads)
+        )));
     }
-    let expert = Expert {
-        making,
-        folds,
-        instruction: reads.into_iter().next(),
-    };
     let mut world = (making.make_world)()?;
     let header = Header {
         format: DEMOS_FORMAT,
@@ -128,38 +133,42 @@ pub fn make(
         seed: making.seed,
     };
     let mut chance = Chance::seeded(making.seed);
-    let mut made = Vec::new();
+    let (mut made, wanted) = (Vec::new(), making.count as usize);
     let most = making.count.saturating_mul(TRIES);
     let mut last = String::from("none was tried");
     for _ in 0..most {
-        if made.len() == making.count as usize {
+        if made.len() == wanted {
             break;
         }
-        let (dims, turned_deg) = draw(program, &mut chance);
-        match expert.demonstrate(dims, turned_deg, world.as_mut())? {
-            Ok(demo) => made.push(demo),
+        let mut demo = draw(program, &mut chance);
+        let text = reads.first().copied();
+        match demonstrate(making, folds, text, &mut demo, world.as_mut()) {
+            Ok(()) => made.push(demo),
+            Err(Unfit::World(error)) => return Err(error.into()),
             Err(why) => {
+                last = why.to_string();
+                let Demo {
+                    dims: [dimx, dimy],
+                    turned_deg,
+                    ..
+                } = demo;
                 announce(&format!(
-                    "left out a cloth of {} by {} particles, turned by {turned_deg} degrees: {why}",
-                    dims[0], dims[1]
+                    "left out a cloth of {dimx} by {dimy} particles, turned by {turned_deg} degrees: {last}"
                 ));
-                last = why;
             }
         }
     }
-    if made.len() < making.count as usize {
-        return Err(MakeError::TooFew {
-            made: made.len(),
-            wanted: making.count,
-            tried: most,
-            why: last,
-        });
+    if made.len() < wanted {
+        return Err(MakeError::TooFew(format!(
+            "only {} of {wanted} demonstrations were made from {most} starts; the last failed because {last}",
+            made.len()
+        )));
     }
     Ok((header, made))
 }
 
 /// Draws the size and the rotation of a cloth.
-fn draw(program: &Program, chance: &mut Chance) -> ([u32; 2], f64) {
+fn draw(program: &Program, chance: &mut Chance) -> Demo {
     let sides = SIDES.end() - SIDES.start() + 1;
     let long = SIDES.start() + chance.below(sides as usize) as u32;
     let cloth = &program.cloth;
@@ -172,149 +181,92 @@ fn draw(program: &Program, chance: &mut Chance) -> ([u32; 2], f64) {
     };
     // 1 to 14 beyond one of the six multiples of 15 below 90.
     let turned = 15 * chance.below(6) + 1 + chance.below(14);
-    (dims, turned as f64)
-}
-
-struct Expert<'a> {
-    making: &'a DemoRequest<'a>,
-    folds: &'a [Fold],
-    /// The text that fills the instruction, if the task reads one.
-    instruction: Option<String>,
-}
-
-impl Expert<'_> {
-    /// Folds from one start; fails with the reason if an answer would not have been accepted.
-    fn demonstrate(
-        &self,
-        dims: [u32; 2],
-        turned_deg: f64,
-        world: &mut dyn World,
-    ) -> Result<Result<Demo, String>, WorldError> {
-        let mut demo = Demo {
-            dims,
-            turned_deg,
-            steps: Vec::with_capacity(self.folds.len()),
-        };
-        let start = match super::start_of(self.making.program, &demo) {
-            Ok(start) => start,
-            Err(why) => return Ok(Err(why)),
-        };
-        world.reset(&start)?;
-        let mut first = None;
-        let mut last = None;
-        for (fold, number) in self.folds.iter().zip(1..) {
-            let observation = world.observe()?;
-            let seen = Scene::of(self.making.program, &observation, first.as_ref());
-            let scene = match seen {
-                Ok(scene) => scene,
-                Err(why) => return Ok(Err(format!("in step {number} {why}"))),
-            };
-            let found = self.choose(fold, number, &start, world, &observation, &scene, &last)?;
-            let (step, proposal) = match found {
-                Ok(chosen) => chosen,
-                Err(why) => return Ok(Err(format!("in step {number} {why}"))),
-            };
-            let lowered = Action::lower(self.making.program, &proposal, &scene, &observation);
-            let Some(action) = lowered else {
-                return Ok(Err(format!("step {number} has no place on the table")));
-            };
-            let done = world.act(&action.grip.into(), self.making.interrupt)?;
-            if done.has_missed() {
-                return Ok(Err(format!("in step {number} nothing was grasped")));
-            }
-            last = Some(ExecutedAction {
-                proposal,
-                pick: action.pick_on_cloth_px,
-                place: action.place_px,
-            });
-            demo.steps.push(step);
-            first.get_or_insert(scene);
-        }
-        Ok(Ok(demo))
+    Demo {
+        dims,
+        turned_deg: turned as f64,
+        steps: Vec::new(),
     }
+}
 
-    /// Finds the offered points that stand for a fold, and records the step.
-    #[allow(clippy::too_many_arguments)] // one step's situation, used once
-    fn choose(
-        &self,
-        fold: &Fold,
-        number: u32,
-        start: &Start,
-        world: &dyn World,
-        observation: &Observation,
-        scene: &Scene,
-        last: &Option<ExecutedAction>,
-    ) -> Result<Result<(DemoStep, Proposal), String>, WorldError> {
-        let program = self.making.program;
-        let grip = expert::grip(fold, start, world)?;
-        let [center_x, center_y] = start.center_m();
-        let middle = WorldPoint::new(center_x, center_y, RESTING_HEIGHT_M);
-        let pixel = |point: WorldPoint| {
-            let [column, row] = observation.camera.pixel_from_world(point)?;
-            Some(PixelPoint::new(column.floor() as i32, row.floor() as i32))
+/// Folds from one start, and records each step; fails if an answer would not have been accepted.
+///
+/// - `text`: the text that the instruction fills, if the task reads one.
+fn demonstrate(
+    making: &DemoRequest<'_>,
+    folds: &[Fold],
+    text: Option<&str>,
+    demo: &mut Demo,
+    world: &mut dyn World,
+) -> Result<(), Unfit> {
+    let program = making.program;
+    let start = super::start_of(program, demo).map_err(Unfit::Start)?;
+    let [center_x, center_y] = start.center_m();
+    let middle = WorldPoint::new(center_x, center_y, RESTING_HEIGHT_M);
+    world.reset(&start)?;
+    let mut first = None;
+    let mut last = None;
+    for (fold, number) in folds.iter().zip(1..) {
+        let observation = world.observe()?;
+        let scene = Scene::of(program, &observation, first.as_ref());
+        let scene = scene.map_err(|why| Unfit::Scene(number, why))?;
+        let grip = expert::grip(fold, &start, world)?;
+        let camera = &observation.camera;
+        let pixel = |point| Some(SubpixelPoint::at(camera.pixel_from_world(point)?).pixel);
+        let center = pixel(middle).ok_or(Unfit::Table(number))?;
+        let named = |name: &'static str, point: WorldPoint, of| {
+            let offered = verify::offered(program, &scene, name);
+            let at = pixel(point).and_then(|wanted| nearest(wanted, &offered, program));
+            let at = at.ok_or(Unfit::Point(number, name))?;
+            Ok::<_, Unfit>(NamedPoint { point: of, at })
         };
-        let Some(center) = pixel(middle) else {
-            return Ok(Err("the camera does not see the table".to_owned()));
-        };
-        let named = |name: &str, point: WorldPoint, of| {
-            let offered = verify::offered(program, scene, name);
-            match pixel(point).and_then(|wanted| nearest(wanted, &offered, program)) {
-                Some(at) => Ok(NamedPoint { point: of, at }),
-                None => Err(format!(
-                    "no offered point is near the expert's {name} point"
-                )),
-            }
-        };
-        let pick = named("pick", grip.pick, &fold.pick);
-        let (pick, place) = match (pick, named("place", grip.place, &fold.place)) {
-            (Ok(pick), Ok(place)) => (pick, place),
-            (Err(why), _) | (_, Err(why)) => return Ok(Err(why)),
-        };
+        let pick = named("pick", grip.pick, &fold.pick)?;
+        let place = named("place", grip.place, &fold.place)?;
+        let fields = program.actions.iter().map(|field| {
+            let named = if field.name == "pick" { pick } else { place };
+            (field.name.clone(), Value::Point(named.at))
+        });
         let proposal = Proposal {
-            fields: program
-                .actions
-                .iter()
-                .map(|field| {
-                    let named = if field.name == "pick" { pick } else { place };
-                    (field.name.clone(), Value::Point(named.at))
-                })
-                .collect(),
+            fields: fields.collect(),
         };
         let instruction = words::instruction(pick, place, center);
-        let texts: BTreeMap<String, String> = self
-            .instruction
+        let texts = text
             .iter()
-            .map(|name| (name.clone(), instruction.clone()))
-            .collect();
+            .map(|name| ((*name).to_owned(), instruction.clone()));
+        let texts: BTreeMap<String, String> = texts.collect();
         let facts = Facts {
-            scene,
+            scene: &scene,
             texts: &texts,
             step: number,
             last: last.as_ref(),
             proposal: None,
             pointing: Pointing::of_camera(&program.camera),
         };
-        match verify::verdict(program, facts, &proposal, Strictness::Full) {
-            Ok(Verdict::Accept) => {}
-            Ok(Verdict::Reject { check, .. }) => {
-                return Ok(Err(format!(
-                    "the check `{check}` refuses the expert's answer"
-                )));
-            }
-            Err(why) => return Ok(Err(why.to_string())),
+        let verdict = verify::verdict(program, facts, &proposal, Strictness::Full)?;
+        if let Verdict::Reject { check, .. } = verdict {
+            return Err(Unfit::Refused(number, check));
         }
-        let points = program
-            .keypoints
-            .iter()
-            .filter_map(|keypoint| Some((keypoint.name.clone(), scene.points(&keypoint.name)?)));
-        let step = DemoStep {
+        let keypoints = program.keypoints.iter();
+        let points = keypoints.filter_map(|it| Some((it.name.clone(), scene.points(&it.name)?)));
+        demo.steps.push(DemoStep {
             points: points.collect(),
             texts,
             chosen: proposal.fields.iter().cloned().collect(),
             reason: words::reason(pick, place, center),
-        };
-        Ok(Ok((step, proposal)))
+        });
+        let action = Action::lower(program, &proposal, &scene, &observation);
+        let action = action.ok_or(Unfit::Table(number))?;
+        let done = world.act(&action.grip.into(), making.interrupt)?;
+        if done.has_missed() {
+            return Err(Unfit::Missed(number));
+        }
+        last = Some(ExecutedAction {
+            proposal,
+            pick: action.pick_on_cloth_px,
+            place: action.place_px,
+        });
+        first.get_or_insert(scene);
     }
+    Ok(())
 }
 
 /// Returns the offered point nearest to a pixel, if near enough to stand for it.
@@ -324,9 +276,6 @@ fn nearest(wanted: PixelPoint, offered: &[Value], program: &Program) -> Option<P
         Value::Point(point) => Some(*point),
         _ => None,
     });
-    points
-        .map(|point| (point.distance_px(wanted), point))
-        .filter(|(distance_px, _)| *distance_px <= limit_px)
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, point)| point)
+    let nearest = points.min_by(|a, b| a.distance_px(wanted).total_cmp(&b.distance_px(wanted)));
+    nearest.filter(|point| point.distance_px(wanted) <= limit_px)
 }

@@ -84,30 +84,15 @@ pub enum DemosError {
     /// The file is missing, or not where a task's files must be.
     #[error("{0}; `fabc demos FILE --variant NAME` makes the demonstrations")]
     File(#[from] FileError),
-    /// The file cannot be read.
-    #[error("cannot read the demonstrations `{path}`: {why}")]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        why: String,
-    },
-    /// A line is not a demonstration of this task.
-    #[error("line {line} of the demonstrations `{path}`: {why}")]
-    Line {
-        /// The file.
-        path: PathBuf,
-        /// Line number, from 1.
-        line: usize,
-        /// What is wrong.
-        why: String,
-    },
-    /// They cannot be written in the point convention of the model.
-    #[error("the demonstrations cannot be written for this model: {why}")]
-    Frame {
-        /// What is wrong.
-        why: String,
-    },
+    /// The file cannot be read; says why.
+    #[error("cannot read the demonstrations `{0}`: {1}")]
+    Unreadable(PathBuf, String),
+    /// A line, from 1, is not a demonstration of this task; says why.
+    #[error("line {1} of the demonstrations `{0}`: {2}")]
+    Line(PathBuf, usize, String),
+    /// They cannot be written in the point convention of the model; says why.
+    #[error("the demonstrations cannot be written for this model: {0}")]
+    Frame(String),
 }
 
 /// The demonstrations of one stage, ready to be shown.
@@ -132,23 +117,15 @@ impl Demonstrations {
         folder: &Path,
     ) -> Result<Demonstrations, DemosError> {
         let path = task_files::resolve(folder, &demos.file)?;
-        let unreadable = |why: String| DemosError::Unreadable {
-            path: path.clone(),
-            why,
-        };
+        let unreadable = |why: String| DemosError::Unreadable(path.clone(), why);
+        let wrong = |line: usize, why: String| DemosError::Line(path.clone(), line, why);
         let text = files::read_text(&path, MAX_BYTES).map_err(unreadable)?;
         let lines = text.lines().zip(1..);
         let mut lines = lines.filter(|(line, _)| !line.trim().is_empty());
-        let wrong = |line: usize, why: String| DemosError::Line {
-            path: path.clone(),
-            line,
-            why,
-        };
-        let (first, _) = lines
-            .next()
-            .ok_or_else(|| unreadable("it is empty".to_owned()))?;
-        let header: Header =
-            serde_json::from_str(first).map_err(|error| wrong(1, error.to_string()))?;
+        let first = lines.next().map(|(line, _)| serde_json::from_str(line));
+        let header: Header = first
+            .ok_or_else(|| unreadable("it is empty".to_owned()))?
+            .map_err(|error| wrong(1, error.to_string()))?;
         if header.format != DEMOS_FORMAT {
             let why = format!(
                 "it has format {}, this version reads {DEMOS_FORMAT}; make it again by `fabc demos`",
@@ -170,10 +147,8 @@ impl Demonstrations {
             by_step: Vec::new(),
         };
         for (line, number) in lines {
-            let demo: Demo =
-                serde_json::from_str(line).map_err(|error| wrong(number, error.to_string()))?;
-            demonstrations
-                .add(program, &demo, number as u32)
+            let demo = serde_json::from_str(line).map_err(|error| error.to_string());
+            demo.and_then(|demo| demonstrations.add(program, &demo, number as u32))
                 .map_err(|why| wrong(number, why))?;
         }
         Ok(demonstrations)
@@ -225,7 +200,7 @@ impl Demonstrations {
                 })
             })
             .collect::<Result<_, _>>()
-            .map_err(|why| DemosError::Frame { why })
+            .map_err(DemosError::Frame)
     }
 
     /// Returns how many actions are demonstrated, over all steps.

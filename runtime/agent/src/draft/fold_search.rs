@@ -1,21 +1,22 @@
 //! Tries folds between named points of the cloth, and takes the one with the result closest to the next picture.
 //!
-//! In: the cloth after the previous steps, and the outlines before and after one step. Out: a [`FoldMatch`]. Reflecting the
+//! In: the cloth after the previous steps, and the outlines before and after one step. Out: a [`DraftStep`]. Reflecting the
 //! outline would be faster but often wrong: a cloth held down by another corner does not fold along the line between
 //! the two points, so each fold is simulated.
 
 use super::outline::Outline;
-use super::{DraftError, FOUND};
+use super::{DraftError, DraftStep};
 use crate::subgoals::ArrowPx;
+use fab_base::interrupt::Interrupt;
+use fab_base::parallel;
+use fab_picture::SubpixelPoint;
 use fab_picture::camera::Camera;
 use fab_picture::depth_mask;
+use fab_picture::hull::distance;
+use fab_program::{self as program, ClothPoint, Fold};
 use fab_world::expert;
 use fab_world::expert::MakeWorld;
 use fab_world::start::{RESTING_HEIGHT_M, Start};
-
-use fab_base::interrupt::Interrupt;
-use fab_base::parallel;
-use fab_program::{self as program, ClothPoint, Fold};
 use fab_world::{Grip, World, WorldError};
 use std::thread;
 
@@ -44,30 +45,6 @@ const MOST_QUARTERS: usize = 6;
 /// Height above the table from which something counts as cloth, metres; a flat cloth lies at 5 mm.
 const CLOTH_M: f64 = 0.004;
 
-/// The positions of the cloth's particles.
-pub struct State {
-    positions: Vec<[f32; 3]>,
-}
-
-impl State {
-    /// Makes the state of a start.
-    pub fn at(start: &Start) -> State {
-        State {
-            positions: start.positions.clone(),
-        }
-    }
-
-    /// Returns the mean distance of the particles from their positions in a start, metres.
-    pub fn distance_m(&self, start: &Start) -> f64 {
-        let distance = |(a, b): (&[f32; 3], &[f32; 3])| {
-            let squared = (0..3).map(|axis| f64::from(a[axis] - b[axis]).powi(2));
-            squared.sum::<f64>().sqrt()
-        };
-        let pairs = self.positions.iter().zip(&start.positions);
-        pairs.map(distance).sum::<f64>() / self.positions.len().max(1) as f64
-    }
-}
-
 /// The search for the fold that explains one step.
 pub struct StepSearch<'s> {
     /// The flat cloth.
@@ -84,22 +61,6 @@ pub struct StepSearch<'s> {
     pub camera: &'s program::Camera,
     /// Stops the search.
     pub interrupt: &'s Interrupt,
-    /// Told how many folds are tried.
-    pub announce: &'s (dyn Fn(usize) + Sync),
-}
-
-/// A fold and its result.
-pub struct FoldMatch {
-    /// The fold's ends in the straightened picture.
-    pub arrow: ArrowPx,
-    /// The fold between named points; `None` if a drawn arrow joins no named points.
-    pub fold: Option<Fold>,
-    /// Overlap of its outline with the next picture's.
-    pub overlap: f64,
-    /// The best fold that differs from it.
-    pub next_best: Option<(Fold, f64)>,
-    /// The cloth after it.
-    pub state: State,
 }
 
 /// A fold to be tried.
@@ -109,50 +70,61 @@ struct Candidate {
     arrow: ArrowPx,
 }
 
+impl Candidate {
+    /// Returns whether both ends are close to those of another one.
+    fn is_near(&self, arrow: &ArrowPx, within_px: f64) -> bool {
+        (0..2).all(|end| distance(self.arrow[end], arrow[end]) <= within_px)
+    }
+
+    fn handicap(&self) -> f64 {
+        let is_quarter = |point: ClothPoint| !main_points().contains(&point);
+        let fold = self.fold.as_ref();
+        if fold.is_some_and(|fold| is_quarter(fold.pick) || is_quarter(fold.place)) {
+            HANDICAP
+        } else {
+            0.0
+        }
+    }
+}
+
 /// The result of a tried fold.
-struct TriedFold {
-    candidate: usize,
+struct TriedFold<'c> {
+    candidate: &'c Candidate,
     overlap: f64,
-    /// The overlap, less any handicap.
-    merit: f64,
-    state: State,
+    positions: Vec<[f32; 3]>,
 }
 
 impl StepSearch<'_> {
-    /// Finds the fold whose result is closest to the next picture; `None` if no pick or place is possible.
-    pub fn explain(&self, state: &State) -> Result<Option<FoldMatch>, DraftError> {
-        let world = self.lay(state)?;
+    /// Finds the fold whose result is closest to the next picture, with its ends in the straightened picture, and the cloth
+    /// after it; `None` if no pick or place is possible.
+    pub fn explain(
+        &self,
+        positions: &[[f32; 3]],
+    ) -> Result<Option<(DraftStep, Vec<[f32; 3]>)>, DraftError> {
+        let world = self.lay(positions)?;
         let candidates = match self.arrow {
             Some(arrow) => self.drawn(arrow, world.as_ref())?,
             None => self.likely(world.as_ref())?,
         };
-        let tried = self.try_all(&candidates, state)?;
-        let Some(taken) = best(&tried, |tried| tried.merit) else {
+        let tried = self.try_all(&candidates, positions)?;
+        let merit = |tried: &TriedFold| tried.overlap - tried.candidate.handicap();
+        let Some(taken) = best(&tried, merit) else {
             return Ok(None);
         };
-        // If the best-rated fold explains nothing, ignore the handicap.
-        let taken = match taken.overlap < FOUND {
-            true => best(&tried, |tried| tried.overlap).unwrap_or(taken),
-            false => taken,
-        };
-        let Candidate { fold, arrow, .. } = &candidates[taken.candidate];
-        let others = tried.iter().filter(|other| {
-            let other = &candidates[other.candidate].arrow;
-            (0..2).any(|end| distance(other[end], arrow[end]) > ALIKE_PX)
-        });
-        let next_best = best(others, |other| other.overlap).and_then(|other| {
-            let fold = candidates[other.candidate].fold.clone()?;
-            Some((fold, other.overlap))
-        });
-        Ok(Some(FoldMatch {
+        let Candidate { fold, arrow, .. } = taken.candidate;
+        let others = tried
+            .iter()
+            .filter(|other| !other.candidate.is_near(arrow, ALIKE_PX));
+        let next_best = best(others, |other| other.overlap)
+            .and_then(|other| Some((other.candidate.fold.clone()?, other.overlap)));
+        let step = DraftStep {
             arrow: *arrow,
+            is_drawn: self.arrow.is_some(),
             fold: fold.clone(),
             overlap: taken.overlap,
             next_best,
-            state: State {
-                positions: taken.state.positions.clone(),
-            },
-        }))
+        };
+        Ok(Some((step, taken.positions.clone())))
     }
 
     fn lens(&self) -> Camera {
@@ -160,10 +132,10 @@ impl StepSearch<'_> {
         Camera::top_down(camera.height_m, camera.fov_rad, camera.image_px, camera.up)
     }
 
-    fn lay(&self, state: &State) -> Result<Box<dyn World>, WorldError> {
+    fn lay(&self, positions: &[[f32; 3]]) -> Result<Box<dyn World>, WorldError> {
         let mut world = (self.make_world)()?;
         world.reset(&Start {
-            positions: state.positions.clone(),
+            positions: positions.to_vec(),
             ..self.start.clone()
         })?;
         Ok(world)
@@ -175,14 +147,10 @@ impl StepSearch<'_> {
     /// model discards the least likely of the rest.
     fn likely(&self, world: &dyn World) -> Result<Vec<Candidate>, DraftError> {
         let gone = self.before.without(self.after);
-        let is_gone = |[u, v]: [f64; 2]| {
-            let pixel = [u, v].map(|at| at.floor() as i32);
-            gone.distance_px(pixel.into()) <= GONE_PX
-        };
-        let fits = |arrow: &ArrowPx| {
-            is_gone(arrow[0])
-                && self.after.distance_px(arrow[1]) <= BESIDE_PX
-                && distance(arrow[0], arrow[1]) > SHORTEST_PX
+        let fits = |[tail, tip]: &ArrowPx| {
+            gone.distance_px(SubpixelPoint::at(*tail).pixel) <= GONE_PX
+                && self.after.distance_px(*tip) <= BESIDE_PX
+                && distance(*tail, *tip) > SHORTEST_PX
         };
         let places = [main_points(), quarter_points()].concat();
         let mut candidates = self.folds(&main_points(), &places, world, &fits)?;
@@ -192,25 +160,24 @@ impl StepSearch<'_> {
         let away = |candidate: &Candidate| self.after.distance_px(candidate.arrow[0]);
         let farthest = candidates.iter().map(away).fold(0.0, f64::max);
         candidates.retain(|candidate| away(candidate) >= FAR * farthest);
-        let (quarters, main) = candidates
+        let (quarters, main): (Vec<_>, Vec<_>) = candidates
             .into_iter()
-            .partition(|candidate| handicap(candidate) > 0.0);
-        let mut likely = self.likeliest(main, MOST_MAIN);
-        likely.extend(self.likeliest(quarters, MOST_QUARTERS));
-        Ok(likely)
+            .partition(|candidate| candidate.handicap() > 0.0);
+        let likely = [(main, MOST_MAIN), (quarters, MOST_QUARTERS)];
+        let likely = likely.map(|(candidates, most)| self.likeliest(candidates, most));
+        Ok(likely.into_iter().flatten().collect())
     }
 
     /// Keeps the candidates for which stiff paper comes closest to the next outline, best first.
-    fn likeliest(&self, candidates: Vec<Candidate>, most: usize) -> Vec<Candidate> {
-        let rate = |candidate: Candidate| {
-            let paper = self.before.folded(candidate.arrow);
-            (paper.overlap(self.after), candidate)
-        };
-        let mut rated: Vec<(f64, Candidate)> = candidates.into_iter().map(rate).collect();
+    fn likeliest(&self, mut candidates: Vec<Candidate>, most: usize) -> Vec<Candidate> {
         // The sort is stable, so equal folds stay in the order of their points and simple names come first.
-        rated.sort_by(|(a, _), (b, _)| b.total_cmp(a));
-        rated.truncate(most);
-        rated.into_iter().map(|(_, candidate)| candidate).collect()
+        candidates.sort_by_cached_key(|candidate| {
+            let share = self.before.folded(candidate.arrow).overlap(self.after);
+            // Positive numbers are ordered as their bits.
+            std::cmp::Reverse(share.to_bits())
+        });
+        candidates.truncate(most);
+        candidates
     }
 
     /// Collects the folds that a drawn arrow may mean; the arrow itself if it joins no named points.
@@ -226,15 +193,15 @@ impl StepSearch<'_> {
         let depth_m = self.camera.height_m - RESTING_HEIGHT_M;
         let lens = self.lens();
         let [pick, place] = arrow.map(|at| lens.world_from_pixel(at, depth_m));
-        let grip = pick.zip(place).map(|(pick, place)| Grip::new(pick, place));
-        let unnamed = grip.map(|grip| Candidate {
+        let unnamed = pick.zip(place).map(|(pick, place)| Candidate {
             fold: None,
-            grip,
+            grip: Grip::new(pick, place),
             arrow,
         });
         Ok(unnamed.into_iter().collect())
     }
 
+    /// Collects the folds between points that fit; of those that look the same, the first.
     fn folds(
         &self,
         picks: &[ClothPoint],
@@ -242,7 +209,7 @@ impl StepSearch<'_> {
         world: &dyn World,
         fits: &dyn Fn(&ArrowPx) -> bool,
     ) -> Result<Vec<Candidate>, DraftError> {
-        let mut candidates = Vec::new();
+        let mut candidates: Vec<Candidate> = Vec::new();
         let lens = self.lens();
         let particles = picks.iter().filter(|pick| **pick != ClothPoint::Center);
         for (&pick, &place) in particles.flat_map(|pick| places.iter().map(move |to| (pick, to))) {
@@ -257,29 +224,26 @@ impl StepSearch<'_> {
                 continue;
             };
             let arrow = [tail, tip];
-            if fits(&arrow) {
+            let is_known = |other: &Candidate| other.is_near(&arrow, SAME_PX);
+            if fits(&arrow) && !candidates.iter().any(is_known) {
                 let fold = Some(fold);
-                add(&mut candidates, Candidate { fold, grip, arrow });
+                candidates.push(Candidate { fold, grip, arrow });
             }
         }
         Ok(candidates)
     }
 
     /// Simulates the candidates, each from the same state; those that fail are omitted.
-    fn try_all(
+    fn try_all<'c>(
         &self,
-        candidates: &[Candidate],
-        state: &State,
-    ) -> Result<Vec<TriedFold>, DraftError> {
-        let count = candidates.len();
-        if count == 0 {
-            return Ok(Vec::new());
-        }
-        (self.announce)(count);
+        candidates: &'c [Candidate],
+        positions: &[[f32; 3]],
+    ) -> Result<Vec<TriedFold<'c>>, DraftError> {
         let threads = thread::available_parallelism().map_or(1, usize::from);
-        let one = |candidate: usize| -> Result<Option<Option<TriedFold>>, DraftError> {
-            let mut world = self.lay(state)?;
-            match world.act(&candidates[candidate].grip.into(), self.interrupt) {
+        let one = |number: usize| -> Result<Option<Option<TriedFold<'c>>>, DraftError> {
+            let candidate = &candidates[number];
+            let mut world = self.lay(positions)?;
+            match world.act(&candidate.grip.into(), self.interrupt) {
                 Ok(_) => {}
                 Err(WorldError::Motion { .. }) => return Ok(Some(None)),
                 Err(error) => return Err(error.into()),
@@ -291,49 +255,22 @@ impl StepSearch<'_> {
             Ok(Some(world.particles().map(|positions| TriedFold {
                 candidate,
                 overlap,
-                merit: overlap - handicap(&candidates[candidate]),
-                state: State { positions },
+                positions,
             })))
         };
-        let tried = parallel::in_parallel(count, threads, one, |_| {})?;
+        let tried = parallel::in_parallel(candidates.len(), threads, one, |_| {})?;
         Ok(tried.into_iter().flatten().flatten().collect())
     }
 }
 
 /// Returns the highest-rated one, the first of equals.
-fn best<'t>(
-    tried: impl IntoIterator<Item = &'t TriedFold>,
-    rate: impl Fn(&TriedFold) -> f64,
-) -> Option<&'t TriedFold> {
+fn best<'t, 'c: 't>(
+    tried: impl IntoIterator<Item = &'t TriedFold<'c>>,
+    rate: impl Fn(&TriedFold<'c>) -> f64,
+) -> Option<&'t TriedFold<'c>> {
     tried
         .into_iter()
-        .reduce(|best, next| match rate(next) > rate(best) {
-            true => next,
-            false => best,
-        })
-}
-
-fn handicap(candidate: &Candidate) -> f64 {
-    let is_quarter = |point: ClothPoint| !main_points().contains(&point);
-    let fold = candidate.fold.as_ref();
-    match fold.is_some_and(|fold| is_quarter(fold.pick) || is_quarter(fold.place)) {
-        true => HANDICAP,
-        false => 0.0,
-    }
-}
-
-/// Adds a fold unless one that looks the same is already there.
-fn add(candidates: &mut Vec<Candidate>, candidate: Candidate) {
-    let is_same = |other: &Candidate| {
-        (0..2).all(|end| distance(other.arrow[end], candidate.arrow[end]) <= SAME_PX)
-    };
-    if !candidates.iter().any(is_same) {
-        candidates.push(candidate);
-    }
-}
-
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
+        .reduce(|best, next| if rate(next) > rate(best) { next } else { best })
 }
 
 fn particle([right, front]: [f64; 2]) -> ClothPoint {

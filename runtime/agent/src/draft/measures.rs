@@ -8,7 +8,7 @@ use fab_world::start::RESTING_HEIGHT_M;
 use std::f64::consts::{FRAC_PI_4, PI};
 
 /// The longest side of a cloth, metres.
-pub const LARGEST_M: f64 = (PARTICLES_A_SIDE[1] - 1) as f64 * RECORDED_SPACING_M;
+const LARGEST_M: f64 = (PARTICLES_A_SIDE[1] - 1) as f64 * RECORDED_SPACING_M;
 
 /// How much larger an outline in whole pixels is than the cloth, pixels: partly covered pixels count.
 const RIM_PX: f64 = 0.7;
@@ -58,25 +58,17 @@ pub fn of(
     let longer_m = stated.longer_m.unwrap_or_else(|| {
         longer_px * (height_m - RESTING_HEIGHT_M) * (fov_rad / 2.0).tan() / half_px
     });
-    if !HEIGHTS_M.contains(&height_m) {
-        return Err(DraftError::Height {
-            longer_m,
-            longer_px,
-            side_px,
-            height_m,
-        });
-    }
-    if !VIEWS_RAD.contains(&fov_rad) {
-        return Err(DraftError::View {
-            longer_m,
-            longer_px,
-            side_px,
-            height_m,
-            fov_deg: fov_rad.to_degrees(),
-        });
-    }
-    if longer_m > LARGEST_M {
-        return Err(DraftError::TooLarge { longer_m });
+    if !(HEIGHTS_M.contains(&height_m) && VIEWS_RAD.contains(&fov_rad) && longer_m <= LARGEST_M) {
+        let mm = |length_m: f64| length_m * 1000.0;
+        return Err(DraftError::Unfit(format!(
+            "a cloth of {:.0} mm that takes up {longer_px:.0} of {side_px} px needs a camera {:.0} mm above the table with \
+             a field of view of {:.0} degrees; a task's camera is 100 to 5000 mm above it and sees 5 to 150 degrees, and \
+             its cloth measures at most {:.0} mm",
+            mm(longer_m),
+            mm(height_m),
+            fov_rad.to_degrees(),
+            mm(LARGEST_M)
+        )));
     }
     let [dimx, dimy] =
         sides_px.map(|side_px| particles_along(side_px / longer_px * longer_m, RECORDED_SPACING_M));

@@ -7,27 +7,25 @@
 //! the previous steps, and the one whose outline matches the picture is proposed. Writing the task's text is done
 //! elsewhere.
 
-mod fault;
 mod fold_search;
 mod measures;
 mod outline;
-mod symmetry;
 
-pub use fault::DraftError;
 pub use measures::StatedMeasures;
-pub use symmetry::symmetric;
 
 #[cfg(test)]
 mod tests;
 
 use crate::subgoals::ArrowPx;
 use fab_base::interrupt::Interrupt;
-use fab_program::{self as program, Cloth, Fold};
+use fab_program::{self as program, Cloth, ClothPoint, Fold, Sequence};
+use fab_vision::VisionError;
+use fab_world::metrics::mean_particle_distance_m;
 use fab_world::start::Start;
 use fab_world::{World, WorldError};
-use fold_search::{State, StepSearch};
+use fold_search::StepSearch;
 use image::RgbImage;
-use outline::{PictureParts, Pose};
+use outline::{Outline, PictureParts, Pose};
 use std::ops::RangeInclusive;
 
 /// Permitted sides of a picture, pixels.
@@ -63,8 +61,6 @@ pub struct Draft {
     pub cloth: Cloth,
     /// How far the cloth is turned in the pictures, radians, clockwise, -pi/4 to pi/4.
     pub turned_rad: f64,
-    /// The share of the rectangle around the first outline that the cloth covers.
-    pub rectangular: f64,
     /// One less than there are pictures.
     pub steps: Vec<DraftStep>,
     /// Mean distance between the particles of an untouched cloth and of the final state, metres.
@@ -76,23 +72,14 @@ pub struct Draft {
 pub struct DraftStep {
     /// The detected or proposed arrow; pixels of the pictures.
     pub arrow: ArrowPx,
-    /// Whether it was drawn or proposed.
-    pub origin: ArrowOrigin,
+    /// Whether the picture shows the arrow; otherwise it was derived from the pictures before and after the step.
+    pub is_drawn: bool,
     /// The fold between named points; `None` if a drawn arrow joins no named points.
     pub fold: Option<Fold>,
     /// Overlap of the simulated outline and the next picture's: intersection over union, 0 to 1.
     pub overlap: f64,
     /// The best other fold tried, with its overlap.
     pub next_best: Option<(Fold, f64)>,
-}
-
-/// The origin of a step's arrow.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ArrowOrigin {
-    /// The picture shows it.
-    Drawn,
-    /// It was derived from the pictures before and after the step.
-    Proposed,
 }
 
 /// Least overlap of a step whose fold counts as found.
@@ -110,12 +97,30 @@ impl DraftStep {
 
     /// Returns whether the fold explains the pictures, and no other does nearly as well.
     pub fn is_sure(&self) -> bool {
-        let leads = self
-            .next_best
-            .as_ref()
-            .is_none_or(|(_, overlap)| self.overlap - overlap >= LEAD);
-        self.fold.is_some() && self.overlap >= SURE && (leads || self.origin == ArrowOrigin::Drawn)
+        let next = self.next_best.as_ref().map_or(0.0, |(_, overlap)| *overlap);
+        let leads = self.is_drawn || self.overlap - next >= LEAD;
+        self.fold.is_some() && self.overlap >= SURE && leads
     }
+}
+
+/// Why pictures cannot be drafted from.
+#[derive(Debug, thiserror::Error)]
+pub enum DraftError {
+    /// There are too few or too many pictures; says how many.
+    #[error("{0} given; there must be 2 to {max}, the flat cloth first and then one after each step", max = MAX_STEPS + 1)]
+    Count(String),
+    /// The pictures show no folds of a cloth; says which picture, and what would be right.
+    #[error("{0}")]
+    Unfit(String),
+    /// A picture cannot be processed.
+    #[error(transparent)]
+    Vision(#[from] VisionError),
+    /// Folds cannot be simulated.
+    #[error("folds cannot be tried: {0}")]
+    World(#[from] WorldError),
+    /// Folds cannot be tried in parallel.
+    #[error("folds cannot be tried: {0}")]
+    Threads(#[from] std::io::Error),
 }
 
 /// Makes a fresh world with a camera.
@@ -124,7 +129,7 @@ pub type MakeWorld<'a> = dyn Fn(&program::Camera) -> Result<Box<dyn World>, Worl
 /// Drafts a fold.
 ///
 /// - `stated`: what the user knows about the camera and the cloth.
-/// - `announce`: told before each round how many folds are tried for which step, both from 1.
+/// - `announce`: told each step before folds are tried for it, from 1.
 ///
 /// The same pictures give the same draft.
 pub fn draft(
@@ -132,12 +137,11 @@ pub fn draft(
     stated: &StatedMeasures,
     make_world: &MakeWorld<'_>,
     interrupt: &Interrupt,
-    announce: &(dyn Fn(usize, usize) + Sync),
+    announce: &dyn Fn(usize),
 ) -> Result<Draft, DraftError> {
     if !(2..=MAX_STEPS + 1).contains(&pictures.len()) {
-        return Err(DraftError::Count {
-            found: pictures.len(),
-        });
+        let count = fab_base::wording::counted(pictures.len(), "picture");
+        return Err(DraftError::Count(count));
     }
     let side_px = common_side(pictures)?;
     let shown: Vec<PictureParts> = pictures
@@ -152,47 +156,37 @@ pub fn draft(
     };
     let outlines: Vec<_> = shown.iter().map(|shown| pose.straight(shown)).collect();
     let start = Start::flat(&cloth);
-    let mut state = State::at(&start);
+    let mut positions = start.positions.clone();
     let mut steps = Vec::with_capacity(pictures.len() - 1);
-    let first_of_steps = shown.iter().take(pictures.len() - 1);
-    for (number, now) in first_of_steps.enumerate() {
-        let [before, after] = [number, number + 1].map(|index| &outlines[index]);
-        let names = [number, number + 1].map(|index| pictures[index].name.clone());
-        let unchanged = before.overlap(after);
-        check_change(before.area(), after.area(), unchanged, &names)?;
+    for (number, outlines) in outlines.windows(2).enumerate() {
+        let [before, after] = [&outlines[0], &outlines[1]];
+        let names = [number, number + 1].map(|index| pictures[index].name.as_str());
+        check_change(before, after, names)?;
+        announce(number + 1);
+        let drawn = shown[number].arrow;
         let search = StepSearch {
             start: &start,
             before,
             after,
-            arrow: now.arrow.map(|arrow| arrow.map(|at| pose.straighten(at))),
+            arrow: drawn.map(|arrow| arrow.map(|at| pose.straighten(at))),
             make_world: &|| make_world(&compared),
             camera: &compared,
             interrupt,
-            announce: &|tries| announce(number + 1, tries),
         };
-        let Some(found) = search.explain(&state)? else {
+        let Some((found, folded)) = search.explain(&positions)? else {
             let [before, after] = names;
-            return Err(DraftError::NoFold { before, after });
+            return Err(DraftError::Unfit(format!(
+                "no fold leads from `{before}` to `{after}`: the part that is gone holds no corner, side middle or \
+                 quarter point of the cloth; an arrow drawn on `{before}` would say what is meant"
+            )));
         };
-        steps.push(DraftStep {
-            arrow: match now.arrow {
-                Some(arrow) => arrow,
-                None => found.arrow.map(|at| pose.as_shown(at)),
-            },
-            origin: match now.arrow {
-                Some(_) => ArrowOrigin::Drawn,
-                None => ArrowOrigin::Proposed,
-            },
-            fold: found.fold,
-            overlap: found.overlap,
-            next_best: found.next_best,
-        });
-        state = found.state;
+        let arrow = drawn.unwrap_or_else(|| found.arrow.map(|at| pose.as_shown(at)));
+        steps.push(DraftStep { arrow, ..found });
+        positions = folded;
     }
     Ok(Draft {
         turned_rad: pose.turned_rad,
-        rectangular: pose.rectangular,
-        untouched_m: state.distance_m(&start),
+        untouched_m: mean_particle_distance_m(&positions, &start.positions).unwrap_or(0.0),
         camera,
         cloth,
         steps,
@@ -200,46 +194,76 @@ pub fn draft(
 }
 
 fn common_side(pictures: &[NamedPicture]) -> Result<u32, DraftError> {
-    let first = &pictures[0];
+    let side_px = pictures[0].picture.width();
     for NamedPicture { name, picture } in pictures {
-        let size_px: [u32; 2] = picture.dimensions().into();
-        if size_px[0] != size_px[1] || !SIDE_PX.contains(&size_px[0]) {
-            let name = name.clone();
-            return Err(DraftError::Size { name, size_px });
-        }
-        if picture.width() != first.picture.width() {
-            return Err(DraftError::SizesDiffer {
-                name: name.clone(),
-                side_px: picture.width(),
-                first: first.name.clone(),
-                first_px: first.picture.width(),
-            });
+        let (width, height) = picture.dimensions();
+        if [width, height] != [side_px; 2] || !SIDE_PX.contains(&side_px) {
+            return Err(DraftError::Unfit(format!(
+                "`{name}` has {width} x {height} px; it must be a square of {} to {} px a side, as large as the others",
+                SIDE_PX.start(),
+                SIDE_PX.end()
+            )));
         }
     }
-    Ok(first.picture.width())
+    Ok(side_px)
 }
 
+/// Makes sure that something was folded, and nothing unfolded.
 fn check_change(
-    area_before: usize,
-    area_after: usize,
-    overlap: f64,
-    [before, after]: &[String; 2],
+    before: &Outline,
+    after: &Outline,
+    [from, to]: [&str; 2],
 ) -> Result<(), DraftError> {
-    let (before, after) = (before.clone(), after.clone());
-    let growth = area_after as f64 / area_before.max(1) as f64;
+    let growth = after.area() as f64 / before.area().max(1) as f64;
     if growth > GROWTH {
-        return Err(DraftError::Grown {
-            before,
-            after,
-            growth,
-        });
+        return Err(DraftError::Unfit(format!(
+            "`{to}` shows {:.0} % more cloth than `{from}`, but a fold must show less; give the flat cloth first and \
+             then the pictures in the order of the steps",
+            (growth - 1.0) * 100.0
+        )));
     }
+    let overlap = before.overlap(after);
     if overlap > ALIKE {
-        return Err(DraftError::Unchanged {
-            before,
-            after,
-            overlap,
-        });
+        return Err(DraftError::Unfit(format!(
+            "`{to}` shows the cloth as `{from}` does (their outlines overlap by {overlap:.3}); give one picture after \
+             each fold"
+        )));
     }
     Ok(())
+}
+
+/// Returns a sequence as seen from each side from which the cloth looks the same, mirrored too; the original first.
+///
+/// Equal sequences are listed once.
+pub fn symmetric(folds: &[Fold], cloth: &Cloth) -> Vec<Sequence> {
+    let mut sequences: Vec<Sequence> = Vec::new();
+    let n_sides = if cloth.dimx == cloth.dimy { 8 } else { 4 };
+    for side in 0..n_sides {
+        let point = |point: ClothPoint| {
+            let ClothPoint::Particle { right, front } = point else {
+                return point;
+            };
+            let [right, front] = if side < 4 {
+                [right, front]
+            } else {
+                [front, right]
+            };
+            ClothPoint::Particle {
+                right: if side % 2 == 0 { right } else { 1.0 - right },
+                front: if side % 4 < 2 { front } else { 1.0 - front },
+            }
+        };
+        let folds = folds.iter().map(|fold| Fold {
+            pick: point(fold.pick),
+            place: point(fold.place),
+            fraction: fold.fraction,
+        });
+        let sequence = Sequence {
+            folds: folds.collect(),
+        };
+        if !sequences.contains(&sequence) {
+            sequences.push(sequence);
+        }
+    }
+    sequences
 }

@@ -6,13 +6,11 @@
 use super::{COMPARED_PX, DraftError, NamedPicture};
 use crate::result::silhouette;
 use crate::subgoals::ArrowPx;
-use fab_picture::Mask;
 use fab_picture::arrow;
 use fab_picture::camera::center_of;
 use fab_picture::hull;
-use fab_picture::regions;
+use fab_picture::{Mask, SubpixelPoint};
 use fab_program::PixelPoint;
-use std::collections::BTreeMap;
 
 /// Least area of the cloth, as a share of the picture.
 const LEAST_CLOTH: f64 = 0.003;
@@ -20,8 +18,8 @@ const LEAST_CLOTH: f64 = 0.003;
 /// Least side of the flat cloth, as a share of the picture's.
 const LEAST_SIDE: f64 = 0.125;
 
-/// The largest side, as a share of the picture's; beyond it no table would be visible beside the cloth.
-const LARGEST_SIDE: f64 = 0.99;
+/// How far an arrow's end on the cloth may lie outside the visible cloth, pixels of a compared picture.
+const ARROW_END_PX: f64 = 6.0;
 
 /// What a picture shows, in its own pixels.
 pub struct PictureParts {
@@ -31,73 +29,42 @@ pub struct PictureParts {
     hidden: Mask,
     /// The only arrow's tail and tip.
     pub arrow: Option<ArrowPx>,
-    /// The share of the border that has one of the border's common colours.
-    plain: f64,
-    /// The share of the border that the cloth covers.
-    covered: f64,
+    /// Whether the cloth reaches the picture's border.
+    reaches_border: bool,
 }
 
-/// Width of the border, pixels.
-const BORDER_PX: u32 = 2;
-
-/// The largest share of the border that stray pixels of the cloth's patch may cover.
-const MOST_COVERED: f64 = 0.01;
-
-/// Least share of a plain table's border that has one of its common colours.
-const LEAST_PLAIN: f64 = 0.8;
-
-/// How far an arrow's end on the cloth may lie outside the visible cloth, pixels of a compared picture.
-const ARROW_END_PX: f64 = 6.0;
+fn no_cloth(name: &str) -> DraftError {
+    DraftError::Unfit(format!(
+        "no cloth is seen on `{name}`; the picture must show a plain table all round the whole cloth, in a colour unlike \
+         the cloth's"
+    ))
+}
 
 impl PictureParts {
     /// Analyses a square picture.
     ///
     /// Fails if there is no cloth on it.
-    pub fn of(named: &NamedPicture) -> Result<PictureParts, DraftError> {
-        let picture = &named.picture;
+    pub fn of(NamedPicture { name, picture }: &NamedPicture) -> Result<PictureParts, DraftError> {
         let (width, height) = picture.dimensions();
         let scale = (f64::from(width) / 224.0).max(1.0);
         let found = arrow::find(&arrow::near_black(picture), scale).ok();
         let hidden = Mask::from_fn(width, height, |column, row| {
-            found
-                .as_ref()
-                .is_some_and(|arrow| arrow.stroke.touches(column, row))
+            let arrow = found.as_ref();
+            arrow.is_some_and(|arrow| arrow.stroke.touches(column, row))
         });
         let patch = silhouette(picture);
-        let table = regions::border_colours(&[picture]);
-        let is_border = |at: u32| at < BORDER_PX || at + BORDER_PX >= width;
-        let border: Vec<PixelPoint> = Mask::from_fn(width, height, |column, row| {
-            is_border(column) || is_border(row)
-        })
-        .pixels()
-        .collect();
-        let share = |is_such: &dyn Fn(&PixelPoint) -> bool| {
-            let found = border.iter().filter(|at| is_such(at)).count();
-            found as f64 / border.len().max(1) as f64
-        };
-        let plain = share(&|at| {
-            let colour = picture.get_pixel(at.u as u32, at.v as u32).0;
-            regions::is_table(colour, &table)
-        });
-        let covered = share(&|at| patch.contains(*at));
         let cloth = Mask::from_fn(width, height, |column, row| {
             patch.contains_at(column, row) && !hidden.contains_at(column, row)
         });
-        let all_px = width as usize * height as usize;
-        if (cloth.area_px() as f64) < LEAST_CLOTH * all_px as f64 {
-            return Err(DraftError::NoCloth {
-                name: named.name.clone(),
-                found_px: cloth.area_px(),
-                all_px,
-                n_colours: table.len(),
-            });
+        let all_px = f64::from(width) * f64::from(height);
+        if (cloth.area_px() as f64) < LEAST_CLOTH * all_px {
+            return Err(no_cloth(name));
         }
         Ok(PictureParts {
             cloth,
             hidden,
             arrow: found.map(|arrow| [arrow.tail, arrow.tip]),
-            plain,
-            covered,
+            reaches_border: !patch.reached_borders().is_empty(),
         })
     }
 
@@ -105,38 +72,22 @@ impl PictureParts {
     ///
     /// An arrow along an edge hides all of it, and its ends tell where the edge is.
     fn without_gaps(&self) -> Mask {
-        let mut rims: BTreeMap<i32, [i32; 2]> = BTreeMap::new();
-        for pixel in self.cloth.pixels() {
-            let rim = rims.entry(pixel.v).or_insert([pixel.u, pixel.u]);
-            *rim = [rim[0].min(pixel.u), rim[1].max(pixel.u)];
-        }
         let scale = f64::from(self.cloth.width()) / f64::from(COMPARED_PX);
-        let ends = self.arrow.into_iter().flatten().filter(|[u, v]| {
-            let pixel = PixelPoint::new(u.floor() as i32, v.floor() as i32);
-            self.cloth.distance_px(pixel) <= ARROW_END_PX * scale
+        let ends = self.arrow.into_iter().flatten().filter(|at| {
+            self.cloth.distance_px(SubpixelPoint::at(*at).pixel) <= ARROW_END_PX * scale
         });
-        let ends: Vec<[f64; 2]> = ends.collect();
-        let points = rims.into_iter().flat_map(|(row, [left, right])| {
-            let corners = [left, right + 1].map(|column| [row, row + 1].map(|row| [column, row]));
-            corners.into_iter().flatten().map(|at| at.map(f64::from))
-        });
-        let hull = hull::around(points.chain(ends.into_iter().flat_map(square)));
+        let pixels: Vec<PixelPoint> = self.cloth.pixels().collect();
+        let rows = pixels.chunk_by(|a, b| a.v == b.v);
+        let rims = rows.flat_map(|row| [row[0], row[row.len() - 1]].map(center_of));
+        let corners = [[-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5], [0.5, 0.5]];
+        let square = |[u, v]: [f64; 2]| corners.map(|[right, down]| [u + right, v + down]);
+        let hull = hull::around(rims.chain(ends).flat_map(square));
         Mask::from_fn(self.cloth.width(), self.cloth.height(), |column, row| {
             let pixel = PixelPoint::new(column as i32, row as i32);
             let is_gap = || self.hidden.contains(pixel) && hull::is_inside(&hull, center_of(pixel));
             self.cloth.contains(pixel) || is_gap()
         })
     }
-}
-
-/// Returns the corners of a pixel around a point.
-fn square([u, v]: [f64; 2]) -> [[f64; 2]; 4] {
-    [
-        [u - 0.5, v - 0.5],
-        [u + 0.5, v - 0.5],
-        [u - 0.5, v + 0.5],
-        [u + 0.5, v + 0.5],
-    ]
 }
 
 /// The pose of the flat cloth.
@@ -148,8 +99,6 @@ pub struct Pose {
     pub turned_rad: f64,
     /// Lengths of the sides along that vector and across it, pixels.
     pub sides_px: [f64; 2],
-    /// The share of its rectangle that the cloth covers.
-    pub rectangular: f64,
     /// Picture pixels per compared pixel.
     scale: f64,
 }
@@ -157,52 +106,36 @@ pub struct Pose {
 impl Pose {
     /// Measures the flat cloth by its bounding rectangle.
     pub fn of(flat: &PictureParts, name: &str) -> Result<Pose, DraftError> {
-        let cloth = flat.without_gaps();
-        let found = fab_vision::rectangle_around(&cloth)?;
-        let side_px = cloth.width();
-        let Some(rectangle) = found else {
-            return Err(DraftError::NoCloth {
-                name: name.to_owned(),
-                found_px: 0,
-                all_px: side_px as usize * side_px as usize,
-                n_colours: 1,
-            });
-        };
+        let side_px = f64::from(flat.cloth.width());
+        let rectangle = fab_vision::rectangle_around(&flat.without_gaps())?;
+        let rectangle = rectangle.ok_or_else(|| no_cloth(name))?;
         let [x, y] = rectangle.along;
         let [long, short] = rectangle.sides;
         // Of the four directions along a side, the one closest to the picture's right.
-        let (right, sides_px) = match x.abs() >= y.abs() {
-            true => ([x, y].map(|part| part * x.signum()), [long, short]),
-            false => ([-y, x].map(|part| part * -y.signum()), [short, long]),
+        let (right, sides_px) = if x.abs() >= y.abs() {
+            ([x, y].map(|part| part * x.signum()), [long, short])
+        } else {
+            ([-y, x].map(|part| part * -y.signum()), [short, long])
         };
-        let is_large = sides_px
-            .iter()
-            .any(|side| *side > LARGEST_SIDE * f64::from(side_px));
-        if is_large || flat.covered > MOST_COVERED {
-            let name = name.to_owned();
-            return Err(match flat.plain < LEAST_PLAIN {
-                true => DraftError::NotPlain {
-                    name,
-                    plain: flat.plain,
-                },
-                false => DraftError::AtBorder { name },
-            });
+        if flat.reaches_border {
+            return Err(DraftError::Unfit(format!(
+                "the cloth on `{name}` reaches the picture's border, or its table is not plain; the table must have one \
+                 colour, be evenly lit, and be visible all round the cloth"
+            )));
         }
-        let fits = |side: f64| side >= LEAST_SIDE * f64::from(side_px);
-        if !sides_px.iter().copied().all(fits) {
-            return Err(DraftError::ClothSize {
-                name: name.to_owned(),
-                sides_px,
-                side_px,
-            });
+        if sides_px.iter().any(|side| *side < LEAST_SIDE * side_px) {
+            let [width, height] = sides_px;
+            return Err(DraftError::Unfit(format!(
+                "the cloth on `{name}` measures {width:.0} x {height:.0} of {side_px} px; it must fill at least an eighth \
+                 of the picture's side"
+            )));
         }
         Ok(Pose {
             center: rectangle.center,
             right,
             turned_rad: right[1].atan2(right[0]),
             sides_px,
-            rectangular: cloth.area_px() as f64 / (long * short),
-            scale: f64::from(side_px) / f64::from(COMPARED_PX),
+            scale: side_px / f64::from(COMPARED_PX),
         })
     }
 
@@ -233,8 +166,7 @@ impl Pose {
         let straight = |mask: &Mask| {
             Mask::from_fn(COMPARED_PX, COMPARED_PX, |column, row| {
                 let at = [column, row].map(|at| f64::from(at) + 0.5);
-                let [u, v] = self.as_shown(at).map(|at| at.floor() as i32);
-                mask.contains(PixelPoint::new(u, v))
+                mask.contains(SubpixelPoint::at(self.as_shown(at)).pixel)
             })
         };
         Outline {
@@ -288,8 +220,8 @@ impl Outline {
         let way = [tip[0] - tail[0], tip[1] - tail[1]];
         let length = way[0].hypot(way[1]).max(f64::MIN_POSITIVE);
         let way = way.map(|part| part / length);
-        let is_cloth = |[u, v]: [f64; 2]| {
-            let pixel = PixelPoint::new(u.floor() as i32, v.floor() as i32);
+        let is_cloth = |at: [f64; 2]| {
+            let pixel = SubpixelPoint::at(at).pixel;
             self.cloth.contains(pixel) || self.hidden.contains(pixel)
         };
         Outline::whole(Mask::from_fn(COMPARED_PX, COMPARED_PX, |column, row| {
@@ -304,7 +236,6 @@ impl Outline {
 
     /// Returns the distance from a point to the cloth, pixels.
     pub fn distance_px(&self, at: [f64; 2]) -> f64 {
-        let [u, v] = at.map(|at| at.floor() as i32);
-        self.cloth.distance_px(PixelPoint::new(u, v))
+        self.cloth.distance_px(SubpixelPoint::at(at).pixel)
     }
 }

@@ -45,9 +45,7 @@ impl Covered {
         if let (None, Some(goal)) = (covered.source, goal)
             && goal.metric.is_judged_each_step()
         {
-            return Err(RunError::Unmeasured {
-                world: world.name().to_owned(),
-            });
+            return Err(RunError::Unmeasured(world.name().to_owned()));
         }
         covered.at_start = covered.measured(job, world, seen.as_ref())?;
         covered.update(job, world, seen.as_ref())?;
@@ -97,9 +95,15 @@ impl Covered {
         world: &dyn World,
         seen: Option<&Observation>,
     ) -> Result<Measures, RunError> {
-        let (coverage, coverage_true) = match (self.source, seen, &self.flat) {
-            (Some(CoverageSource::Particles), ..) => of_particles(job, world),
-            (Some(CoverageSource::Picture), Some(seen), Some(flat)) => {
+        let grid = &job.start.grid;
+        let (coverage, coverage_true) = match (world.particles(), seen, &self.flat) {
+            (Some(particles), ..) => {
+                let triangles = metrics::whole_triangles(grid);
+                let whole_m2 = metrics::whole_area_m2(grid);
+                let coverage_true = metrics::true_coverage(&particles, &triangles, whole_m2);
+                (metrics::coverage(&particles, grid), coverage_true)
+            }
+            (None, Some(seen), Some(flat)) => {
                 let now = Scene::cloth_in(job.program, seen)?;
                 (now.and_then(|now| metrics::seen_coverage(&now, flat)), None)
             }
@@ -117,32 +121,18 @@ impl Covered {
     }
 }
 
-/// Measures particles by SoftGym's measure and truly.
-fn of_particles(job: &Job<'_>, world: &dyn World) -> (Option<f64>, Option<f64>) {
-    let Some(particles) = world.particles() else {
-        return (None, None);
-    };
-    let grid = &job.start.grid;
-    let coverage = metrics::coverage(&particles, grid);
-    let coverage_true = metrics::true_coverage(
-        &particles,
-        &metrics::whole_triangles(grid),
-        metrics::whole_area_m2(grid),
-    );
-    (coverage, coverage_true)
-}
-
 /// Finds the cloth in the picture of the flat one, by the task's own mask.
 fn flat_mask(job: &Job<'_>, flat: &Observation, seen: &Observation) -> Result<Mask, RunError> {
-    let wrong = |why: String| RunError::Flat { why };
     if flat.rgb.dimensions() != seen.rgb.dimensions() {
         let [is, wanted] =
             [&flat.rgb, &seen.rgb].map(|it| format!("{} x {} px", it.width(), it.height()));
-        return Err(wrong(format!("it has {is}, and the camera takes {wanted}")));
+        return Err(RunError::Flat(format!(
+            "it has {is}, and the camera takes {wanted}"
+        )));
     }
     let mask = Scene::cloth_in(job.program, flat)?;
     mask.filter(|mask| !mask.is_empty()).ok_or_else(|| {
-        wrong(
+        RunError::Flat(
             "the task's first mask finds no cloth in it; it must show only the flat cloth on the table, and a \
              picture without depth needs a mask by colour"
                 .to_owned(),

@@ -1,105 +1,87 @@
 //! The score of a rollout: its cloth's distance from the expert results, and its coverage.
 
+use super::RunError;
 use super::writer::RolloutWriter;
-use super::{Event, Job, RunError};
+use super::{Event, Job};
+use crate::record::ExpertDistance;
+use fab_base::npy;
 use fab_program::{Goal, Metric};
-use fab_world::expert;
-use fab_world::expert::{ExpertEnds, Sequences};
+use fab_world::World;
+use fab_world::expert::{self, Sequences};
 use fab_world::metrics;
-use fab_world::{World, WorldError};
 use std::time::Instant;
 
 /// A final state's distances to the expert results.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Score {
-    /// Index of the nearest sequence in the program.
+pub(super) struct Score {
+    /// The nearest sequence, from 1.
     pub sequence: usize,
     /// Distance to it, metres.
     pub distance_m: f64,
-    /// All of them: sequence, distance in metres, file in the run folder.
-    pub distances: Vec<(usize, f64, String)>,
+    /// All of them.
+    pub experts: Vec<ExpertDistance>,
     /// How many expert results had to be simulated.
     pub simulated: usize,
     /// Name of the world that simulated them.
     pub world: String,
 }
 
-/// The result of scoring.
-pub(super) enum Scored {
-    /// There is nothing to score, or nothing to score it against.
-    Absent,
-    Interrupted,
-    Found(Score),
-}
-
-impl Scored {
-    pub(super) fn found(&self) -> Option<&Score> {
-        match self {
-            Scored::Found(score) => Some(score),
-            _ => None,
-        }
-    }
-}
-
 /// Compares the final state with the expert results, and stores those beside it.
+///
+/// `None` if there is nothing to score, or nothing to score it against. Fails also if it is interrupted.
 pub(super) fn score(
     job: &Job<'_>,
     world: &dyn World,
     keeper: &mut RolloutWriter,
     progress: &mut dyn FnMut(Event),
-) -> Result<Scored, RunError> {
-    let Some(particles) = world
-        .particles()
-        .filter(|_| !job.program.experts.is_empty())
-    else {
-        return Ok(Scored::Absent);
+) -> Result<Option<Score>, RunError> {
+    let sequences = &job.program.experts;
+    let particles = world.particles().filter(|_| !sequences.is_empty());
+    let Some(particles) = particles else {
+        return Ok(None);
     };
     let begun = Instant::now();
-    let total = job.program.experts.len();
-    let mut announce = |missing: usize| progress(Event::Experts { missing, total });
-    let ends = expert::ends(
+    let total = sequences.len();
+    let results = expert::ends(
         Sequences {
-            folds: &job.program.experts,
+            folds: sequences,
             manner: job.program.manner,
         },
         job.start,
         job.make_expert_world,
         job.cache,
         job.interrupt,
-        &mut announce,
-    );
-    let ExpertEnds {
-        ends,
-        world: expert_world,
-        simulated,
-        not_kept,
-    } = match ends {
-        Ok(ends) => ends,
-        Err(WorldError::Interrupted) => return Ok(Scored::Interrupted),
-        Err(error) => return Err(error.into()),
-    };
+        &mut |missing| progress(Event::Experts { missing, total }),
+    )?;
     keeper.timer.add("experts", begun.elapsed());
-    if let Some(note) = not_kept {
+    if let Some(note) = results.not_kept {
         progress(Event::Note { note });
     }
-    let mut distances = Vec::with_capacity(ends.len());
-    for end in &ends {
-        if let Some(distance_m) = metrics::mean_particle_distance_m(&particles, &end.positions) {
-            let file = keeper.keep_expert(end)?;
-            distances.push((end.sequence, distance_m, file));
+    let mut nearest: Option<(usize, f64)> = None;
+    let mut experts = Vec::with_capacity(results.ends.len());
+    for end in &results.ends {
+        let distance_m = metrics::mean_particle_distance_m(&particles, &end.positions);
+        let Some(distance_m) = distance_m else {
+            continue;
+        };
+        let sequence = end.sequence + 1;
+        let file = format!("experts/{sequence}.npy");
+        experts.push(ExpertDistance {
+            sequence,
+            file: keeper.folder.keep(&file, &npy::encode(&end.positions))?,
+            distance_mm: distance_m * 1000.0,
+            folds: sequences[end.sequence].folds.clone(),
+        });
+        if nearest.is_none_or(|(_, least_m)| distance_m < least_m) {
+            nearest = Some((sequence, distance_m));
         }
     }
-    let nearest = distances.iter().min_by(|a, b| a.1.total_cmp(&b.1));
-    Ok(match nearest {
-        Some(&(sequence, distance_m, _)) => Scored::Found(Score {
-            sequence,
-            distance_m,
-            distances,
-            simulated,
-            world: expert_world,
-        }),
-        None => Scored::Absent,
-    })
+    Ok(nearest.map(|(sequence, distance_m)| Score {
+        sequence,
+        distance_m,
+        experts,
+        simulated: results.simulated,
+        world: results.world,
+    }))
 }
 
 /// Returns whether a final distance reaches the goal; goals judged after each step are already decided.

@@ -1,39 +1,36 @@
 //! Measures wall time by activity.
 
 use serde_json::{Map, Value, json};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Sums wall time by activity, in the order of first use.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Timer {
-    spent: Vec<(String, Duration)>,
+    /// Seconds by activity.
+    pub seconds: Map<String, Value>,
 }
 
 impl Timer {
     pub(super) fn add(&mut self, what: &str, took: Duration) {
-        match self.spent.iter_mut().find(|(known, _)| known == what) {
-            Some((_, spent)) => *spent += took,
-            None => self.spent.push((what.to_owned(), took)),
-        }
+        let sum_s = self.seconds.get(what).and_then(Value::as_f64);
+        let sum_s = sum_s.unwrap_or(0.0) + took.as_secs_f64();
+        self.seconds.insert(what.to_owned(), json!(sum_s));
     }
 
     /// Adds another timer's sums.
     pub(super) fn absorb(&mut self, other: &Timer) {
-        for (what, spent) in &other.spent {
-            self.add(what, *spent);
+        for (what, took_s) in &other.seconds {
+            let took_s = took_s.as_f64().unwrap_or(0.0);
+            self.add(what, Duration::from_secs_f64(took_s));
         }
     }
 
-    pub(super) fn time<T>(&mut self, what: &str, work: impl FnOnce() -> T) -> T {
-        let begun = std::time::Instant::now();
+    /// Times a piece of work; also returns how long it took.
+    pub(super) fn time<T>(&mut self, what: &str, work: impl FnOnce() -> T) -> (T, Duration) {
+        let begun = Instant::now();
         let result = work();
-        self.add(what, begun.elapsed());
-        result
-    }
-
-    pub(super) fn write(&self, into: &mut Map<String, Value>) {
-        for (what, spent) in &self.spent {
-            into.insert(what.clone(), json!(spent.as_secs_f64()));
-        }
+        let took = begun.elapsed();
+        self.add(what, took);
+        (result, took)
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! In: the job and the state left by the step before. Out: the step's line, and an outcome if the rollout ends with it.
 
-use super::event::{At, AttemptOf, SentFiles};
+use super::event::{At, AttemptOf};
 use super::timer::Timer;
 use super::writer::RolloutWriter;
 use super::{Event, Job, RunError};
@@ -13,7 +13,6 @@ use crate::policy::{self, Decision, Exchange, Exchanged, Policy, PolicyError, St
 use crate::record;
 use crate::result::StepResult;
 use crate::scene::{Scene, SceneError};
-use crate::sheet::Sheet;
 use fab_base::wording::counted;
 use fab_picture::observation::Observation;
 use fab_program::facts::ExecutedAction;
@@ -24,15 +23,12 @@ use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
 /// State passed from one step to the next.
+#[derive(Default)]
 pub(super) struct Memory {
-    /// Digest of the start.
-    start: String,
-    /// Whether the policy sees true particles.
-    sees_particles: bool,
     first_scene: Option<Scene>,
     last: Option<ExecutedAction>,
     /// In how many places the simulated cloth went through itself before the action.
-    pub(super) crossings: usize,
+    crossings: usize,
     /// What the world has done since the last decision.
     executed: Option<Motion>,
     /// What was said about pictures, without its numbers.
@@ -40,162 +36,158 @@ pub(super) struct Memory {
 }
 
 impl Memory {
-    pub(super) fn new(start: String, sees_particles: bool) -> Memory {
-        Memory {
-            start,
-            sees_particles,
-            first_scene: None,
-            last: None,
-            crossings: 0,
-            executed: None,
-            said: BTreeSet::new(),
-        }
-    }
-
     /// Returns whether nothing was said yet that differs from a note only in its numbers.
     fn is_new(&mut self, note: &str) -> bool {
         self.said
             .insert(note.replace(|letter: char| letter.is_numeric(), ""))
+    }
+
+    /// Returns a note if the simulated cloth now goes through itself in more places than before.
+    pub(super) fn new_crossings(&mut self, crossings: Option<usize>, when: &str) -> Option<String> {
+        let crossings = crossings.unwrap_or(0);
+        let before = std::mem::replace(&mut self.crossings, crossings);
+        (crossings > before).then(|| {
+            let places = counted(crossings, "place");
+            format!(
+                "{when} the simulated cloth goes through itself, as no real one does ({places})"
+            )
+        })
     }
 }
 
 /// One step in progress.
 pub(super) struct Turn<'j> {
     job: &'j Job<'j>,
-    /// The action's number in the rollout, from 1; part of its files' names.
-    number: u32,
-    /// The task's step that it is for, from 1.
-    step: u32,
+    pub at: At,
     /// The result of the previous action, if it was for the same step.
-    before: Option<StepResult>,
+    pub before: Option<StepResult>,
     pub line: record::Step,
     /// The camera's picture after the action; `None` if nothing was done.
     pub after: Option<Observation>,
     pub timer: Timer,
     /// Time spent on planning an action, without the model and the writing of files.
     planning: Duration,
-    /// Whether models were asked.
-    is_planned: bool,
 }
 
 impl<'j> Turn<'j> {
-    /// Begins an action for a step, both numbered from 1; `before` is the previous result if the step is retried.
-    pub(super) fn new(
-        job: &'j Job<'j>,
-        number: u32,
-        step: u32,
-        before: Option<StepResult>,
-    ) -> Turn<'j> {
+    /// Begins an action; `before` is the previous result if the step is retried.
+    pub(super) fn new(job: &'j Job<'j>, at: At, before: Option<StepResult>) -> Turn<'j> {
         Turn {
             job,
-            number,
-            step,
+            at,
             before,
             line: record::Step {
-                step: number,
+                step: at.action,
                 ..record::Step::default()
             },
             after: None,
             timer: Timer::default(),
             planning: Duration::ZERO,
-            is_planned: false,
         }
     }
 
     /// Returns the time of render, vision, prompt, parse and verify, seconds; `None` if no action was asked for.
     pub(super) fn planning_s(&self) -> Option<f64> {
-        self.is_planned.then_some(self.planning.as_secs_f64())
-    }
-
-    /// Returns when in the rollout it is.
-    pub(super) fn at(&self) -> At {
-        At {
-            action: self.number,
-            step: self.step,
-        }
+        (!self.line.attempts.is_empty()).then_some(self.planning.as_secs_f64())
     }
 
     /// Takes the step; returns an outcome if the rollout ends with it.
+    ///
+    /// A world that fails, and a picture that gives nothing to ask about, end the rollout.
     pub(super) fn take(
         &mut self,
         policy: &mut dyn Policy,
         world: &mut dyn World,
         memory: &mut Memory,
         keeper: &mut RolloutWriter,
-        sheet: &mut Sheet,
         progress: &mut dyn FnMut(Event),
     ) -> Result<Option<Outcome>, RunError> {
-        let (job, number, step, at) = (self.job, self.number, self.step, self.at());
-        let begun = Instant::now();
-        if job.interrupt.is_raised() {
-            return Ok(self.stop(Outcome::Interrupted, "interrupted"));
-        }
-        let observation = match self.plan("observe", || world.observe()) {
-            Ok(observation) => observation,
-            Err(error) => return Ok(self.stop_for(&error)),
-        };
-        let file = keeper.keep_picture(number, "before", &observation.rgb)?;
-        self.line.files.before = Some(file.clone());
-        // The first scene is stored unfiltered: the arm's reach is not a property of the cloth.
-        let first = &mut memory.first_scene;
-        let reach = |point: &WorldPoint| world.out_of_reach(point);
-        let refuses = |motion: &Motion| world.refuses(motion);
-        let scene = match self.plan("keypoints", || {
-            let scene = Scene::of(job.program, &observation, first.as_ref())?;
-            first.get_or_insert_with(|| scene.clone());
-            scene.within_reach(job.program, &observation, &reach)
-        }) {
-            Ok(scene) => scene,
-            Err(error) => {
-                let outcome = match &error {
+        let (outcome, why) = match self.act(policy, world, memory, keeper, progress) {
+            Err(RunError::World(error)) => {
+                let outcome = match error {
+                    WorldError::PlannedOnly => Outcome::Planned,
+                    WorldError::Interrupted | WorldError::Halted { .. } => Outcome::Interrupted,
+                    _ => Outcome::WorldFailed,
+                };
+                (outcome, error.to_string())
+            }
+            Err(RunError::Scene(error)) => {
+                let outcome = match error {
                     SceneError::OutOfView { .. } => Outcome::ClothOutOfView,
                     SceneError::NoCandidates { .. } | SceneError::NoneInReach { .. } => {
                         Outcome::NoCandidates
                     }
                     SceneError::Missing(_) | SceneError::Vision(_) => Outcome::WorldFailed,
                 };
-                return Ok(self.stop(outcome, &error.to_string()));
+                (outcome, error.to_string())
             }
+            other => return other,
         };
+        Ok(self.stop(outcome, &why))
+    }
+
+    fn act(
+        &mut self,
+        policy: &mut dyn Policy,
+        world: &mut dyn World,
+        memory: &mut Memory,
+        keeper: &mut RolloutWriter,
+        progress: &mut dyn FnMut(Event),
+    ) -> Result<Option<Outcome>, RunError> {
+        let (job, at) = (self.job, self.at);
+        let At {
+            action: number,
+            step,
+        } = at;
+        let begun = Instant::now();
+        if job.interrupt.is_raised() {
+            return Ok(self.stop(Outcome::Interrupted, "interrupted"));
+        }
+        let observation = self.plan("observe", || world.observe())?;
+        let file = keeper.keep_picture(number, "before", &observation.rgb)?;
+        self.line.files.before = Some(file.clone());
+        // The first scene is stored unfiltered: the arm's reach is not a property of the cloth.
+        let first = &mut memory.first_scene;
+        let reach = |point: &WorldPoint| world.out_of_reach(point);
+        let refuses = |motion: &Motion| world.refuses(motion);
+        let scene = self.plan("keypoints", || {
+            let scene = Scene::of(job.program, &observation, first.as_ref())?;
+            first.get_or_insert_with(|| scene.clone());
+            scene.within_reach(job.program, &observation, &reach)
+        })?;
         self.line.scene = scene.to_json();
         progress(Event::Picture {
             at,
             file,
             scene: self.line.scene.clone(),
         });
-        let mut notes = observation.notes.clone();
-        notes.extend(scene.beyond_the_picture());
-        for note in notes.into_iter().filter(|note| memory.is_new(note)) {
-            let note = format!("before step {step}: {note}");
-            progress(Event::Note { note });
+        let notes = observation.notes.iter().cloned();
+        for note in notes.chain(scene.beyond_the_picture()) {
+            if memory.is_new(&note) {
+                let note = format!("before step {step}: {note}");
+                progress(Event::Note { note });
+            }
         }
         let last = memory.last.as_ref();
         let executed = memory.executed.take();
-        let drawn = self.plan("annotate", || {
+        let pictures = self.plan("annotate", || {
             let subgoals = job.subgoals.step(step as usize - 1)?;
             let examples = job.examples.clone();
             let pictures =
                 Pictures::of(job.program, &scene, &observation, last, subgoals, examples);
-            Ok::<_, RunError>(pictures)
-        });
-        let pictures = match drawn? {
-            Ok(pictures) => pictures,
-            Err(error) => return Ok(self.stop(Outcome::WorldFailed, &error.to_string())),
-        };
-        let particles = match memory.sees_particles {
-            true => world.particles(),
-            false => None,
-        };
+            Ok::<_, RunError>(pictures?)
+        })?;
+        let particles = world.particles().filter(|_| keeper.report.sees_particles);
         let asking = Instant::now();
         let run = keeper.folder.path().to_owned();
+        let start = job.start.digest();
         let mut aside = Duration::ZERO;
         let RolloutWriter {
             folder,
-            asking: line,
-            tally,
+            asking: ledger,
+            report,
             ..
         } = keeper;
-        let mut sent = SentFiles::default();
         let mut record = |exchanged: Exchanged<'_>| {
             let keeping = Instant::now();
             match exchanged {
@@ -205,17 +197,13 @@ impl<'j> Turn<'j> {
                     question,
                 } => {
                     let of = AttemptOf::new(at, stage, attempt);
-                    sent = folder.keep_question(&of, question)?;
-                    progress(Event::Question {
-                        of,
-                        files: sent.clone(),
-                    });
+                    let files = folder.keep_question(&of, question)?;
+                    progress(Event::Question { of, files });
                 }
                 Exchanged::Attempt(attempt) => {
-                    tally.attempt(attempt);
+                    report.count(attempt);
                     let of = AttemptOf::new(at, &attempt.stage, attempt.number);
-                    let sent = std::mem::take(&mut sent);
-                    let asked = folder.keep_attempt(&of, attempt, sent)?;
+                    let asked = folder.keep_attempt(&of, attempt)?;
                     self.timer.add(&attempt.stage, attempt.took);
                     let answer = attempt.reply.as_ref().zip(asked.reply.clone());
                     if let Some((reply, file)) = answer {
@@ -271,7 +259,7 @@ impl<'j> Turn<'j> {
             refuses: &refuses,
             repetition: job.repetition,
             start_number: job.start_number,
-            start: &memory.start,
+            start: &start,
             folder: Some(&run),
             truth: particles.as_ref().map(|particles| Truth {
                 start: job.start,
@@ -279,7 +267,7 @@ impl<'j> Turn<'j> {
             }),
         };
         let mut exchange = Exchange {
-            asking: line,
+            asking: ledger,
             record: &mut record,
             interrupt: job.interrupt,
             twins: None,
@@ -288,7 +276,6 @@ impl<'j> Turn<'j> {
         let deciding = asking.elapsed().saturating_sub(aside);
         self.timer.add("prompt and verify", deciding);
         self.planning += deciding;
-        self.is_planned = !self.line.attempts.is_empty();
         let proposal = match decision {
             Decision::Act { grips, accepted } => {
                 let [proposal] = <[Proposal; 1]>::try_from(grips).map_err(|grips| {
@@ -319,14 +306,14 @@ impl<'j> Turn<'j> {
                 "the answer has no pick or no place, or no cloth is in view",
             ));
         };
-        let drawn = keeper.keep_action(&mut self.line, &observation.rgb, &action)?;
+        let mut drawn = observation.rgb.clone();
+        fab_vision::draw_action(&mut drawn, action.pick_on_cloth_px, action.place_px)?;
+        self.line.files.action = Some(keeper.keep_picture(number, "action", &drawn)?);
         let before = world.particles();
         self.line.action = Some(vec![action.clone()]);
         let motion = Motion::from(action.grip);
-        let executed = match self.timer.time("act", || world.act(&motion, job.interrupt)) {
-            Ok(executed) => executed,
-            Err(error) => return Ok(self.stop_for(&error)),
-        };
+        let (executed, _) = self.timer.time("act", || world.act(&motion, job.interrupt));
+        let executed = executed?;
         // It was done, whatever can be seen of it.
         self.line.executed = Some(executed.clone());
         memory.executed = Some(executed.motion());
@@ -334,47 +321,37 @@ impl<'j> Turn<'j> {
             .zip(world.particles())
             .and_then(|(before, after)| cloth_moved(&before, &after, &executed));
         self.line.crossings = world.crossings().filter(|count| *count > 0);
-        let crossings = self.line.crossings.unwrap_or(0);
-        if crossings > std::mem::replace(&mut memory.crossings, crossings) {
-            let places = counted(crossings, "place");
-            let note = format!(
-                "after step {step} the simulated cloth goes through itself, as no real one does ({places})"
-            );
+        let when = format!("after step {step}");
+        if let Some(note) = memory.new_crossings(self.line.crossings, &when) {
             progress(Event::Note { note });
         }
-        let after = match world.observe() {
-            Ok(after) => after,
-            Err(error) => return Ok(self.stop_for(&error)),
-        };
+        let after = world.observe()?;
         self.line.files.after = Some(keeper.keep_picture(number, "after", &after.rgb)?);
         keeper.keep_positions(&mut self.line, world)?;
         if let Some(first) = &memory.first_scene {
-            let result = StepResult::of(job.program, job.subgoals, step, first, &after);
-            self.line.result = match result {
-                Ok(result) => result,
-                Err(error) => return Ok(self.stop(Outcome::WorldFailed, &error.to_string())),
-            };
+            self.line.result = StepResult::of(job.program, job.subgoals, step, first, &after)?;
         }
         let shown = match &pictures.subgoals {
             Some(subgoals) => subgoals.picture(SubgoalStep::Now, Arrow::Drawn),
             None => &pictures.annotated,
         };
-        sheet.row(number, shown, drawn, after.rgb.clone());
+        keeper.sheet.row(number, shown, drawn, after.rgb.clone());
         self.after = Some(after);
         let beside = proposal.fields.iter().filter_map(|(name, value)| {
             let field = job.program.field(name).filter(|it| !it.is_point())?;
             Some(format!("{name} {}", space::text(field, value)))
         });
+        let other_values = beside.collect();
         memory.last = Some(ExecutedAction {
             pick: action.pick_on_cloth_px,
             place: action.place_px,
-            proposal: proposal.clone(),
+            proposal,
         });
         let accepted = self.line.accepted.as_ref();
         progress(Event::Motion {
             at,
             grips: vec![action],
-            other_values: beside.collect(),
+            other_values,
             without: accepted.map_or(Vec::new(), |it| it.without.clone()),
             executed: Box::new(executed),
             cloth: self.line.cloth,
@@ -387,10 +364,7 @@ impl<'j> Turn<'j> {
 
     /// Runs a part of planning and adds its time.
     fn plan<T>(&mut self, what: &str, work: impl FnOnce() -> T) -> T {
-        let begun = Instant::now();
-        let result = work();
-        let took = begun.elapsed();
-        self.timer.add(what, took);
+        let (result, took) = self.timer.time(what, work);
         self.planning += took;
         result
     }
@@ -398,14 +372,5 @@ impl<'j> Turn<'j> {
     fn stop(&mut self, outcome: Outcome, why: &str) -> Option<Outcome> {
         self.line.stopped = Some(why.to_owned());
         Some(outcome)
-    }
-
-    fn stop_for(&mut self, error: &WorldError) -> Option<Outcome> {
-        let outcome = match error {
-            WorldError::PlannedOnly => Outcome::Planned,
-            WorldError::Interrupted | WorldError::Halted { .. } => Outcome::Interrupted,
-            _ => Outcome::WorldFailed,
-        };
-        self.stop(outcome, &error.to_string())
     }
 }

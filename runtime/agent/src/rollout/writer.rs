@@ -2,28 +2,24 @@
 
 use super::covered::Covered;
 use super::score::Score;
-use super::tally::Tally;
 use super::timer::Timer;
 use super::turn::Turn;
 use super::{Ended, Event, Job, RunError};
-use crate::action::Action;
 use crate::journal::{JournalError, RunFolder};
 use crate::operator;
 use crate::outcome::Outcome;
-use crate::policy::{self, Asking};
+use crate::policy::{self, Asking, Attempt, Finding};
 use crate::record::{
-    self, End, ExpertDistance, Header, JudgedBy, Line, Measures, Progress, Report, RunCosts, Spent,
-    StartFile, StepSpent,
+    self, End, Header, JudgedBy, Line, Progress, Report, RunCosts, Spent, StartFile, StepSpent,
 };
 use crate::sheet::{SHEET_FILE, Sheet};
 use fab_base::{digest, npy};
 use fab_model::calls::Usd;
 use fab_picture::png;
+use fab_program::verify::Verdict;
 use fab_world::World;
-use fab_world::expert::ExpertEnd;
 use fab_world::start::Up;
 use image::RgbImage;
-use serde_json::Map;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 /// Writes a rollout into its folder.
@@ -31,15 +27,13 @@ pub(super) struct RolloutWriter<'j> {
     pub(super) folder: RunFolder,
     pub(super) timer: Timer,
     pub(super) asking: Asking<'j>,
+    pub(super) sheet: Sheet,
+    /// What is known of the rollout so far.
+    pub(super) report: Report,
     run_id: String,
-    world: String,
-    params: String,
-    policy: policy::Description,
-    pub(super) tally: Tally,
-    steps: u32,
+    /// Planning times of the actions that were asked for, seconds.
+    planned_s: Vec<f64>,
     last_skip: Option<Outcome>,
-    stopped: Option<String>,
-    progress: Vec<Progress>,
     final_positions: Option<String>,
 }
 
@@ -59,18 +53,31 @@ impl<'j> RolloutWriter<'j> {
         let start_file = folder.keep("start.npy", &npy::encode(&job.start.positions))?;
         folder.keep("start.json", &job.start.description())?;
         let run_id = folder.run_id().unwrap_or_else(|| new_run_id(job, &folder));
-        let header = Header {
-            schema: record::VERSION,
-            fabc: env!("CARGO_PKG_VERSION").to_owned(),
+        let report = Report {
             task: job.program.task.clone(),
             variant: job.program.variant.clone(),
+            policy: policy.title(),
+            sees_particles: policy.sees_particles,
+            model: policy.models.is_some().then(|| policy.name.clone()),
+            model_is_stand_in: policy.is_stand_in(),
+            seed: job.start.seed,
             program: job.program.hash(),
-            program_file,
             world: world.name().to_owned(),
             params: world.parameters(),
+            ..Report::default()
+        };
+        let header = Box::new(Header {
+            schema: record::VERSION,
+            fabc: env!("CARGO_PKG_VERSION").to_owned(),
+            task: report.task.clone(),
+            variant: report.variant.clone(),
+            program: report.program.clone(),
+            program_file,
+            world: report.world.clone(),
+            params: report.params.clone(),
             code: world.code(),
             vary: world.variation(),
-            policy: policy.clone(),
+            policy,
             start: StartFile {
                 name: job.start.name.clone(),
                 seed: job.start.seed,
@@ -87,8 +94,7 @@ impl<'j> RolloutWriter<'j> {
             drawn_for: job.drawn_for(),
             attempts: job.program.verify.attempts,
             goal: job.program.goal.clone(),
-        };
-        let header = Box::new(header);
+        });
         folder.append(&Line::Header(header.clone()))?;
         progress(Event::Start { header });
         folder.spend(&Spent::Begin {
@@ -98,15 +104,11 @@ impl<'j> RolloutWriter<'j> {
             folder,
             asking,
             timer: Timer::default(),
+            sheet: Sheet::default(),
+            report,
             run_id,
-            world: world.name().to_owned(),
-            params: world.parameters(),
-            policy,
-            tally: Tally::default(),
-            steps: 0,
+            planned_s: Vec::new(),
             last_skip: None,
-            stopped: None,
-            progress: Vec::new(),
             final_positions: None,
         })
     }
@@ -122,29 +124,14 @@ impl<'j> RolloutWriter<'j> {
         self.folder.keep(&name, &png::encode(picture))
     }
 
-    /// Draws the action on the picture before the step, stores the result, and returns it.
-    pub(super) fn keep_action(
-        &self,
-        line: &mut record::Step,
-        before: &RgbImage,
-        action: &Action,
-    ) -> Result<RgbImage, RunError> {
-        let mut drawn = before.clone();
-        fab_vision::draw_action(&mut drawn, action.pick_on_cloth_px, action.place_px)?;
-        line.files.action = Some(self.keep_picture(line.step, "action", &drawn)?);
-        Ok(drawn)
-    }
-
     pub(super) fn keep_positions(
         &mut self,
         line: &mut record::Step,
         world: &dyn World,
     ) -> Result<(), JournalError> {
         if let Some(positions) = world.particles() {
-            let name = self.folder.keep(
-                &format!("step_{}/positions.npy", line.step),
-                &npy::encode(&positions),
-            )?;
+            let name = format!("step_{}/positions.npy", line.step);
+            let name = self.folder.keep(&name, &npy::encode(&positions))?;
             line.files.positions = Some(name.clone());
             line.digest = Some(digest::of_positions(&positions));
             self.final_positions = Some(name);
@@ -152,43 +139,39 @@ impl<'j> RolloutWriter<'j> {
         Ok(())
     }
 
-    pub(super) fn keep_expert(&self, end: &ExpertEnd) -> Result<String, JournalError> {
-        self.folder.keep(
-            &format!("experts/{}.npy", end.sequence + 1),
-            &npy::encode(&end.positions),
-        )
-    }
-
-    /// Counts a step, and records its durations and costs.
-    pub(super) fn count(&mut self, turn: &Turn<'_>) -> Result<(), JournalError> {
+    /// Writes a step's line, counts the step, and records its durations and costs.
+    pub(super) fn keep_step(&mut self, turn: &Turn<'_>) -> Result<(), JournalError> {
         let line = &turn.line;
-        let mut seconds = Map::new();
-        turn.timer.write(&mut seconds);
+        self.folder.append(&Line::Step(Box::new(line.clone())))?;
+        let planning_s = turn.planning_s();
         let spent = self.asking.spent();
         self.folder.spend(&Spent::Step(StepSpent {
             step: line.step,
-            planning_s: turn.planning_s(),
-            seconds,
+            planning_s,
+            seconds: turn.timer.seconds.clone(),
             cost_usd_so_far: spent.known_cost().map(Usd::dollars),
             cost_usd_at_most_so_far: spent.priced_at_most().map(Usd::dollars),
         }))?;
-        self.steps += u32::from(line.executed.is_some());
+        self.planned_s.extend(planning_s);
+        self.timer.absorb(&turn.timer);
+        let report = &mut self.report;
+        report.stopped.clone_from(&line.stopped);
+        if line.executed.is_some() {
+            report.steps += 1;
+            report.retries += u32::from(turn.before.is_some());
+        }
         if let Some(skipped) = line.skipped {
-            self.tally.skip(skipped);
+            report.skipped_steps += 1;
+            *report.skipped.entry(skipped.name().to_owned()).or_default() += 1;
             self.last_skip = Some(skipped);
         }
-        self.stopped.clone_from(&line.stopped);
-        if let Some(planning_s) = turn.planning_s() {
-            self.tally.planned(planning_s);
-        }
-        if line.executed.is_some() || line.skipped.is_some() {
-            self.progress.push(Progress {
+        if line.is_taken() {
+            report.progress.push(Progress {
                 step: line.step,
                 cloth: line.cloth,
                 measures: line.measures,
             });
         }
-        self.timer.absorb(&turn.timer);
         Ok(())
     }
 
@@ -197,7 +180,7 @@ impl<'j> RolloutWriter<'j> {
     /// A rollout in which nothing was ever executed ends as its last step would have.
     pub(super) fn outcome_at_horizon(&self, is_goal_met: bool) -> Outcome {
         match self.last_skip {
-            Some(skipped) if self.steps == 0 => skipped,
+            Some(skipped) if self.report.steps == 0 => skipped,
             _ if is_goal_met => Outcome::GoalReached,
             _ => Outcome::HorizonReached,
         }
@@ -208,67 +191,30 @@ impl<'j> RolloutWriter<'j> {
         mut self,
         job: &Job<'_>,
         outcome: Outcome,
-        score: Option<&Score>,
+        score: Option<Score>,
         covered: Covered,
-        sheet: &Sheet,
         wall: Duration,
     ) -> Result<Ended, RunError> {
-        let mut seconds = Map::new();
-        self.timer.write(&mut seconds);
-        let spent = self.asking.spent();
-        let Measures {
-            coverage,
-            coverage_true,
-            normalized_improvement,
-            normalized_improvement_true,
-        } = covered.now;
+        let goal = job.program.goal.as_ref().filter(|it| covered.judges(it));
         let mut report = Report {
-            task: job.program.task.clone(),
-            variant: job.program.variant.clone(),
             outcome,
-            stopped: self.stopped.clone(),
-            goal_reached: job
-                .program
-                .goal
-                .as_ref()
-                .filter(|goal| covered.judges(goal))
-                .map(|_| outcome == Outcome::GoalReached),
-            operator: None,
-            mean_particle_distance_mm: score.map(|score| score.distance_m * 1000.0),
-            judged_by: score.map(|score| JudgedBy {
+            goal_reached: goal.map(|_| outcome == Outcome::GoalReached),
+            mean_particle_distance_mm: score.as_ref().map(|score| score.distance_m * 1000.0),
+            judged_by: score.as_ref().map(|score| JudgedBy {
                 world: score.world.clone(),
                 grid: [job.start.grid.dimx, job.start.grid.dimy],
             }),
             coverage_source: covered.source,
-            coverage,
-            coverage_true,
-            normalized_improvement,
-            normalized_improvement_true,
+            measures: covered.now,
             coverage_at_start: covered.at_start.coverage,
             coverage_true_at_start: covered.at_start.coverage_true,
-            progress: self.progress.clone(),
-            steps: self.steps,
-            skipped_steps: self.tally.skipped_steps(),
-            retries: self.tally.retries,
-            skipped: self.tally.skipped.clone(),
-            queries: self.tally.queries,
-            refusals: self.tally.refusals.clone(),
-            malformed_replies: self.tally.malformed,
-            policy: self.policy.title(),
-            sees_particles: self.policy.sees_particles,
-            model: self
-                .policy
-                .models
-                .is_some()
-                .then(|| self.policy.name.clone()),
-            model_is_stand_in: self.policy.is_stand_in(),
-            seed: job.start.seed,
-            program: job.program.hash(),
-            world: self.world.clone(),
-            params: self.params.clone(),
+            ..self.report
         };
+        let spent = self.asking.spent();
+        let n_planned = self.planned_s.len();
         let took = RunCosts {
-            planning_s: self.tally.planning_s(),
+            planning_s: (n_planned > 0)
+                .then(|| self.planned_s.iter().sum::<f64>() / n_planned as f64),
             spent,
             calls: spent.calls,
             possibly_billed: spent.possibly_billed,
@@ -278,33 +224,24 @@ impl<'j> RolloutWriter<'j> {
             cost_usd: spent.known_cost().map(Usd::dollars),
             cost_usd_at_most: spent.priced_at_most().map(Usd::dollars),
             run_dir: self.folder.path().display().to_string(),
-            run_id: self.run_id.clone(),
-            experts_simulated: score.map_or(0, |score| score.simulated),
-            seconds,
+            run_id: self.run_id,
+            experts_simulated: score.as_ref().map_or(0, |score| score.simulated),
+            seconds: self.timer.seconds,
             wall_s: wall.as_secs_f64(),
         };
         if let Some(operator) = job.operator.filter(|_| operator::is_judged(outcome)) {
             report.operator = operator.judge(&report, self.folder.path());
         }
         // A failed contact sheet must not lose a finished rollout.
-        let sheet = match sheet.picture(&report).unwrap_or_default() {
+        let sheet = match self.sheet.picture(&report).unwrap_or_default() {
             Some(picture) => Some(self.folder.keep(SHEET_FILE, &png::encode(&picture))?),
             None => None,
         };
-        let experts = score.map(|score| {
-            let entry = |(sequence, distance_m, file): &(usize, f64, String)| ExpertDistance {
-                sequence: sequence + 1,
-                file: file.clone(),
-                distance_mm: distance_m * 1000.0,
-                folds: job.program.experts[*sequence].folds.clone(),
-            };
-            score.distances.iter().map(entry).collect()
-        });
         let end = End {
             report: report.clone(),
             final_positions: self.final_positions,
-            nearest_expert: score.map(|score| score.sequence + 1),
-            experts,
+            nearest_expert: score.as_ref().map(|score| score.sequence),
+            experts: score.map(|score| score.experts),
             sheet,
         };
         self.folder.append(&Line::End(Box::new(end)))?;
@@ -312,6 +249,21 @@ impl<'j> RolloutWriter<'j> {
             report: Box::new(took.clone()),
         })?;
         Ok(Ended { report, took })
+    }
+}
+
+impl Report {
+    /// Counts a question, and a refused or unreadable answer.
+    pub(super) fn count(&mut self, attempt: &Attempt) {
+        self.queries += u32::from(attempt.question.is_some());
+        match &attempt.finding {
+            Finding::Action {
+                verdict: Verdict::Reject { check, .. },
+                ..
+            } => *self.refusals.entry(check.clone()).or_default() += 1,
+            Finding::Malformed { .. } => self.malformed_replies += 1,
+            Finding::Action { .. } | Finding::Text { .. } | Finding::Failed { .. } => {}
+        }
     }
 }
 
@@ -327,5 +279,5 @@ fn new_run_id(job: &Job<'_>, folder: &RunFolder) -> String {
         folder.path().display(),
         std::process::id()
     );
-    fab_base::digest::of(identity)[..12].to_owned()
+    digest::of(identity)[..12].to_owned()
 }

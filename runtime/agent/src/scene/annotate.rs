@@ -59,22 +59,19 @@ impl Scene {
         mark: &Mark,
         facts: Facts<'_>,
     ) -> Result<DrawnShape, SceneError> {
-        let pixel = |point: &Point| eval::pixel(program, facts, point).map_err(SceneError::Missing);
-        let pixels = |at: &[Spot]| -> Result<Vec<PixelPoint>, SceneError> {
-            let mut pixels = Vec::new();
-            for spot in at {
-                match spot {
-                    Spot::Points { keypoint } => {
-                        pixels.extend(self.points(keypoint).ok_or_else(|| {
-                            SceneError::Missing(Missing {
-                                name: keypoint.clone(),
-                            })
-                        })?)
-                    }
-                    Spot::One { point } => pixels.push(pixel(point)?),
-                }
-            }
-            Ok(pixels)
+        let pixel = |point: &Point| eval::pixel(program, facts, point);
+        let of_spot = |spot: &Spot| match spot {
+            Spot::Points { keypoint } => self.points(keypoint).ok_or_else(|| Missing {
+                name: keypoint.clone(),
+            }),
+            Spot::One { point } => Ok(vec![pixel(point)?]),
+        };
+        let pixels = |at: &[Spot]| -> Result<Vec<PixelPoint>, Missing> {
+            Ok(at
+                .iter()
+                .map(of_spot)
+                .collect::<Result<Vec<_>, _>>()?
+                .concat())
         };
         Ok(match mark {
             Mark::Dot { at, radius_px } => DrawnShape::Dots {

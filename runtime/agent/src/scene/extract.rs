@@ -1,6 +1,5 @@
 //! Runs one extractor on an observation.
 
-use super::mask_counts::measured;
 use super::{Extracted, Scene, SceneError};
 use fab_picture::centroid;
 use fab_picture::depth_mask;
@@ -19,9 +18,8 @@ impl Scene {
         extractor: &Extractor,
         observation: &Observation,
     ) -> Result<Extracted, SceneError> {
-        let out_of_view = |mask: &str| SceneError::OutOfView {
-            mask: mask.to_owned(),
-            measured: format!("; `{name}` is taken from it"),
+        let out_of_view = |mask: &str| {
+            SceneError::OutOfView(mask.to_owned(), format!("; `{name}` is taken from it"))
         };
         let seen = |mask: Mask| self.seen(name, mask, extractor, observation);
         Ok(match extractor {
@@ -137,9 +135,9 @@ impl Scene {
             }
             Extractor::Outermost { points, side } => outermost(self.points_of(points), *side)
                 .map(Extracted::Point)
-                .ok_or_else(|| SceneError::NoCandidates {
-                    keypoint: points.clone(),
-                    measured: format!("; `{name}` is one of its points"),
+                .ok_or_else(|| {
+                    let why = format!("; `{name}` is one of its points");
+                    SceneError::NoCandidates(points.clone(), why)
                 })?,
             Extractor::Fixed { points } => Extracted::Points(
                 points
@@ -162,10 +160,8 @@ impl Scene {
         observation: &Observation,
     ) -> Result<Extracted, SceneError> {
         if mask.is_empty() && self.cloth().is_none() {
-            return Err(SceneError::OutOfView {
-                mask: name.to_owned(),
-                measured: measured(extractor, observation),
-            });
+            let measured = measured(extractor, observation);
+            return Err(SceneError::OutOfView(name.to_owned(), measured));
         }
         Ok(Extracted::Mask(mask))
     }
@@ -187,11 +183,52 @@ fn outermost(points: &[SubpixelPoint], side: PictureSide) -> Option<SubpixelPoin
         PictureSide::Top => point.at[1],
         PictureSide::Bottom => -point.at[1],
     };
-    points.iter().copied().reduce(|best, point| {
-        if inward(&point) < inward(&best) {
-            point
-        } else {
-            best
+    let points = points.iter().copied();
+    points.min_by(|a, b| inward(a).total_cmp(&inward(b)))
+}
+
+/// Describes how the pixels of a picture differ from those that a mask selects.
+fn measured(extractor: &Extractor, observation: &Observation) -> String {
+    match extractor {
+        Extractor::DepthMask { below_m } => {
+            let depth_m = &observation.depth_m;
+            // Beyond any camera's range, so this counts everything with a reading.
+            let readings = depth_mask(depth_m, f64::INFINITY);
+            let depths = readings.columns_and_rows();
+            let depths = depths.map(|(column, row)| f64::from(depth_m.get_pixel(column, row).0[0]));
+            let [nearest_m, farthest_m] = depths.fold([f64::INFINITY, 0.0], |[least, most], m| {
+                [m.min(least), m.max(most)]
+            });
+            if readings.is_empty() {
+                return "; the depth picture has no reading".to_owned();
+            }
+            format!(
+                "; its {} readings are {:.1} to {:.1} mm from the camera, and the mask takes what is nearer than {:.1} mm",
+                readings.area_px(),
+                1000.0 * nearest_m,
+                1000.0 * farthest_m,
+                1000.0 * below_m
+            )
         }
-    })
+        Extractor::ColorMask {
+            hue_deg,
+            saturation,
+            value,
+        } => {
+            let (any_hue, any) = ([0.0, 360.0], [0.0, 1.0]);
+            let count = |hue, saturation, value| {
+                fab_vision::color_mask(&observation.rgb, hue, saturation, value).area_px()
+            };
+            format!(
+                "; of {} pixels {} have its hue, {} its saturation and {} its value ({} to {}), and none all three",
+                count(any_hue, any, any),
+                count(*hue_deg, any, any),
+                count(any_hue, *saturation, any),
+                count(any_hue, any, *value),
+                value[0],
+                value[1],
+            )
+        }
+        _ => String::new(),
+    }
 }

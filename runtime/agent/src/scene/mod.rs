@@ -5,13 +5,10 @@
 
 mod annotate;
 mod extract;
-mod mask_counts;
 mod reach;
 mod stages;
 #[cfg(test)]
 mod tests;
-
-pub use stages::StagePicture;
 
 use fab_picture::observation::Observation;
 use fab_picture::{Mask, SubpixelPoint};
@@ -22,7 +19,7 @@ use fab_vision::VisionError;
 use serde_json::{Map, Value, json};
 
 /// The keypoints of one observation, in the program's order.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Scene {
     found: Vec<(String, Extracted)>,
     /// The name of the cloth's mask.
@@ -41,40 +38,42 @@ enum Extracted {
     Point(SubpixelPoint),
 }
 
+impl Extracted {
+    fn mask(&self) -> Option<&Mask> {
+        match self {
+            Extracted::Mask(mask) => Some(mask),
+            _ => None,
+        }
+    }
+
+    /// Returns the points: one for a single point, none for other shapes.
+    fn points(&self) -> &[SubpixelPoint] {
+        match self {
+            Extracted::Points(points) => points,
+            Extracted::Point(point) => std::slice::from_ref(point),
+            _ => &[],
+        }
+    }
+}
+
 /// Why a picture gives no scene.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
-    /// A required mask is empty: the first one, which is the cloth, or one that something is taken from.
+    /// A required mask is empty: the first one, which is the cloth, or one that something is taken from. What the picture
+    /// shows instead ends the message, and may be empty.
     #[error(
-        "no pixel of the picture belongs to `{mask}`: the cloth is out of view, or the mask does not fit it{measured}"
+        "no pixel of the picture belongs to `{0}`: the cloth is out of view, or the mask does not fit it{1}"
     )]
-    OutOfView {
-        /// The mask's name.
-        mask: String,
-        /// What the picture shows instead, as the message's end; may be empty.
-        measured: String,
-    },
-    /// A detector found nothing, so there is nothing to offer.
-    #[error(
-        "`{keypoint}` finds no point in the picture, so there is nothing to choose from{measured}"
-    )]
-    NoCandidates {
-        /// The keypoint's name.
-        keypoint: String,
-        /// What the detectors searched, as the message's end; may be empty.
-        measured: String,
-    },
-    /// Detectors found points, but none that a field offers is in reach.
-    #[error("no point of `{keypoint}` is in reach: {why}")]
-    NoneInReach {
-        /// The keypoints that the field offers.
-        keypoint: String,
-        /// Each point, with the reason.
-        why: String,
-    },
+    OutOfView(String, String),
+    /// A detector found nothing, so there is nothing to offer. What was searched ends the message, and may be empty.
+    #[error("`{0}` finds no point in the picture, so there is nothing to choose from{1}")]
+    NoCandidates(String, String),
+    /// Detectors found points, but none that a field offers is in reach; says why for each point.
+    #[error("no point of `{0}` is in reach: {1}")]
+    NoneInReach(String, String),
     /// A layer needs something missing; happens only in a hand-edited program.
     #[error("an annotation cannot be drawn: {0}")]
-    Missing(fab_program::scene::Missing),
+    Missing(#[from] fab_program::scene::Missing),
     /// The detector itself failed.
     #[error(transparent)]
     Vision(#[from] VisionError),
@@ -91,11 +90,7 @@ impl Scene {
         observation: &Observation,
         first: Option<&Scene>,
     ) -> Result<Scene, SceneError> {
-        let mut scene = Scene {
-            found: Vec::with_capacity(program.keypoints.len()),
-            cloth: None,
-            unreachable: Vec::new(),
-        };
+        let mut scene = Scene::default();
         for keypoint in &program.keypoints {
             let kept = first
                 .filter(|_| keypoint.moment == Moment::Start)
@@ -110,18 +105,24 @@ impl Scene {
             if let Choices::Region { mask } = &field.choices
                 && scene.mask(mask)?.is_empty()
             {
-                return Err(SceneError::NoCandidates {
-                    keypoint: mask.clone(),
-                    measured: String::new(),
-                });
+                return Err(SceneError::NoCandidates(mask.clone(), String::new()));
             }
             if let Choices::Points { keypoints } = &field.choices
                 && space::choices(field, &scene).is_empty()
             {
-                return Err(SceneError::NoCandidates {
-                    keypoint: keypoints.join("`, `"),
-                    measured: scene.looked_at(program, keypoints),
+                let searched = scene.cloth().map(|mask| {
+                    format!(
+                        "; the cloth's mask covers {} of its {} pixels, and a detector needs a whole cloth with background \
+                         around it",
+                        mask.area_px(),
+                        u64::from(mask.width()) * u64::from(mask.height())
+                    )
                 });
+                let keypoints = keypoints.join("`, `");
+                return Err(SceneError::NoCandidates(
+                    keypoints,
+                    searched.unwrap_or_default(),
+                ));
             }
         }
         Ok(scene)
@@ -132,11 +133,7 @@ impl Scene {
         program: &Program,
         observation: &Observation,
     ) -> Result<Option<Mask>, SceneError> {
-        let mut scene = Scene {
-            found: Vec::new(),
-            cloth: None,
-            unreachable: Vec::new(),
-        };
+        let mut scene = Scene::default();
         let is_mask = |keypoint: &&Keypoint| keypoint.extractor.shape() == KeypointShape::Mask;
         for keypoint in program.keypoints.iter().filter(is_mask) {
             let (name, extractor) = (&keypoint.name, &keypoint.extractor);
@@ -145,7 +142,7 @@ impl Scene {
             }
             match scene.extract(name, extractor, observation) {
                 Ok(found) => scene.add(keypoint, found),
-                Err(SceneError::OutOfView { .. }) => return Ok(None),
+                Err(SceneError::OutOfView(..)) => return Ok(None),
                 Err(error) => return Err(error),
             }
         }
@@ -173,10 +170,8 @@ impl Scene {
     }
 
     fn mask(&self, name: &str) -> Result<&Mask, SceneError> {
-        match self.get(name) {
-            Some(Extracted::Mask(mask)) => Ok(mask),
-            _ => Err(out_of_view(name)),
-        }
+        let mask = self.get(name).and_then(Extracted::mask);
+        mask.ok_or_else(|| out_of_view(name))
     }
 
     fn outline(&self, name: &str) -> Result<&[PixelPoint], SceneError> {
@@ -186,13 +181,8 @@ impl Scene {
         }
     }
 
-    /// Returns the points of a keypoint: one for a single point, none for other shapes.
     fn points_of(&self, name: &str) -> &[SubpixelPoint] {
-        match self.get(name) {
-            Some(Extracted::Points(points)) => points,
-            Some(Extracted::Point(point)) => std::slice::from_ref(point),
-            _ => &[],
-        }
+        self.get(name).map_or(&[], Extracted::points)
     }
 
     fn corners_of(&self, name: &str) -> Result<[PixelPoint; 2], SceneError> {
@@ -231,15 +221,8 @@ impl Scene {
     /// Prompts name a point by its whole pixel; an answer that names the pixel means the point. If several points share
     /// a pixel, the first one declared counts.
     pub fn located(&self, pixel: PixelPoint) -> Option<[f64; 2]> {
-        let points = self.found.iter().map(|(_, found)| match found {
-            Extracted::Points(points) => points.as_slice(),
-            Extracted::Point(point) => std::slice::from_ref(point),
-            Extracted::Mask(_) | Extracted::Box(_) | Extracted::Outline(_) => &[],
-        });
-        points
-            .flatten()
-            .find(|point| point.pixel == pixel)
-            .map(|point| point.at)
+        let mut points = self.found.iter().flat_map(|(_, found)| found.points());
+        points.find(|point| point.pixel == pixel).map(|it| it.at)
     }
 
     /// Returns the points as JSON, `{name: [[u, v], …]}`; a mask is given as its number of pixels. Points out of reach
@@ -251,8 +234,7 @@ impl Scene {
                 Extracted::Mask(mask) => json!({ "area_px": mask.area_px() }),
                 Extracted::Box(corners) => json!({ "box": corners }),
                 Extracted::Outline(points) => json!({ "outline": points }),
-                Extracted::Points(points) => json!(pixels(points)),
-                Extracted::Point(point) => json!([point.pixel]),
+                Extracted::Points(_) | Extracted::Point(_) => json!(pixels(found.points())),
             };
             object.insert(name.clone(), value);
         }
@@ -267,10 +249,7 @@ impl Scene {
 
 /// Reports an empty mask when nothing more is known about the picture.
 fn out_of_view(mask: &str) -> SceneError {
-    SceneError::OutOfView {
-        mask: mask.to_owned(),
-        measured: String::new(),
-    }
+    SceneError::OutOfView(mask.to_owned(), String::new())
 }
 
 fn pixels(points: &[SubpixelPoint]) -> Vec<PixelPoint> {
@@ -280,9 +259,8 @@ fn pixels(points: &[SubpixelPoint]) -> Vec<PixelPoint> {
 impl SceneView for Scene {
     fn points(&self, keypoint: &str) -> Option<Vec<PixelPoint>> {
         match self.get(keypoint)? {
-            Extracted::Points(points) => Some(pixels(points)),
-            Extracted::Point(point) => Some(vec![point.pixel]),
-            Extracted::Mask(_) | Extracted::Box(_) | Extracted::Outline(_) => None,
+            found @ (Extracted::Points(_) | Extracted::Point(_)) => Some(pixels(found.points())),
+            _ => None,
         }
     }
 
@@ -296,17 +274,12 @@ impl SceneView for Scene {
     }
 
     fn area_px(&self, mask: &str) -> Option<f64> {
-        match self.get(mask)? {
-            Extracted::Mask(mask) => Some(mask.area_px() as f64),
-            _ => None,
-        }
+        Some(self.mask(mask).ok()?.area_px() as f64)
     }
 
     fn region_pixel(&self, mask: &str, number: u64) -> Option<PixelPoint> {
-        match self.get(mask)? {
-            Extracted::Mask(mask) => mask.pixels().nth(usize::try_from(number).ok()?),
-            _ => None,
-        }
+        let mut pixels = self.mask(mask).ok()?.pixels();
+        pixels.nth(usize::try_from(number).ok()?)
     }
 
     fn unreachable(&self) -> &[Unreachable] {

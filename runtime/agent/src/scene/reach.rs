@@ -60,10 +60,8 @@ impl Scene {
                 let why: Vec<String> = points
                     .map(|it| format!("{}: {}", it.point, it.why))
                     .collect();
-                return Err(SceneError::NoneInReach {
-                    keypoint: keypoints.join("`, `"),
-                    why: why.join("; "),
-                });
+                let keypoints = keypoints.join("`, `");
+                return Err(SceneError::NoneInReach(keypoints, why.join("; ")));
             }
         }
         Ok(self)

@@ -4,12 +4,11 @@
 //! Everything here is found and drawn as in a step.
 
 use super::{Extracted, Scene, SceneError, pixels};
-use fab_picture::Mask;
-use fab_picture::mask_picture;
+use fab_picture::{Mask, mask_picture};
 use fab_program::facts::ExecutedAction;
 use fab_program::{PixelPoint, Program};
 use fab_vision::{DrawnLayer, DrawnShape};
-use image::{Luma, RgbImage};
+use image::{DynamicImage, RgbImage};
 
 /// The colour of keypoints, rare among cloths, tables and layers.
 const MAGENTA: [u8; 3] = [255, 0, 255];
@@ -17,40 +16,27 @@ const MAGENTA: [u8; 3] = [255, 0, 255];
 /// Radius of a keypoint's dot, pixels; the paper's.
 const DOT_PX: u32 = 3;
 
-/// One stage of the picture that a model sees.
-#[derive(Clone, Debug)]
-pub struct StagePicture {
-    /// The keypoint or layer that it adds.
-    pub name: String,
-    /// A mask in white on black; a keypoint on the camera's picture, its points numbered in their order; or the
-    /// picture with the layers up to this one.
-    pub picture: RgbImage,
-}
-
 impl Scene {
-    /// Draws every keypoint, then every layer over the previous ones; the last picture is [`Scene::annotated`].
+    /// Draws every keypoint, then every layer over the previous ones, each with its name; the last picture is
+    /// [`Scene::annotated`].
     ///
-    /// A layer that needs the previous action is omitted if there is none. Fails as [`Scene::annotated`] does.
+    /// A mask is white on black; other keypoints are drawn on the camera's picture, points numbered in their order. A
+    /// layer that needs the previous action is omitted if there is none. Fails as [`Scene::annotated`] does.
     pub fn stages(
         &self,
         program: &Program,
         rgb: &RgbImage,
         last: Option<&ExecutedAction>,
-    ) -> Result<Vec<StagePicture>, SceneError> {
+    ) -> Result<Vec<(String, RgbImage)>, SceneError> {
         let mut stages = Vec::with_capacity(self.found.len() + program.layers.len());
         for (name, found) in &self.found {
-            stages.push(StagePicture {
-                name: name.clone(),
-                picture: drawn(found, rgb)?,
-            });
+            stages.push((name.clone(), drawn(found, rgb)?));
         }
         for (index, layer) in program.layers.iter().enumerate() {
             if last.is_some() || !layer.uses_last() {
                 let layers = &program.layers[..=index];
-                stages.push(StagePicture {
-                    name: layer.name.clone(),
-                    picture: self.with_layers(program, layers, rgb, last)?,
-                });
+                let picture = self.with_layers(program, layers, rgb, last)?;
+                stages.push((layer.name.clone(), picture));
             }
         }
         Ok(stages)
@@ -64,8 +50,7 @@ impl Scene {
                 Extracted::Mask(_) => return None,
                 Extracted::Box(corners) => corners.to_vec(),
                 Extracted::Outline(points) => points.clone(),
-                Extracted::Points(points) => pixels(points),
-                Extracted::Point(point) => vec![point.pixel],
+                Extracted::Points(_) | Extracted::Point(_) => pixels(found.points()),
             };
             Some((name.as_str(), points))
         });
@@ -74,33 +59,20 @@ impl Scene {
 
     /// Returns each keypoint that is a mask.
     pub fn masks(&self) -> Vec<(&str, &Mask)> {
-        let listed = self.found.iter().filter_map(|(name, found)| match found {
-            Extracted::Mask(mask) => Some((name.as_str(), mask)),
-            _ => None,
-        });
-        listed.collect()
+        let found = self.found.iter();
+        let masks = found.filter_map(|(name, found)| Some((name.as_str(), found.mask()?)));
+        masks.collect()
     }
 }
 
 fn drawn(found: &Extracted, rgb: &RgbImage) -> Result<RgbImage, SceneError> {
-    let numbered = |at: Vec<PixelPoint>| {
-        let dots = DrawnShape::Dots {
-            at: at.clone(),
-            radius_px: DOT_PX,
-        };
-        vec![dots, DrawnShape::Numbers { at }]
+    let dots = |at| DrawnShape::Dots {
+        at,
+        radius_px: DOT_PX,
     };
     let shapes = match found {
         Extracted::Mask(mask) => {
-            let levels = mask_picture(mask);
-            return Ok(RgbImage::from_fn(
-                mask.width(),
-                mask.height(),
-                |column, row| {
-                    let Luma([level]) = *levels.get_pixel(column, row);
-                    image::Rgb([level; 3])
-                },
-            ));
+            return Ok(DynamicImage::from(mask_picture(mask)).into_rgb8());
         }
         Extracted::Box(corners) => vec![DrawnShape::Box {
             corners: *corners,
@@ -110,18 +82,15 @@ fn drawn(found: &Extracted, rgb: &RgbImage) -> Result<RgbImage, SceneError> {
             points: points.clone(),
             width_px: 1,
         }],
-        Extracted::Points(points) => numbered(pixels(points)),
-        Extracted::Point(point) => vec![DrawnShape::Dots {
-            at: vec![point.pixel],
-            radius_px: DOT_PX,
-        }],
+        Extracted::Points(points) => {
+            let at = pixels(points);
+            vec![dots(at.clone()), DrawnShape::Numbers { at }]
+        }
+        Extracted::Point(point) => vec![dots(vec![point.pixel])],
     };
-    let layers: Vec<DrawnLayer> = shapes
-        .into_iter()
-        .map(|shape| DrawnLayer {
-            rgb: MAGENTA,
-            shape,
-        })
-        .collect();
-    Ok(fab_vision::draw_layers(rgb, &layers)?)
+    let layers = shapes.into_iter().map(|shape| DrawnLayer {
+        rgb: MAGENTA,
+        shape,
+    });
+    Ok(fab_vision::draw_layers(rgb, &layers.collect::<Vec<_>>())?)
 }

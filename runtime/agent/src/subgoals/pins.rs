@@ -3,7 +3,7 @@
 //! In: a program and the folder of its file. Out: the pictures that `fabc subgoals` drew, if they still match the
 //! program. `pins.json` beside them records what they were drawn from, and their hashes.
 
-use super::{ArrowPx, Drawn, Origin, SubgoalError, SubgoalSet};
+use super::{ArrowPx, Origin, SubgoalError, SubgoalSet};
 use fab_base::files;
 use fab_picture::png;
 use fab_program::{Fold, PINS_FILE, Program, Subgoals, Trial, pins_folder};
@@ -12,6 +12,7 @@ use image::RgbImage;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// The contents of `pins.json` beside the pinned pictures: what they were drawn from.
@@ -35,47 +36,45 @@ const PINS_FORMAT: u32 = 2;
 /// The longest file of pins accepted, bytes.
 const MAX_PINS_BYTES: u64 = 1 << 22;
 
-/// The result of looking for pinned pictures.
-pub(super) enum Pinned {
-    Fitting(SubgoalSet),
-    OfAnotherFold,
-    Absent,
-}
-
 /// Looks for pinned pictures that match the program: its own, or for a variant those of the task itself.
 ///
-/// Pictures that are missing or changed since they were pinned do not count.
-pub(super) fn load(program: &Program, folds: &[Fold], folder: &Path, world: &dyn World) -> Pinned {
-    let own = of_folder(program, folds, &pin_folder(program, folder), world);
-    if !matches!(own, Pinned::Absent) || program.variant.is_none() {
-        return own;
-    }
-    let tasks = folder.join(pins_folder(&program.task));
-    match of_folder(program, folds, &tasks, world) {
-        Pinned::Fitting(set) => Pinned::Fitting(set),
-        // The task folds differently from its variant, so having nothing pinned for the variant is fine.
-        Pinned::OfAnotherFold | Pinned::Absent => Pinned::Absent,
+/// If there are none, returns the origin of pictures that are then drawn. Pictures that are missing or changed since they
+/// were pinned do not count.
+pub(super) fn load(
+    program: &Program,
+    folds: &[Fold],
+    folder: &Path,
+    world: &dyn World,
+) -> Result<SubgoalSet, Origin> {
+    match of_folder(program, folds, &pin_folder(program, folder), world) {
+        Err(Origin::Drawn) if program.variant.is_some() => {
+            let tasks = folder.join(pins_folder(&program.task));
+            // If the task folds differently, having nothing pinned for its variant is fine.
+            of_folder(program, folds, &tasks, world).map_err(|_| Origin::Drawn)
+        }
+        own => own,
     }
 }
 
-fn of_folder(program: &Program, folds: &[Fold], source: &Path, world: &dyn World) -> Pinned {
-    let Ok(text) = files::read_text(&source.join(PINS_FILE), MAX_PINS_BYTES) else {
-        return Pinned::Absent;
-    };
-    let Ok(pins) = serde_json::from_str::<Pins>(&text) else {
-        return Pinned::OfAnotherFold;
-    };
+fn of_folder(
+    program: &Program,
+    folds: &[Fold],
+    source: &Path,
+    world: &dyn World,
+) -> Result<SubgoalSet, Origin> {
+    let text = files::read_text(&source.join(PINS_FILE), MAX_PINS_BYTES);
+    let text = text.map_err(|_| Origin::Drawn)?;
+    let pins: Pins = serde_json::from_str(&text).map_err(|_| Origin::DrawnAnew)?;
     if pins.format != PINS_FORMAT
         || pins.drawn_from != drawn_from(program, folds)
         || pins.arrows.len() != folds.len()
     {
-        return Pinned::OfAnotherFold;
+        return Err(Origin::DrawnAnew);
     }
     let mut pictures = Vec::new();
     for number in 0..=folds.len() {
-        let Ok(picture) = png::load(&source.join(format!("{number}.png"))) else {
-            return Pinned::OfAnotherFold;
-        };
+        let picture = png::load(&source.join(format!("{number}.png")));
+        let picture = picture.map_err(|_| Origin::DrawnAnew)?;
         let is_exchanged = pins
             .pictures
             .get(number)
@@ -83,7 +82,7 @@ fn of_folder(program: &Program, folds: &[Fold], source: &Path, world: &dyn World
         if is_exchanged
             || picture.dimensions() != (program.camera.image_px, program.camera.image_px)
         {
-            return Pinned::OfAnotherFold;
+            return Err(Origin::DrawnAnew);
         }
         pictures.push(picture);
     }
@@ -92,19 +91,20 @@ fn of_folder(program: &Program, folds: &[Fold], source: &Path, world: &dyn World
     let tried = pins.tried.map(|it| it.of);
     let is_same =
         tried.is_none() || program.variant.is_some() || tried == program.demonstration_hash();
-    Pinned::Fitting(SubgoalSet {
+    Ok(SubgoalSet {
         pictures,
         arrows,
-        origin: match pins.params == world.parameters() && is_same {
-            true => Origin::Pinned,
-            false => Origin::PinnedByOther,
+        origin: if pins.params == world.parameters() && is_same {
+            Origin::Pinned
+        } else {
+            Origin::PinnedByOther
         },
-        notes: Vec::new(),
+        ..SubgoalSet::default()
     })
 }
 
-impl Drawn {
-    /// Writes the pictures where [`SubgoalSet::obtain`] looks for them, and returns the files.
+impl SubgoalSet {
+    /// Writes drawn pictures where [`SubgoalSet::obtain`] looks for them, and returns the files.
     ///
     /// The description is written last, so an interrupted call leaves no complete-looking set.
     pub fn pin(
@@ -117,9 +117,8 @@ impl Drawn {
             return Ok(Vec::new());
         };
         let target = pin_folder(program, folder);
-        let unwritable = |path: &Path, error: std::io::Error| SubgoalError::Unwritable {
-            path: path.to_owned(),
-            why: error.to_string(),
+        let unwritable = |path: &Path, error: io::Error| {
+            SubgoalError::Unwritable(path.to_owned(), error.to_string())
         };
         fs::create_dir_all(&target).map_err(|error| unwritable(&target, error))?;
         let description = target.join(PINS_FILE);
@@ -127,7 +126,7 @@ impl Drawn {
             fs::remove_file(&description).map_err(|error| unwritable(&description, error))?;
         }
         let mut files = Vec::new();
-        for (number, picture) in self.set.pictures.iter().enumerate() {
+        for (number, picture) in self.pictures.iter().enumerate() {
             let path = target.join(format!("{number}.png"));
             files::write_whole(&path, &png::encode(picture))
                 .map_err(|error| unwritable(&path, error))?;
@@ -137,8 +136,8 @@ impl Drawn {
             format: PINS_FORMAT,
             drawn_from: drawn_from(program, folds),
             params: params.to_owned(),
-            arrows: self.set.arrows.iter().copied().flatten().collect(),
-            pictures: self.set.pictures.iter().map(hash_of).collect(),
+            arrows: self.arrows.iter().copied().flatten().collect(),
+            pictures: self.pictures.iter().map(hash_of).collect(),
             tried: self.trial.clone(),
         };
         let text = serde_json::to_string_pretty(&pins).expect("pins hold finite numbers") + "\n";
@@ -169,8 +168,6 @@ fn drawn_from(program: &Program, folds: &[Fold]) -> String {
 /// Returns the hash of a picture's size and pixels, hex.
 fn hash_of(picture: &RgbImage) -> String {
     let mut hash = Sha256::new();
-    hash.update(picture.width().to_le_bytes());
-    hash.update(picture.height().to_le_bytes());
-    hash.update(picture.as_raw());
+    super::add_picture(&mut hash, picture);
     fab_base::digest::hex(&hash.finalize())
 }

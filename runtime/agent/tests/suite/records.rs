@@ -115,7 +115,7 @@ fn a_torn_record_is_gone_on_with_and_another_version_is_left_alone() {
     // Another version is named, whatever its lines hold.
     let foreign = "{\"type\":\"header\",\"schema\":1,\"models\":[]}\n";
     std::fs::write(&file, foreign).unwrap();
-    let version = RecordError::Version { found: 1 };
+    let version = RecordError::Version(1);
     assert_eq!(Record::read(folder.path()), Err(version));
 
     // A line of JSON that this version does not write.

@@ -3,12 +3,11 @@
 //! In: what `fab_agent::draft` found in pictures. Out: text that compiles, with a comment
 //! `# guessed: …` at each guess.
 
-use super::points::{fold_text, point_text};
 use crate::verbs::new::GUESSED;
 use fab_agent::draft;
-use fab_agent::draft::{ArrowOrigin, DraftStep, NamedPicture};
+use fab_agent::draft::{DraftStep, NamedPicture};
 use fab_base::wording::quoted;
-use fab_program::{Fold, Sequence};
+use fab_program::{ClothPoint, Fold, Sequence};
 
 /// Least overlap that the base task requires of a step's result.
 const BASE_ALIKE: f64 = 0.7;
@@ -18,9 +17,6 @@ const MARGIN: f64 = 0.1;
 
 /// Height above the table from which pixels count as cloth, millimetres; a flat cloth lies at 5 mm.
 const CLOTH_MM: f64 = 4.0;
-
-/// A cloth that covers a smaller share of its rectangle may not be rectangular, so the draft says that it is not sure.
-const RECTANGULAR: f64 = 0.93;
 
 /// Rotation from which on a note is written, degrees.
 const TURNED_DEG: f64 = 3.0;
@@ -44,11 +40,10 @@ impl Page<'_> {
         // Only if every step has a fold that explains its pictures.
         let folds: Option<Vec<Fold>> = found.steps.iter().map(|it| it.found().cloned()).collect();
         let (goal, experts, sequences) = match &folds {
-            Some(folds) => (
-                self.goal(),
-                "    experts @NAME@_folds\n\n",
-                self.sequences(folds),
-            ),
+            Some(folds) => {
+                let experts = "    experts @NAME@_folds\n\n";
+                (self.goal(), experts, self.sequences(folds))
+            }
             None => (
                 format!(
                     "    {GUESSED}nothing to score by, since not every fold is known: the task has no goal, and runs to its last step\n"
@@ -60,6 +55,7 @@ impl Page<'_> {
         let steps = found.steps.iter();
         let places = steps.filter_map(|step| Some(point_text(&step.fold.as_ref()?.place)));
         let places: Vec<String> = places.collect();
+        let is_beside = places.iter().any(|place| place.starts_with("point"));
         let is_side = |place: &String| !place.starts_with("corner") && !place.starts_with("center");
         let base = if places.iter().any(is_side) {
             "folding_to_sides"
@@ -79,10 +75,13 @@ impl Page<'_> {
             ("@BASE@", base),
             ("@CLOTH@", &cloth),
             ("    @GUESSES@\n", &guesses.collect::<String>()),
-            ("    @CAMERA@\n", &self.camera()),
+            ("@HEIGHT@", &self.height_mm().to_string()),
+            ("@BELOW@", &(self.height_mm() - CLOTH_MM).to_string()),
+            ("@FOV@", &self.fov_deg().to_string()),
+            ("@IMAGE@", &found.camera.image_px.to_string()),
             ("    @GOAL@\n", &goal),
             ("    @ALIKE@\n", &self.alike()),
-            ("    @SIDES@\n", &format!("{}\n", self.keypoints(&places))),
+            ("        @SIDES@\n", if is_beside { SIDES_NOW } else { "" }),
             ("    @IMAGES@\n", &self.images()),
             ("    @EXPERTS@\n", experts),
             ("@SEQUENCES@\n", &sequences),
@@ -127,14 +126,8 @@ impl Page<'_> {
                 turned_deg.abs()
             ));
         }
-        if self.found.rectangular < RECTANGULAR {
-            guesses.push(format!(
-                "not sure: the cloth is a rectangle, of which {:.2} is seen",
-                self.found.rectangular
-            ));
-        }
         let steps = self.found.steps.iter().zip(self.pictures);
-        let bare = steps.filter(|(step, _)| step.origin == ArrowOrigin::Proposed);
+        let bare = steps.filter(|(step, _)| !step.is_drawn);
         let bare = quoted(bare.map(|(_, picture)| &picture.name));
         if !bare.is_empty() {
             guesses.push(format!(
@@ -167,28 +160,6 @@ impl Page<'_> {
         )
     }
 
-    fn camera(&self) -> String {
-        format!(
-            "    camera top_down(height: {}mm, fov: {}deg, image: {}px)\n",
-            self.height_mm(),
-            self.fov_deg(),
-            self.found.camera.image_px
-        )
-    }
-
-    /// Writes the keypoints that depend on the camera, and on where the folds end.
-    fn keypoints(&self, places: &[String]) -> String {
-        let height_mm = self.height_mm();
-        let mut lines = format!(
-            "        cloth = mask(depth < {}mm)   # the table is {height_mm}mm away\n",
-            height_mm - CLOTH_MM
-        );
-        if places.iter().any(|place| place.starts_with("point")) {
-            lines.push_str(SIDES_NOW);
-        }
-        format!("    keypoints {{\n{lines}    }}\n")
-    }
-
     /// Writes the pictures, with a guess before each from which a step begins.
     fn images(&self) -> String {
         let mut lines = String::new();
@@ -200,7 +171,7 @@ impl Page<'_> {
                 lines.push_str(&format!(
                     "        {GUESSED}from `{before}` to `{after}`: {guess}\n"
                 ));
-                if step.origin == ArrowOrigin::Proposed && !is_lost(step) {
+                if !step.is_drawn && !is_lost(step) {
                     let [tail, tip] = step.arrow.map(|at| self.written(at));
                     arrow = format!(" arrow {tail} -> {tip}");
                 }
@@ -225,20 +196,15 @@ impl Page<'_> {
                  (column, row) from the top left, where the step picks and places"
             );
         }
-        let arrow = match step.origin {
-            ArrowOrigin::Drawn => {
-                let [tail, tip] = step.arrow.map(|[u, v]| format!("({u:.0}, {v:.0})"));
-                format!(", by the arrow in the picture from {tail} to {tip}")
-            }
-            ArrowOrigin::Proposed => String::new(),
+        let arrow = if step.is_drawn {
+            let [tail, tip] = step.arrow.map(|[u, v]| format!("({u:.0}, {v:.0})"));
+            format!(", by the arrow in the picture from {tail} to {tip}")
+        } else {
+            String::new()
         };
         let doubt = if step.is_sure() { "" } else { "not sure: " };
         let next = match &step.next_best {
-            Some((next, better)) if *better > overlap => format!(
-                "; {better:.2} for {}, between points that are named less often",
-                fold_text(next)
-            ),
-            Some((next, less)) => format!(", next best {less:.2} for {}", fold_text(next)),
+            Some((next, other)) => format!(", next best {other:.2} for {}", fold_text(next)),
             None => String::new(),
         };
         format!("{doubt}{fold}{arrow} (overlap {overlap:.2}{next})")
@@ -274,5 +240,29 @@ const SIDES_NOW: &str = "        # One fold ends elsewhere than on a corner or a
 
 /// Returns whether all that is known of a step is a guess that does not explain it.
 fn is_lost(step: &DraftStep) -> bool {
-    step.origin == ArrowOrigin::Proposed && step.found().is_none()
+    !step.is_drawn && step.found().is_none()
+}
+
+/// Writes a fold as a whole, ignoring its fraction.
+fn fold_text(fold: &Fold) -> String {
+    format!("{} -> {}", point_text(&fold.pick), point_text(&fold.place))
+}
+
+/// Writes a point of the cloth in the language's syntax.
+fn point_text(point: &ClothPoint) -> String {
+    let ClothPoint::Particle { right, front } = *point else {
+        return "center".to_owned();
+    };
+    let name = |low: &'static str, high: &'static str, at: f64| match at {
+        0.0 => Some(low),
+        1.0 => Some(high),
+        _ => None,
+    };
+    let (side, end) = (name("left", "right", right), name("back", "front", front));
+    match (end, side) {
+        (Some(end), Some(side)) => format!("corner({end}_{side})"),
+        (None, Some(side)) if front == 0.5 => format!("middle({side})"),
+        (Some(end), None) if right == 0.5 => format!("middle({end})"),
+        _ => format!("point({right}, {front})"),
+    }
 }

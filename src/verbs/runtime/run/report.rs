@@ -22,6 +22,8 @@ pub struct Progress<'io> {
     io: &'io Io,
     /// How many actions were shown in an earlier run.
     earlier: u32,
+    /// Whether the current action is one of them.
+    is_earlier: bool,
     horizon: u32,
     answer: String,
 }
@@ -32,14 +34,24 @@ impl Progress<'_> {
         Progress {
             io,
             earlier,
+            is_earlier: false,
             horizon: 0,
             answer: String::new(),
         }
     }
 
     pub fn show(&mut self, event: &Event) {
-        let is_earlier = event.at().is_some_and(|at| at.action <= self.earlier);
-        if is_earlier && !matches!(event, Event::Stopped { .. }) {
+        if let Event::Picture { at, .. } | Event::Retried { at, .. } = event {
+            self.is_earlier = at.action <= self.earlier;
+        }
+        let is_always_shown = matches!(
+            event,
+            Event::Start { .. }
+                | Event::Stopped { .. }
+                | Event::Experts { .. }
+                | Event::Note { .. }
+        );
+        if self.is_earlier && !is_always_shown {
             return;
         }
         let (io, horizon) = (self.io, self.horizon);
@@ -285,9 +297,10 @@ fn coverage(report: &Ended) -> Option<String> {
         let truly = truly.map_or(String::new(), |truly| format!(", {truly:.3} (true)"));
         format!("{source:.3} ({measure}){truly}")
     };
-    let covered = both(report.coverage?, report.coverage_true);
-    let gained = report.normalized_improvement.map(|gained| {
-        let gained = both(gained, report.normalized_improvement_true);
+    let measures = &report.measures;
+    let covered = both(measures.coverage?, measures.coverage_true);
+    let gained = measures.normalized_improvement.map(|gained| {
+        let gained = both(gained, measures.normalized_improvement_true);
         format!("; normalized improvement {gained}")
     });
     Some(format!("coverage {covered}{}", gained.unwrap_or_default()))
