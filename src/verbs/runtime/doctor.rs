@@ -196,7 +196,7 @@ fn served(provider: &Provider, base_url: BaseUrl, key: Option<Key>, with: &str) 
             missing(found, export(provider))
         }
         Err(NotListed::Absent) => missing(format!("nothing answers at {at}{with}"), start),
-        Err(NotListed::Other(why) | NotListed::Unreachable(why)) => missing(
+        Err(NotListed::Other(why)) => missing(
             format!("no list of models came from {at} ({why}){with}"),
             format!("look into its log, or whether another program has its port; {start}"),
         ),

@@ -275,10 +275,10 @@ impl Remote {
         reply: Result<Incoming, NoReply>,
         sent: &Encoded,
         lengths: Lengths,
-    ) -> Result<Answer, Failed> {
+    ) -> Result<Answer, Box<Failed>> {
         let incoming = reply.map_err(|nothing| {
             let (fault, billing) = nothing.obstacle.fault();
-            Failed::of(fault, billing, Err(nothing))
+            Box::new(Failed::of(fault, billing, Err(nothing)))
         })?;
         let Settings { profile, .. } = &self.settings;
         if !(200..300).contains(&incoming.status) {
@@ -287,10 +287,10 @@ impl Remote {
             let is_refusal = fault == Fault::BadRequest && matches!(incoming.status, 400 | 422);
             let field = profile.reasoning().tokens_field;
             let omit = omit::refused(&incoming.body, &sent.body, field.as_deref());
-            return Err(Failed {
+            return Err(Box::new(Failed {
                 omit: omit.filter(|_| is_refusal),
                 ..Failed::of(fault, billing, Ok(incoming))
-            });
+            }));
         }
         match profile.provider.wire.decode(&incoming.body) {
             Ok(answer) => Ok(Answer {
@@ -307,12 +307,12 @@ impl Remote {
                     why.push_str(&format!("; {}", remedy.0));
                     again = remedy.1;
                 }
-                Err(Failed {
+                Err(Box::new(Failed {
                     problem: Some(why),
                     usage: failure.usage.filter(|it| it.input_tokens > 0),
                     again,
                     ..Failed::of(failure.fault, Billing::Possibly, Ok(incoming))
-                })
+                }))
             }
         }
     }

@@ -32,12 +32,10 @@ pub enum NotListed {
         /// The status.
         status: u16,
     },
-    /// It answers with something else.
-    Other(String),
     /// Nothing listens there.
     Absent,
-    /// It does not answer.
-    Unreachable(String),
+    /// It does not answer, or with something else.
+    Other(String),
 }
 
 /// Returns the ids of the models that a server says it serves, in its order.
@@ -49,7 +47,7 @@ pub fn served_models(
     interrupt: &Interrupt,
 ) -> Result<Vec<String>, NotListed> {
     let redactor = Redactor::of(settings.key.iter().chain(hidden));
-    let transport = Transport::new(redactor, settings).map_err(NotListed::Unreachable)?;
+    let transport = Transport::new(redactor, settings).map_err(NotListed::Other)?;
     ask(settings, &transport, interrupt)
 }
 
@@ -61,7 +59,7 @@ pub(super) fn ask(settings: &Settings, transport: &Transport, interrupt: &Interr
     match transport.get(&url, headers, (MAX_BYTES, TIMEOUT), interrupt) {
         Ok(incoming) => read(&incoming),
         Err(nothing) if nothing.obstacle == Obstacle::Refused => Err(NotListed::Absent),
-        Err(nothing) => Err(NotListed::Unreachable(nothing.words)),
+        Err(nothing) => Err(NotListed::Other(nothing.words)),
     }
 }
 

@@ -35,26 +35,19 @@ impl UserFile {
 
 /// Returns the file of model facts: `--models`, else `FABC_MODELS`, else the one in the user's folder.
 pub fn facts_file(flag: Option<&Path>, io: &Io) -> Option<UserFile> {
-    match flag {
-        Some(path) => Some(UserFile {
-            path: path.to_owned(),
-            is_named: true,
-        }),
-        None => user_file("FABC_MODELS", "models.toml", io),
-    }
+    user_file(flag, "FABC_MODELS", "models.toml", io)
 }
 
 /// Returns the file of keys: `FABC_KEYS`, else the one in the user's folder.
 pub fn keys_file(io: &Io) -> Option<UserFile> {
-    user_file("FABC_KEYS", "keys.toml", io)
+    user_file(None, "FABC_KEYS", "keys.toml", io)
 }
 
-fn user_file(variable: &str, name: &str, io: &Io) -> Option<UserFile> {
-    let named = io.variable(variable).filter(|value| !value.is_empty());
-    let (path, is_named) = match named {
-        Some(path) => (path.into(), true),
-        None => (dirs::config_dir()?.join("fabc").join(name), false),
-    };
+fn user_file(flag: Option<&Path>, variable: &str, name: &str, io: &Io) -> Option<UserFile> {
+    let variable = io.variable(variable).filter(|value| !value.is_empty());
+    let named = flag.map(Path::to_owned).or(variable.map(PathBuf::from));
+    let is_named = named.is_some();
+    let path = named.or_else(|| Some(dirs::config_dir()?.join("fabc").join(name)))?;
     Some(UserFile { path, is_named })
 }
 
