@@ -97,11 +97,14 @@ fn similar_file(path: &Path) -> Option<String> {
 /// The largest file that a check looks into, bytes; as much as a start may have.
 const MAX_LOOKED_AT: u64 = 64 << 20;
 
+/// What a file is, and what is done to a picture to show it.
+type Found = (Listed, Option<String>);
+
 /// A loader that also looks into the files that tasks name, for `fabc check` alone, and remembers what was asked for.
 struct Looking {
     disk: Disk,
-    /// What was found, because each task that inherits a file asks again, and what is done to a picture to show it.
-    found: RefCell<BTreeMap<(String, Wanted), (Listed, Option<String>)>>,
+    /// What was found, because each task that inherits a file asks again.
+    found: RefCell<BTreeMap<(String, Wanted), Found>>,
     /// The files that were asked for, including missing ones.
     asked: RefCell<BTreeSet<PathBuf>>,
 }
@@ -164,7 +167,7 @@ pub fn pinned_trial(folder: &Path, title: &str) -> Option<Trial> {
 }
 
 /// Reads the file at a path in a folder as the kind of file that is wanted; says what it found, and what is done to show it.
-fn listed(folder: &Path, path: &Path, wanted: Wanted) -> Result<(Listed, Option<String>), String> {
+fn listed(folder: &Path, path: &Path, wanted: Wanted) -> Result<Found, String> {
     let bytes = files::read(&inside(folder, path)?, MAX_LOOKED_AT)?;
     match wanted {
         Wanted::CameraPicture | Wanted::Picture => picture(path, &bytes),
@@ -181,7 +184,7 @@ fn listed(folder: &Path, path: &Path, wanted: Wanted) -> Result<(Listed, Option<
 
 /// Opens a picture as a rollout will.
 #[cfg(feature = "runtime")]
-fn picture(path: &Path, bytes: &[u8]) -> Result<(Listed, Option<String>), String> {
+fn picture(path: &Path, bytes: &[u8]) -> Result<Found, String> {
     let named = format!("`{}`", path.display());
     let opened = fab_picture::png::opened(bytes, path);
     let opened = opened.map_err(|error| error.to_string().replacen(&named, "it", 1))?;
@@ -191,7 +194,7 @@ fn picture(path: &Path, bytes: &[u8]) -> Result<(Listed, Option<String>), String
 
 /// The authoring tool opens no pictures.
 #[cfg(not(feature = "runtime"))]
-fn picture(_: &Path, _: &[u8]) -> Result<(Listed, Option<String>), String> {
+fn picture(_: &Path, _: &[u8]) -> Result<Found, String> {
     Ok((Listed::Unknown, None))
 }
 

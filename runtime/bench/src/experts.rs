@@ -106,6 +106,9 @@ pub(super) fn simulate(
     Ok(done.iter().all(Option::is_some))
 }
 
+/// A distance between two states, metres.
+type Measure = fn(&[[f32; 3]], &[[f32; 3]]) -> Option<f64>;
+
 /// Scores the last state of a rollout, however it ended; the start itself if nothing was executed.
 pub(super) fn distances(
     bench: &Bench<'_>,
@@ -127,7 +130,7 @@ pub(super) fn distances(
             job.interrupt,
             &mut |_| {},
         )?;
-        let nearest = |measure: fn(&[[f32; 3]], &[[f32; 3]]) -> Option<f64>| {
+        let nearest = |measure: Measure| {
             let all = { ends.ends.iter() }.filter_map(|end| measure(last, &end.positions));
             all.min_by(f64::total_cmp)
         };

@@ -25,8 +25,11 @@ pub struct OnArm<'a> {
     /// Makes the world of a rollout; the folder is the run's, for the arm's journal.
     pub make_world: &'a MakeRolloutWorld<'a>,
     /// Makes a simulated world with the arm's reach, for questions before a rollout.
-    pub make_look: &'a (dyn Fn(&Program) -> Result<Box<dyn World>, WorldError> + Sync),
+    pub make_look: &'a MakeLook<'a>,
 }
+
+/// Makes a world from a program alone.
+pub type MakeLook<'a> = dyn Fn(&Program) -> Result<Box<dyn World>, WorldError> + Sync + 'a;
 
 /// How cloths get onto an arm's table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
