@@ -60,7 +60,7 @@ fn a_start_of_the_wrong_shape_or_with_nan() {
     write_npy(&here.join("start.npy"), "<i4", "(64, 3)", &flat(64));
     refused(here, &RUN, 2, &["<i4"]);
     write_npy(&here.join("start.npy"), "<f2", "(64, 3)", &[0; 384]);
-    refused(here, &RUN, 2, &["float16", "(particles, 4)"]);
+    refused(here, &RUN, 2, &["'<f2'", "(particles, 4)"]);
     fs::write(here.join("start.npy"), b"PK\x03\x04").unwrap();
     refused(here, &RUN, 2, &["`.npz`", "`numpy.save`"]);
     fs::write(here.join("start.json"), b"\xff\xfe{\0").unwrap();

@@ -29,10 +29,9 @@ pub struct Imperfect {
 }
 
 /// How the stand-in errs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Errors {
     /// In four ways, drawn anew for every question.
-    #[default]
     Mixed,
     /// With an offered value in one of two ways: a pick near the last place point, or the opposite direction. Drawn once
     /// for an action, so that every question about it gets the same wrong answer.

@@ -12,11 +12,10 @@ use fab_picture::arrow::{self, ArrowFault};
 use fab_picture::camera::center_of;
 use fab_picture::hull::{self, Point};
 use fab_picture::{Mask, png, regions};
+use fab_program::PixelPoint;
 use image::RgbImage;
 use std::f64::consts::FRAC_PI_4;
 use std::path::Path;
-
-const SIDE_PX: std::ops::RangeInclusive<u32> = 32..=4096;
 
 /// Least visible cloth, as a fraction of the picture.
 const LEAST_CLOTH: f64 = 0.003;
@@ -24,6 +23,9 @@ const LEAST_CLOTH: f64 = 0.003;
 /// How far the ring's centre may be off the cloth's outline, pixels of a 224 px picture: the ring's outer radius of 4,
 /// and as much again for an arrow drawn by hand.
 const TAIL_SLACK_PX: f64 = 8.0;
+
+/// How far inside the outline a corner is taken, as a fraction of its distance from the middle.
+const INWARD: f64 = 0.03;
 
 /// Corners of the rectangle that the cloth misses by this fraction of the short side are mentioned.
 const BARE_FROM: f64 = 0.3;
@@ -105,22 +107,25 @@ fn instruction(pictures: &[&[u8]]) -> Result<Instruction, String> {
     })
 }
 
-/// Returns the corners of the cloth's convex outline in a picture, `[column, row]`, pixels; fails with the reason.
-pub fn outline(picture: &[u8]) -> Result<Vec<Point>, String> {
+/// Returns points a little inside the corners of the cloth's convex outline in a picture; fails with the reason.
+pub fn corners(picture: &[u8]) -> Result<Vec<PixelPoint>, String> {
     let seen = decode(picture)?;
     let nothing = Mask::from_pixels(seen.width(), seen.height(), &[]);
     let cloth = cloth(&seen, &regions::border_colours(&[&seen]), &nothing)?;
-    Ok(hull::around(cloth.pixels().map(center_of)))
+    let outline = hull::around(cloth.pixels().map(center_of));
+    let middle = [0, 1].map(|axis| {
+        let sum: f64 = outline.iter().map(|corner| corner[axis]).sum();
+        sum / outline.len() as f64
+    });
+    let inward = |corner: &Point| {
+        [0, 1].map(|axis| (corner[axis] + INWARD * (middle[axis] - corner[axis])) as i32)
+    };
+    Ok(outline.iter().map(inward).map(PixelPoint::from).collect())
 }
 
 fn decode(bytes: &[u8]) -> Result<RgbImage, String> {
     let picture = png::decode(bytes, Path::new("the picture"));
-    let picture = picture.map_err(|_| "a picture cannot be read")?;
-    if SIDE_PX.contains(&picture.width()) && SIDE_PX.contains(&picture.height()) {
-        Ok(picture)
-    } else {
-        Err("a side of a picture is shorter than 32 pixels or longer than 4096".to_owned())
-    }
+    picture.map_err(|_| "a picture cannot be read".to_owned())
 }
 
 /// The pixels of the cloth: the largest patch that is not table, minus the arrow drawn over it.

@@ -21,9 +21,6 @@ const CORNER: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Safety margin on distances that the prompt states, pixels: both ends are known only to a pixel.
 const SLACK_PX: f64 = 2.0;
 
-/// How far inside the outline a point of the picture is picked, as a fraction of its distance from the middle.
-const INWARD: f64 = 0.03;
-
 /// Returns whether a prompt's format has a direction and a distance to choose.
 pub fn is_asked(text: &str) -> bool {
     let mut fields = ["direction", "distance"].iter();
@@ -44,7 +41,7 @@ pub fn choose(messages: &[Message]) -> Result<Decision, String> {
     let question = all_words(&messages[..=at]);
     let mut picks = corners(&messages[at]);
     if picks.is_empty() {
-        picks = of_picture(pictures(&messages[at])[0])?;
+        picks = see::corners(pictures(&messages[at])[0])?;
     }
     let center = prompt::listed(&question).center;
     let last = |word| prompt::lengths(&question, word).pop();
@@ -138,20 +135,6 @@ impl Rules {
         let avoided = f64::from(u8::from(points.iter().any(is_near)));
         Some([avoided, -off_px, -outward, hull::distance(to, goal)])
     }
-}
-
-/// Returns points a little inside the corners of the cloth's outline in a picture.
-fn of_picture(picture: &[u8]) -> Result<Vec<PixelPoint>, String> {
-    let outline = see::outline(picture)?;
-    let middle = [0, 1].map(|axis| {
-        let sum: f64 = outline.iter().map(|corner| corner[axis]).sum();
-        sum / outline.len() as f64
-    });
-    let inward = |corner: &Point| {
-        let [u, v] = [0, 1].map(|axis| corner[axis] + INWARD * (middle[axis] - corner[axis]));
-        PixelPoint::new(u as i32, v as i32)
-    };
-    Ok(outline.iter().map(inward).collect())
 }
 
 /// The middle of the upright box around points.

@@ -51,15 +51,7 @@ fn an_arrow_that_starts_beside_the_cloth_is_named() {
 
 #[test]
 fn pictures_that_show_nothing_are_named() {
-    let [first, second] = VIEW.pictures(&rectangle_fold());
-    assert_says(
-        &[RgbImage::new(8, 8), second],
-        "a side of a picture is shorter than 32",
-    );
-    assert_says(
-        &[first.clone(), RgbImage::new(4097, 40)],
-        "longer than 4096",
-    );
+    let [first, _] = VIEW.pictures(&rectangle_fold());
     let bare = View {
         cloth: LIGHT_TILES[0],
         tiles: [LIGHT_TILES[0]; 2],
@@ -130,7 +122,7 @@ proptest! {
 
     #[test]
     #[ignore = "long"]
-    fn no_noise_makes_it_panic(seed in prop::collection::vec(any::<u8>(), 400), side_px in 32..80_u32) {
+    fn no_noise_makes_it_panic(seed in prop::collection::vec(any::<u8>(), 400), side_px in 1..80_u32) {
         let level = |at: u32| seed[at as usize % seed.len()];
         let noise = RgbImage::from_fn(side_px, side_px, |column, row| {
             Rgb([if level(column * 7 + row * 31) < 90 { 0 } else { 255 }; 3])
