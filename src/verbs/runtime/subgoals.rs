@@ -4,7 +4,7 @@ use crate::exit::{Exit, Failure};
 use crate::io::{Io, write_file};
 use crate::report::Report;
 use crate::shipped;
-use crate::sources::{self, Disk, TaskArguments};
+use crate::sources::{self, TaskArguments};
 use crate::verbs::runtime::setting;
 use clap::{Args, ValueHint};
 use fab_agent::subgoals::{Origin, SubgoalSet};
@@ -56,8 +56,7 @@ pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
     let mut diagnostics = json!([]);
     if set.trial.is_some() {
         // Now that the results are pinned, the compiler tells which steps fold nothing.
-        let file = &arguments.task.file;
-        let mut found = fab_compiler::compile(file, &Disk::beside(file))?;
+        let (mut found, _) = sources::compile_looking(&arguments.task.file)?;
         found
             .diagnostics
             .retain(|it| it.code == diag::Code::StepFoldsNothing);

@@ -229,6 +229,17 @@ fn measured(extractor: &Extractor, observation: &Observation) -> String {
                 value[1],
             )
         }
+        Extractor::SplitMask {
+            of,
+            blur_px,
+            contrast,
+            ..
+        } => match fab_vision::contrast_of(&observation.rgb, *of, *blur_px) {
+            Some(found) => format!(
+                "; the two sides of its best split are {found:.2} apart, and the mask asks for {contrast:.2}"
+            ),
+            None => "; all its pixels are alike".to_owned(),
+        },
         _ => String::new(),
     }
 }
