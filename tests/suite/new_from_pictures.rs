@@ -286,3 +286,42 @@ fn a_file_in_the_folders_place_and_a_picture_in_a_pictures_place_are_named() {
     let told = "`ii.images/0.png` already exists; choose another name, or remove it";
     assert!(ended.stderr.contains(told), "{}", ended.stderr);
 }
+
+#[test]
+fn subgoals_says_which_demonstrated_point_is_not_offered_and_what_offers_it() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("lib")).unwrap();
+    let library = root().join("tasks/lib/folding.fab");
+    std::fs::copy(library, folder.path().join("lib/folding.fab")).unwrap();
+    let task = |more: &str| {
+        format!(
+            "use \"lib/folding.fab\"\ntask half extends folding {{\n    cloth grid(55, 55)\n    \
+             goal particle_distance < 12mm\n    \
+             subgoals {{ demonstrate {{ fold middle(back) -> corner(front_left) }} }}\n{more}}}\n"
+        )
+    };
+    let path = folder.path().join("half.fab");
+    std::fs::write(&path, task("")).unwrap();
+    let ended = said(folder.path(), &["subgoals", "half.fab"]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let told = "note: step 1 picks middle(back) at (112, 41); the nearest offered `pick` is ";
+    assert!(ended.stderr.contains(told), "{}", ended.stderr);
+    let help = "offer a keypoint that finds it, or each point of a mask: `pick: any of cloth`";
+    assert!(ended.stderr.contains(help), "{}", ended.stderr);
+    let offered = |more: &str| {
+        let keypoints = "rim = contour(cloth, tolerance: 4px)\n sides = edge_middles(rim)";
+        let actions = format!("pick: one of corners{more}\n place: one of corners, center");
+        task(&format!(
+            "    keypoints {{ {keypoints} }}\n    actions {{ {actions} }}\n"
+        ))
+    };
+    std::fs::write(&path, offered("")).unwrap();
+    let ended = said(folder.path(), &["subgoals", "half.fab"]);
+    assert!(ended.stderr.contains(told), "{}", ended.stderr);
+    std::fs::write(&path, offered(", sides")).unwrap();
+    let ended = said(folder.path(), &["subgoals", "half.fab"]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let told = "warning[F0611]: `pick` offers `sides`, and no prompt shows it";
+    assert!(ended.stderr.starts_with(told), "{}", ended.stderr);
+    assert!(!ended.stderr.contains("note: step"), "{}", ended.stderr);
+}

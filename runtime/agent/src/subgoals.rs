@@ -7,6 +7,7 @@ mod pins;
 
 use crate::task_files::{self, FileError};
 use fab_base::interrupt::Interrupt;
+use fab_picture::observation::Observation;
 use fab_picture::png;
 use fab_picture::png::PictureError;
 use fab_program::{
@@ -85,6 +86,19 @@ pub struct StepPictures {
     with_arrow: [RgbImage; 2],
 }
 
+/// A step of a demonstration, before its execution.
+#[derive(Clone, Copy)]
+pub struct Demonstrated<'a> {
+    /// From 0.
+    pub number: usize,
+    /// The fold.
+    pub fold: &'a Fold,
+    /// The cloth before it.
+    pub observation: &'a Observation,
+    /// Where it picks and places, pixels `[column, row]`; `None` if the camera does not see that point.
+    pub ends_px: [Option<[f64; 2]>; 2],
+}
+
 /// Why there are no pictures.
 #[derive(Debug, thiserror::Error)]
 pub enum SubgoalError {
@@ -122,7 +136,8 @@ impl SubgoalSet {
                 match pins::load(program, folds, folder, world) {
                     Ok(set) => Ok(set),
                     Err(origin) => {
-                        let (drawn, _) = demonstrate(program, folds, world, interrupt)?;
+                        let (drawn, _) =
+                            demonstrate(program, folds, world, interrupt, &mut |_| {})?;
                         Ok(SubgoalSet { origin, ..drawn })
                     }
                 }
@@ -133,17 +148,20 @@ impl SubgoalSet {
     /// Draws the demonstration again, even if pictures are pinned; the author's own pictures are loaded.
     ///
     /// For a step that folds nothing, the smallest fold that stays is searched.
+    ///
+    /// - `watch`: shown each step before its execution.
     pub fn draw(
         program: &Program,
         folder: &Path,
         world: &mut dyn World,
         interrupt: &Interrupt,
+        watch: &mut dyn FnMut(Demonstrated<'_>),
     ) -> Result<SubgoalSet, SubgoalError> {
         match &program.subgoals {
             None => Ok(SubgoalSet::default()),
             Some(Subgoals::Images { images }) => load_images(images, folder),
             Some(Subgoals::Demonstrate { folds }) => {
-                let (set, steps) = demonstrate(program, folds, world, interrupt)?;
+                let (set, steps) = demonstrate(program, folds, world, interrupt, watch)?;
                 let trial = tried(program, steps, world, interrupt)?;
                 Ok(SubgoalSet { trial, ..set })
             }
@@ -264,6 +282,7 @@ fn demonstrate(
     folds: &[Fold],
     world: &mut dyn World,
     interrupt: &Interrupt,
+    watch: &mut dyn FnMut(Demonstrated<'_>),
 ) -> Result<(SubgoalSet, Vec<DoneStep>), SubgoalError> {
     let start = Start::flat(&program.cloth);
     let mut steps = Vec::new();
@@ -274,13 +293,19 @@ fn demonstrate(
         origin: Origin::Drawn,
         ..SubgoalSet::default()
     };
-    for fold in folds {
+    for (number, fold) in folds.iter().enumerate() {
         let grip = expert::grip(fold, &start, world)?.with_manner(program.manner);
         let camera = &observation.camera;
         let ends_px = [grip.pick, grip.place].map(|point| camera.pixel_from_world(point));
         set.arrows.push(match ends_px {
             [Some(tail), Some(tip)] => Some([tail, tip]),
             _ => None,
+        });
+        watch(Demonstrated {
+            number,
+            fold,
+            observation: &observation,
+            ends_px,
         });
         let before = world.particles().unwrap_or_default();
         let executed = world.act(&grip.into(), interrupt)?;

@@ -4,6 +4,7 @@ mod from_images;
 mod page;
 
 pub use from_images::draft;
+pub use page::point_text;
 
 use crate::exit::Failure;
 use crate::io::Io;
@@ -55,7 +56,7 @@ pub fn demonstrated(program: &Program, io: &Io) -> Result<Option<(SubgoalSet, St
     let interrupt = io.interrupt()?;
     let mut world = setting::world(program)?;
     let beside = Path::new("");
-    let drawn = SubgoalSet::draw(program, beside, world.as_mut(), &interrupt);
+    let drawn = SubgoalSet::draw(program, beside, world.as_mut(), &interrupt, &mut |_| {});
     let drawn = drawn.map_err(setting::no_subgoals)?;
     Ok(Some((drawn, world.parameters())))
 }

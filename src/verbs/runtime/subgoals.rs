@@ -1,5 +1,7 @@
 //! `fabc subgoals`: draws a task's demonstration and pins the pictures beside its file.
 
+pub mod offered;
+
 use crate::exit::{Exit, Failure};
 use crate::io::{Io, write_file};
 use crate::report::Report;
@@ -7,12 +9,13 @@ use crate::shipped;
 use crate::sources::{self, TaskArguments};
 use crate::verbs::runtime::setting;
 use clap::{Args, ValueHint};
-use fab_agent::subgoals::{Origin, SubgoalSet};
+use fab_agent::subgoals::{Demonstrated, Origin, SubgoalSet};
 use fab_compiler::diag;
 use fab_picture::png;
 use fab_program::{Arrow, SubgoalStep};
 use fab_vision::VisionError;
 use image::{RgbImage, imageops};
+use offered::Offered;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -46,13 +49,18 @@ pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
     let folder = sources::folder_of(&arguments.task.file);
     let interrupt = io.interrupt()?;
     let mut world = setting::world(&program)?;
-    let drawn = SubgoalSet::draw(&program, &folder, world.as_mut(), &interrupt);
+    let mut offered = Offered::of(&program);
+    let watch = &mut |step: Demonstrated<'_>| offered.look(step);
+    let drawn = SubgoalSet::draw(&program, &folder, world.as_mut(), &interrupt, watch);
     let set = drawn.map_err(setting::no_subgoals)?;
     let mut files = if shipped::is_shipped(&arguments.task.file, io) {
         Vec::new()
     } else {
         set.pin(&program, &folder, &world.parameters())?
     };
+    for note in offered.notes {
+        io.talk(&format!("note: {note}"));
+    }
     let mut diagnostics = json!([]);
     if set.trial.is_some() {
         // Now that the results are pinned, the compiler tells which steps fold nothing.

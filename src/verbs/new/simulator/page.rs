@@ -249,7 +249,7 @@ fn fold_text(fold: &Fold) -> String {
 }
 
 /// Writes a point of the cloth in the language's syntax.
-fn point_text(point: &ClothPoint) -> String {
+pub fn point_text(point: &ClothPoint) -> String {
     let ClothPoint::Particle { right, front } = *point else {
         return "center".to_owned();
     };
