@@ -45,6 +45,9 @@ const MOST_QUARTERS: usize = 6;
 /// Height above the table from which something counts as cloth, metres; a flat cloth lies at 5 mm.
 const CLOTH_M: f64 = 0.004;
 
+/// The positions of the cloth's particles, metres.
+pub type Positions = Vec<[f32; 3]>;
+
 /// The search for the fold that explains one step.
 pub struct StepSearch<'s> {
     /// The flat cloth.
@@ -91,7 +94,7 @@ impl Candidate {
 struct TriedFold<'c> {
     candidate: &'c Candidate,
     overlap: f64,
-    positions: Vec<[f32; 3]>,
+    positions: Positions,
 }
 
 impl StepSearch<'_> {
@@ -100,7 +103,7 @@ impl StepSearch<'_> {
     pub fn explain(
         &self,
         positions: &[[f32; 3]],
-    ) -> Result<Option<(DraftStep, Vec<[f32; 3]>)>, DraftError> {
+    ) -> Result<Option<(DraftStep, Positions)>, DraftError> {
         let world = self.lay(positions)?;
         let candidates = match self.arrow {
             Some(arrow) => self.drawn(arrow, world.as_ref())?,

@@ -188,6 +188,27 @@ pub struct At {
     pub step: u32,
 }
 
+impl Event {
+    /// Returns when in the rollout it happened, if within an action.
+    pub fn at(&self) -> Option<At> {
+        match self {
+            Event::Picture { at, .. }
+            | Event::Rehearsed { at, .. }
+            | Event::Motion { at, .. }
+            | Event::Skipped { at, .. }
+            | Event::Retried { at, .. }
+            | Event::Stopped { at, .. } => Some(*at),
+            Event::Question { of, .. } | Event::Answer { of, .. } | Event::Verdict { of, .. } => {
+                Some(of.at)
+            }
+            Event::Start { .. }
+            | Event::Experts { .. }
+            | Event::Note { .. }
+            | Event::End { .. } => None,
+        }
+    }
+}
+
 /// One question of a step.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AttemptOf {

@@ -22,8 +22,6 @@ pub struct Progress<'io> {
     io: &'io Io,
     /// How many actions were shown in an earlier run.
     earlier: u32,
-    /// Whether the current action is one of them.
-    is_earlier: bool,
     horizon: u32,
     answer: String,
 }
@@ -34,24 +32,14 @@ impl Progress<'_> {
         Progress {
             io,
             earlier,
-            is_earlier: false,
             horizon: 0,
             answer: String::new(),
         }
     }
 
     pub fn show(&mut self, event: &Event) {
-        if let Event::Picture { at, .. } | Event::Retried { at, .. } = event {
-            self.is_earlier = at.action <= self.earlier;
-        }
-        let is_always_shown = matches!(
-            event,
-            Event::Start { .. }
-                | Event::Stopped { .. }
-                | Event::Experts { .. }
-                | Event::Note { .. }
-        );
-        if self.is_earlier && !is_always_shown {
+        let is_earlier = event.at().is_some_and(|at| at.action <= self.earlier);
+        if is_earlier && !matches!(event, Event::Stopped { .. }) {
             return;
         }
         let (io, horizon) = (self.io, self.horizon);
