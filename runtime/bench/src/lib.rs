@@ -166,33 +166,23 @@ pub enum BenchError {
         /// What went wrong.
         error: RunError,
     },
-    /// A folder holds another rollout.
+    /// A folder holds another rollout, which differs so.
     #[error(
-        "`{}` holds another rollout: {why}; name another `--out`, nothing is overwritten", folder.display()
+        "`{}` holds another rollout: {}; name another `--out`, nothing is overwritten", .0.display(), .1
     )]
-    Other {
-        /// The run folder.
-        folder: PathBuf,
-        /// What differs.
-        why: String,
-    },
+    Other(PathBuf, String),
     /// The record of a rollout was gone when it ended.
     #[error(
         "`{}` has lost the record of the rollout that has just ended there: something removed or changed it meanwhile. \
          Finished rollouts are kept, and the same `--out` continues from there", .0.display()
     )]
     Lost(PathBuf),
-    /// The provider refuses every call, so all further rollouts would fail the same way.
+    /// The provider refuses every call, so all rollouts after the first one that failed so would fail too.
     #[error(
-        "the provider refuses to answer ({fault}); the journal in `{}` has its message. Finished rollouts are kept, \
-         and the same `--out` continues from there", folder.display()
+        "the provider refuses to answer ({}); the journal in `{}` has its message. Finished rollouts are kept, \
+         and the same `--out` continues from there", .1, .0.display()
     )]
-    Refused {
-        /// The first rollout that failed this way.
-        folder: PathBuf,
-        /// What went wrong.
-        fault: fab_model::calls::Fault,
-    },
+    Refused(PathBuf, fab_model::calls::Fault),
     /// An earlier part of the suite left the arm in the middle of a motion.
     #[error(
         "the rollout in `{}` left the arm in the middle of a motion: nothing more starts until a person has \

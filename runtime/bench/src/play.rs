@@ -270,7 +270,7 @@ pub(super) fn one(
         FolderContents::Finished(rollout) if is_once || !is_retried(rollout.report.outcome) => {
             (*rollout, true)
         }
-        FolderContents::Other(why) => return Err(BenchError::Other { folder, why }),
+        FolderContents::Other(why) => return Err(BenchError::Other(folder, why)),
         FolderContents::Unfinished if is_once && on_arm::has_begun(&folder) => {
             return Ok(JobEnd::CutOff);
         }
@@ -381,9 +381,9 @@ fn run(
     let found = record::find(folder, identity);
     let folder = folder.to_owned();
     match (report.outcome, named, found) {
-        (Outcome::ModelFailed, Some(fault), _) => Err(BenchError::Refused { folder, fault }),
+        (Outcome::ModelFailed, Some(fault), _) => Err(BenchError::Refused(folder, fault)),
         (_, _, FolderContents::Finished(rollout)) => Ok(Ok(*rollout)),
-        (_, _, FolderContents::Other(why)) => Err(BenchError::Other { folder, why }),
+        (_, _, FolderContents::Other(why)) => Err(BenchError::Other(folder, why)),
         (_, _, FolderContents::Unfinished) => Err(BenchError::Lost(folder)),
     }
 }
