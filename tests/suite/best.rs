@@ -305,10 +305,10 @@ fn no_offered_sequence_ends_better_than_an_exhausted_search() {
         ..Asked::of(&program)
     };
     let found = asked.found(folder.path());
-    assert!(found.is_exhausted() && found.stop.is_none(), "{found:?}");
+    assert!(found.exhausted && found.stop.is_none(), "{found:?}");
     let offered: [&[&str]; 2] = [&["left", "right"], &["left", "middle"]];
     let by_hand = ByHand::of(&program, offered, 3.0, true);
-    assert_eq!(found.value(), Some(by_hand.least_m), "{found:?}");
+    assert_eq!(found.value, Some(by_hand.least_m), "{found:?}");
     assert_eq!(found.trials, by_hand.tried);
     // Three actions in each of four states, but for picks of a corner that is folded.
     assert!((6..12).contains(&by_hand.tried), "{}", by_hand.tried);
@@ -382,10 +382,7 @@ fn a_search_that_was_stopped_skips_what_is_left_after_the_best_state() {
     };
     assert!(acted.choice.is_some() && skipped.choice.is_none());
     assert!(acted.value < found.untouched, "{found:?}");
-    assert_eq!(
-        (found.value(), found.limiting()),
-        (Some(acted.value), Some(0))
-    );
+    assert_eq!((found.value, found.limiting), (Some(acted.value), Some(0)));
 }
 
 #[test]
@@ -401,7 +398,7 @@ fn a_search_ends_with_its_time_and_says_what_it_left() {
     };
     let found = asked.found(home.path());
     assert_eq!((found.stop, found.trials), (Some(Stop::Time), 0));
-    assert_eq!((found.left.states, found.value()), (1, None));
+    assert_eq!((found.left.states, found.value), (1, None));
 }
 
 #[test]

@@ -105,7 +105,6 @@ fn decided(mut policy: Onnx) -> Decision {
         asking: &mut Asking::unrecorded(),
         record: &mut |_| Ok(()),
         interrupt: &Interrupt::default(),
-        twins: None,
     };
     policy.decide(&view, &mut exchange).unwrap()
 }

@@ -154,7 +154,7 @@ fn play_in(
         vision: model,
         text: model,
     };
-    play_as(program, &Prompted { models }, make, prepare)
+    play_as(program, &Prompted::new(models), make, prepare)
 }
 
 /// Lets a policy play the first step in a world that is made for a run folder.

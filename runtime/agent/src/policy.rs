@@ -14,7 +14,6 @@ mod prompted;
 mod proposing;
 pub mod protocol;
 mod random;
-mod reach;
 mod rehearsing;
 
 pub use asking::{Asking, StepKind};
@@ -28,7 +27,7 @@ pub use prompted::{
 pub use random::Random;
 pub use rehearsing::Rehearsing;
 
-pub(crate) use judge::is_accepted;
+pub(crate) use judge::{Ground, is_accepted};
 
 use crate::journal::JournalError;
 use crate::outcome::Outcome;
@@ -36,7 +35,6 @@ use crate::pictures::Pictures;
 use crate::record::RehearsedStep;
 use crate::result::StepResult;
 use crate::scene::Scene;
-use crate::twins::Twins;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{CallRefused, Fault};
 use fab_model::{Description as ModelDescription, Lowering, ModelKind, Reply, Request};
@@ -49,6 +47,7 @@ use fab_program::verify::Verdict;
 use fab_program::{Exhausted, Program, Proposal, Value};
 use fab_world::start::Start;
 use fab_world::{Motion, Reach, Refuses};
+use image::RgbImage;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -79,6 +78,30 @@ pub trait Policy {
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Decision, PolicyError>;
+
+    /// Gives another answer to the step that was decided last, for a rehearsal; `None` if this policy has one answer.
+    fn again(
+        &mut self,
+        _step: &StepView<'_>,
+        _exchange: &mut Exchange<'_, '_>,
+        _again: Again<'_>,
+    ) -> Result<Option<Decision>, PolicyError> {
+        Ok(None)
+    }
+}
+
+/// Which further answer to a step is asked for.
+#[derive(Clone, Copy, Debug)]
+pub enum Again<'p> {
+    /// One that does not depend on the others.
+    Independent,
+    /// A revision of an earlier one.
+    Revised {
+        /// Which one: 0 is the first, and each independent one counts.
+        answer: usize,
+        /// How the cloth would lie after it.
+        predicted: &'p RgbImage,
+    },
 }
 
 /// Makes the policy of one rollout; all policies that it makes are equal.
@@ -144,16 +167,14 @@ impl Description {
 
     /// Returns the name, with the caveats that a reader of the figures must know.
     pub fn title(&self) -> String {
-        let stand_in = if self.is_stand_in() {
-            " (stand-in)"
-        } else {
-            ""
-        };
-        let sight = match self.sees_particles {
-            true => " (oracle: sees true particles)",
-            false => "",
-        };
-        format!("{}{stand_in}{sight}", self.name)
+        let mut title = self.name.clone();
+        if self.is_stand_in() {
+            title += " (stand-in)";
+        }
+        if self.sees_particles {
+            title += " (oracle: sees true particles)";
+        }
+        title
     }
 }
 
@@ -250,6 +271,17 @@ impl<'a> StepView<'a> {
         }
     }
 
+    /// Returns what its actions are judged by, besides the facts of a prompt.
+    fn ground(&self) -> Ground<'a> {
+        Ground {
+            program: self.program,
+            scene: self.scene,
+            observation: self.observation,
+            reach: self.reach,
+            refuses: self.refuses,
+        }
+    }
+
     /// Returns the notation of points as whole pixels of the camera's picture.
     fn pixels(&self) -> Pointing {
         Lowering::PIXELS.pointing(self.pictures.size())
@@ -281,8 +313,6 @@ pub struct Exchange<'e, 'j> {
     pub record: &'e mut dyn FnMut(Exchanged<'_>) -> Result<(), JournalError>,
     /// A request to stop early.
     pub interrupt: &'e Interrupt,
-    /// The twins on which actions can be tried, if the task rehearses.
-    pub twins: Option<&'e mut Twins>,
 }
 
 /// What a policy tells while it decides.
@@ -417,6 +447,16 @@ pub enum Decision {
         /// Why, in words.
         why: String,
     },
+}
+
+impl Decision {
+    /// Executes an action with the only gripper.
+    fn act(proposal: Proposal, accepted: Accepted) -> Decision {
+        Decision::Act {
+            grips: vec![proposal],
+            accepted,
+        }
+    }
 }
 
 /// The answer that was taken in the end.

@@ -135,8 +135,7 @@ pub fn rendered(
     });
     let view =
         StepView::without_rollout(program, scene, observation, step, last.as_ref(), pictures);
-    let lowering = |_| target.lowering;
-    let (rehearsed, left) = policy::rehearse(view, &stages, &lowering, replies.clone())?;
+    let (rehearsed, left) = policy::rehearse(view, &stages, target.lowering, replies.clone())?;
     if !left.is_empty() {
         return Err(Failure::usage(format!(
             "the last {} of the answers given by `--reply` belong to no question: no more are asked",

@@ -16,7 +16,7 @@ use clap::{Args, ValueHint};
 use fab_agent::best::{self, Aim, BestError, Limits, Measure, Search, unless_stopped};
 use fab_agent::examples::Examples;
 use report::BestReport;
-use rows::{End, Playing, Row};
+use rows::{End, Row};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -111,13 +111,8 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
     };
     let stopped = || Failure::interrupted();
     let aim = unless_stopped(Aim::of(&search)).map_err(failure)?;
-    let playing = Playing {
-        search: &search,
-        examples: &examples,
-        folder: &out,
-        io,
-    };
-    let (policies, hint) = playing.policies(&aim.ok_or_else(stopped)?)?;
+    let aim = aim.ok_or_else(stopped)?;
+    let (policies, hint) = rows::play(&search, &aim, &examples, &out, io)?;
     let hinted = Search {
         hint: &hint,
         ..search
@@ -125,7 +120,7 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
     let found = unless_stopped(best::search(&hinted));
     io.progress("");
     let found = found.map_err(failure)?.ok_or_else(stopped)?;
-    let end = found.value().map(|value| End {
+    let end = found.value.map(|value| End {
         value,
         unscored: None,
         actions: Vec::new(),

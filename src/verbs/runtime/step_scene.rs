@@ -134,9 +134,8 @@ fn stand_in_action(
         asking: &mut Asking::unrecorded(),
         record: &mut |_| Ok(()),
         interrupt: &Interrupt::default(),
-        twins: None,
     };
-    let decision = Prompted { models }.decide(&view, &mut exchange);
+    let decision = Prompted::new(models).decide(&view, &mut exchange);
     let action = match decision? {
         Decision::Act { mut grips, .. } => grips.pop().and_then(|proposal| {
             let action = Action::lower(program, &proposal, scene, observation);

@@ -4,9 +4,9 @@
 //! of the experts after as many folds; the least distance counts.
 
 use super::{BestError, Search};
-use fab_program::{Comparison, Fold, Goal, Metric, Program, Sequence};
+use fab_program::{Comparison, Goal, Metric, Program, Sequence};
 use fab_world::expert::{self, Sequences};
-use fab_world::metrics;
+use fab_world::metrics::{coverage, mean_particle_distance_m, normalized_improvement};
 use fab_world::start::Start;
 use fab_world::{Grip, WorldError, WorldPoint};
 
@@ -30,7 +30,7 @@ impl Measure {
             metric: goal.map_or(Metric::ParticleDistance, |goal| goal.metric),
             more_is_better: goal.is_some_and(is_more),
         };
-        if measure.experts_lead() && program.experts.is_empty() {
+        if measure.metric == Metric::ParticleDistance && program.experts.is_empty() {
             return Err(BestError::Aimless {
                 task: program.title(),
             });
@@ -41,10 +41,6 @@ impl Measure {
     /// Returns a number that is lower for a better measure.
     pub fn loss(self, value: f64) -> f64 {
         if self.more_is_better { -value } else { value }
-    }
-
-    pub(super) fn experts_lead(self) -> bool {
-        self.metric == Metric::ParticleDistance
     }
 }
 
@@ -58,10 +54,8 @@ pub struct Aim<'a> {
     pub measure: Measure,
     start: &'a Start,
     goal: Option<&'a Goal>,
-    coverage_at_start: Option<f64>,
-    sequences: &'a [Sequence],
-    /// For each sequence the particles after 0, 1, … folds.
-    states: Vec<Vec<Vec<[f32; 3]>>>,
+    /// Each expert sequence with the particles after 0, 1, … folds; none if the measure is another.
+    experts: Vec<(&'a Sequence, Vec<Vec<[f32; 3]>>)>,
 }
 
 impl<'a> Aim<'a> {
@@ -69,22 +63,17 @@ impl<'a> Aim<'a> {
     ///
     /// Fails if the task says nowhere what is better, the start gives nothing to measure, or a fold cannot be executed.
     pub fn of(search: &Search<'a>) -> Result<Aim<'a>, BestError> {
-        let (program, start) = (search.program, search.start);
-        let measure = Measure::of(program)?;
-        let sequences = if measure.experts_lead() {
-            program.experts.as_slice()
-        } else {
-            &[]
-        };
+        let measure = Measure::of(search.program)?;
         let aim = Aim {
             measure,
-            start,
-            goal: program.goal.as_ref(),
-            coverage_at_start: metrics::coverage(&start.positions, &start.grid),
-            states: states(search, sequences)?,
-            sequences,
+            start: search.start,
+            goal: search.program.goal.as_ref(),
+            experts: match measure.metric {
+                Metric::ParticleDistance => experts(search)?,
+                Metric::Coverage | Metric::NormalizedImprovement => Vec::new(),
+            },
         };
-        aim.value(&start.positions)?;
+        aim.value(&search.start.positions)?;
         Ok(aim)
     }
 
@@ -94,53 +83,45 @@ impl<'a> Aim<'a> {
     ///
     /// Fails if it cannot be measured from this start.
     pub fn value(&self, positions: &[[f32; 3]]) -> Result<f64, BestError> {
-        let coverage = metrics::coverage(positions, &self.start.grid);
+        let start = self.start;
         let value = match self.measure.metric {
-            Metric::Coverage => coverage,
-            Metric::NormalizedImprovement => coverage
-                .zip(self.coverage_at_start)
-                .and_then(|(now, before)| metrics::normalized_improvement(now, before)),
-            Metric::ParticleDistance => {
-                let ends = self.states.iter().filter_map(|states| states.last());
-                let all = ends.filter_map(|end| metrics::mean_particle_distance_m(positions, end));
-                all.min_by(f64::total_cmp)
-            }
+            Metric::Coverage => coverage(positions, &start.grid),
+            Metric::NormalizedImprovement => coverage(positions, &start.grid)
+                .zip(coverage(&start.positions, &start.grid))
+                .and_then(|(now, before)| normalized_improvement(now, before)),
+            Metric::ParticleDistance => self.distance_m(positions, u32::MAX),
         };
         value.ok_or_else(|| BestError::Unmeasured {
-            start: self.start.name.clone(),
-            why: match self.measure.metric {
-                Metric::NormalizedImprovement => {
-                    "it covers as much as the flat cloth, so that nothing can be gained"
-                }
-                _ => "its particles are not those of the experts",
-            },
+            start: start.name.clone(),
         })
     }
 
     /// Returns how far a state is from the nearest state of an expert after `folds` folds, metres; its loss where no
     /// expert leads.
     pub(super) fn behind(&self, positions: &[[f32; 3]], folds: u32) -> Result<f64, BestError> {
-        let distances = self.states.iter().filter_map(|states| {
-            let state = states.get(folds as usize).or(states.last())?;
-            metrics::mean_particle_distance_m(positions, state)
-        });
-        match distances.min_by(f64::total_cmp) {
+        match self.distance_m(positions, folds) {
             Some(least) => Ok(least),
             None => Ok(self.measure.loss(self.value(positions)?)),
         }
     }
 
+    /// Returns the distance to the nearest state of an expert after `folds` folds, or after all.
+    fn distance_m(&self, positions: &[[f32; 3]], folds: u32) -> Option<f64> {
+        let distances = self.experts.iter().filter_map(|(_, states)| {
+            let state = states.get(folds as usize).or(states.last())?;
+            mean_particle_distance_m(positions, state)
+        });
+        distances.min_by(f64::total_cmp)
+    }
+
     /// Returns what the experts would do in a state as the fold after `folds` folds.
     pub(super) fn expert_grips(&self, positions: &[[f32; 3]], folds: u32) -> Vec<ExpertGrip> {
-        let all = self.sequences.iter().zip(&self.states);
-        let all = all.filter_map(|(sequence, states)| {
+        let grips = self.experts.iter().filter_map(|(sequence, states)| {
             let fold = sequence.folds.get(folds as usize)?;
-            let state = states.get(folds as usize)?;
-            let off_m = metrics::mean_particle_distance_m(positions, state)?;
-            let grip = expert::grip_of(fold, self.start, positions)?;
-            Some((off_m, grip))
+            let off_m = mean_particle_distance_m(positions, states.get(folds as usize)?)?;
+            Some((off_m, expert::grip_of(fold, self.start, positions)?))
         });
-        all.collect()
+        grips.collect()
     }
 
     /// Returns whether a state ends a rollout, because its goal is judged after each step and met.
@@ -159,22 +140,22 @@ pub(super) fn off_m(experts: &[ExpertGrip], grip: &Grip) -> f64 {
     all.reduce(f64::min).unwrap_or_default()
 }
 
-/// Simulates the sequences fold by fold; equal beginnings once.
-fn states(
-    search: &Search<'_>,
-    sequences: &[Sequence],
-) -> Result<Vec<Vec<Vec<[f32; 3]>>>, WorldError> {
-    let mut beginnings: Vec<Sequence> = Vec::new();
+/// Simulates the experts fold by fold; equal beginnings once.
+fn experts<'a>(search: &Search<'a>) -> Result<Vec<(&'a Sequence, Vec<Vec<[f32; 3]>>)>, WorldError> {
+    let sequences = &search.program.experts;
+    let beginning = |sequence: &Sequence, folds: usize| Sequence {
+        folds: sequence.folds[..folds].to_vec(),
+    };
+    let mut beginnings = Vec::new();
     for sequence in sequences {
         for folds in 1..=sequence.folds.len() {
-            let folds = sequence.folds[..folds].to_vec();
-            let beginning = Sequence { folds };
+            let beginning = beginning(sequence, folds);
             if !beginnings.contains(&beginning) {
                 beginnings.push(beginning);
             }
         }
     }
-    let ends = expert::ends(
+    let simulated = expert::ends(
         Sequences {
             folds: &beginnings,
             manner: search.program.manner,
@@ -185,15 +166,15 @@ fn states(
         search.interrupt,
         &mut |_| {},
     )?;
-    let after = |folds: &[Fold]| {
-        let end = ends.ends.iter();
-        let mut end = end.filter(|end| beginnings[end.sequence].folds == folds);
-        end.next()
-            .map_or(search.start.positions.clone(), |end| end.positions.clone())
+    let after = |beginning: Sequence| {
+        let mut ends = simulated.ends.iter();
+        let end = ends.find(|end| beginnings[end.sequence] == beginning);
+        end.map_or(&search.start.positions, |end| &end.positions)
+            .clone()
     };
-    let states = sequences.iter().map(|sequence| {
-        let folds = 0..=sequence.folds.len();
-        folds.map(|folds| after(&sequence.folds[..folds])).collect()
+    let experts = sequences.iter().map(|sequence| {
+        let states = (0..=sequence.folds.len()).map(|folds| after(beginning(sequence, folds)));
+        (sequence, states.collect())
     });
-    Ok(states.collect())
+    Ok(experts.collect())
 }

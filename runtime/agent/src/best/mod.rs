@@ -28,7 +28,7 @@ use crate::subgoals::SubgoalSet;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_program::render::RenderError;
-use fab_program::{Program, Proposal};
+use fab_program::{Program, Proposal, space};
 use fab_world::expert::MakeWorld;
 use fab_world::start::Start;
 use fab_world::{World, WorldError};
@@ -94,16 +94,14 @@ impl Choice {
         let (accepted, [action]) = (step.accepted.as_ref()?, step.action.as_deref()?) else {
             return None;
         };
-        let mut asked = step.attempts.iter();
-        let taken = asked
-            .find(|asked| asked.stage == accepted.stage && asked.attempt == accepted.attempt)?;
-        let Finding::Action { fields, .. } = &taken.result else {
+        let is_taken =
+            |it: &&record::Asked| it.stage == accepted.stage && it.attempt == accepted.attempt;
+        let Finding::Action { fields, .. } = &step.attempts.iter().find(is_taken)?.result else {
             return None;
         };
+        let fields = fields.clone();
         Some(Choice {
-            proposal: Proposal {
-                fields: fields.clone(),
-            },
+            proposal: Proposal { fields },
             action: action.clone(),
             without: accepted.without.clone(),
         })
@@ -111,17 +109,43 @@ impl Choice {
 }
 
 /// One step on the path to a result.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Taken {
     /// The task's step, from 1; a retried step comes twice.
     pub step: u32,
-    /// What was chosen; `None` if the step is skipped.
-    pub choice: Option<Choice>,
+    /// The action as an answer states it, on one line; `None` if the step is skipped.
+    pub answer: Option<String>,
+    /// The checks that refuse it, which the task drops in the end.
+    pub without: Vec<String>,
     /// The measure of the cloth afterwards.
     pub value: f64,
     /// How far the cloth then is from where the experts have it after this step, metres; without experts `value`, negated
     /// where more is better.
     pub behind: f64,
+    /// What was chosen; `None` if the step is skipped.
+    #[serde(skip)]
+    pub choice: Option<Choice>,
+}
+
+impl Taken {
+    fn of(program: &Program, step: u32, choice: Option<Choice>, measured: [f64; 2]) -> Taken {
+        let answer = choice.as_ref().map(|choice| {
+            let fields = choice.proposal.fields.iter().filter_map(|(name, value)| {
+                let field = program.field(name)?;
+                Some(space::statement(field, &space::text(field, value)))
+            });
+            fields.collect::<Vec<_>>().join(", ")
+        });
+        let without = choice.as_ref().map(|choice| choice.without.clone());
+        Taken {
+            step,
+            answer,
+            without: without.unwrap_or_default(),
+            value: measured[0],
+            behind: measured[1],
+            choice,
+        }
+    }
 }
 
 /// Why a search ended before everything was tried.
@@ -144,14 +168,16 @@ pub struct Found {
     pub measure: Measure,
     /// The measure of the untouched cloth.
     pub untouched: f64,
+    /// The measure at the end of the best actions; `None` if no rollout has ended.
+    pub value: Option<f64>,
     /// The best actions, in order; the most promising ones if no rollout has ended yet.
-    #[serde(skip)]
     pub best: Vec<Taken>,
-    /// Whether a rollout ends with the best actions.
-    #[serde(skip)]
-    pub has_ended: bool,
+    /// The index of the step of the best actions that limits: it loses most against the experts, or gains least.
+    pub limiting: Option<usize>,
     /// Actions that were tried.
     pub trials: u32,
+    /// Whether every action of every reached state was tried.
+    pub exhausted: bool,
     /// What remains untried.
     pub left: Untried,
     /// Why something is left; `None` if nothing is.
@@ -169,38 +195,6 @@ pub struct Untried {
     pub sampled: Vec<String>,
 }
 
-impl Found {
-    /// Returns the measure at the end of the best actions; `None` if no rollout has ended.
-    pub fn value(&self) -> Option<f64> {
-        let last = self.best.last().filter(|_| self.has_ended);
-        last.map(|last| last.value)
-    }
-
-    /// Returns whether every action of every reached state was tried.
-    pub fn is_exhausted(&self) -> bool {
-        self.left == Untried::default()
-    }
-
-    /// Returns the index of the step of the best actions after which the cloth lags behind most: the one that loses most
-    /// against the experts, or gains least. A skipped step limits nothing.
-    pub fn limiting(&self) -> Option<usize> {
-        let mut before = if self.measure.experts_lead() {
-            0.0
-        } else {
-            self.measure.loss(self.untouched)
-        };
-        let mut worst: Option<(usize, f64)> = None;
-        for (index, taken) in self.best.iter().enumerate().filter(|_| self.has_ended) {
-            let lost = taken.behind - before;
-            before = taken.behind;
-            if taken.choice.is_some() && worst.is_none_or(|(_, most)| lost > most) {
-                worst = Some((index, lost));
-            }
-        }
-        worst.map(|(index, _)| index)
-    }
-}
-
 /// Why there is no result.
 #[derive(Debug, thiserror::Error)]
 pub enum BestError {
@@ -213,12 +207,12 @@ pub enum BestError {
         task: String,
     },
     /// The start gives nothing to measure.
-    #[error("the start `{start}` cannot be measured: {why}")]
+    #[error(
+        "the start `{start}` cannot be measured: it covers as much as the flat cloth, or its particles are not those of the experts"
+    )]
     Unmeasured {
         /// The start.
         start: String,
-        /// What is wrong.
-        why: &'static str,
     },
     /// The world cannot take an action back, or does not show what became of the cloth.
     #[error(

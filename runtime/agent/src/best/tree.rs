@@ -4,8 +4,9 @@
 //! the most promising states of each are expanded, and share the remaining trials with the depths that follow.
 
 use super::aim::Aim;
-use super::offers::{Offers, Situation};
+use super::offers::Offers;
 use super::{BestError, Choice, Found, Search, Stop, Taken, Untried, check_world, unless_stopped};
+use crate::policy::Ground;
 use crate::result::StepResult;
 use crate::rollout::Tries;
 use crate::scene::{Scene, SceneError};
@@ -91,18 +92,13 @@ impl<'a> Tree<'a> {
                 break;
             }
             self.list(&[node])?;
-            let it = &mut self.nodes[node];
-            let Some(offers) = &mut it.offers else {
+            let Some(offers) = &mut self.nodes[node].offers else {
                 break;
             };
-            let is_same = |offered: &Choice| offered.action.grip == choice.action.grip;
-            let place = offers.choices.iter().position(is_same);
-            let choice = match place {
-                Some(place) => offers.choices.remove(place),
-                // A pixel of a mask that was not drawn.
-                None => choice.clone(),
-            };
-            offers.choices.insert(0, choice);
+            // A pixel of a mask may not have been drawn.
+            let grip = choice.action.grip;
+            offers.choices.retain(|offered| offered.action.grip != grip);
+            offers.choices.insert(0, choice.clone());
             self.make(&[(node, 0)])?;
             if self.stop.is_some() {
                 break;
@@ -132,14 +128,21 @@ impl<'a> Tree<'a> {
         for depth in 0..depths {
             // The remaining trials are shared with the depths that follow.
             let share = self.trials_left().div_ceil(depths - depth) as usize;
-            let mut beam = self.ranked(depth);
-            beam.retain(|&node| self.is_open(node));
-            beam.truncate(width);
-            beam.retain(|&node| !self.is_tried_out(node));
+            let open = self.ranked(depth).into_iter();
+            let open = open.filter(|&node| self.is_open(node)).take(width);
             // No more actions are listed than can be tried.
-            beam.truncate(share);
+            let beam = open.filter(|&node| !self.is_tried_out(node)).take(share);
+            let beam: Vec<usize> = beam.collect();
             self.list(&beam)?;
-            let due = self.due(&beam, share);
+            // The first choice of each state, then the second, and so on.
+            let untried = |&node: &usize| {
+                let it = &self.nodes[node];
+                let choices = it.offers.as_ref().map_or(0, |offers| offers.choices.len());
+                (it.tried..choices).map(move |choice| (node, choice))
+            };
+            let mut due: Vec<Due> = beam.iter().flat_map(untried).collect();
+            due.sort_by_key(|&(_, choice)| choice);
+            due.truncate(share);
             self.make(&due)?;
             if self.stop.is_some() {
                 break;
@@ -163,19 +166,6 @@ impl<'a> Tree<'a> {
             by_steps.then(a.behind.total_cmp(&b.behind))
         });
         ranked
-    }
-
-    /// Chooses the trials of a beam: the first choice of each state, then the second, and so on.
-    fn due(&self, beam: &[usize], most: usize) -> Vec<Due> {
-        let untried = |&node: &usize| {
-            let it = &self.nodes[node];
-            let choices = it.offers.as_ref().map_or(0, |offers| offers.choices.len());
-            (it.tried..choices).map(move |choice| (node, choice))
-        };
-        let mut due: Vec<Due> = beam.iter().flat_map(untried).collect();
-        due.sort_by_key(|&(_, choice)| choice);
-        due.truncate(most);
-        due
     }
 
     /// Lists what can be done in states, where that is not done yet.
@@ -205,22 +195,23 @@ impl<'a> Tree<'a> {
         let step = self.step_of(it);
         let positions = world.particles().unwrap_or_default();
         let experts = self.aim.expert_grips(&positions, step - 1);
-        let situation = Situation {
-            search,
-            world: world.as_ref(),
-            observation: &observation,
-            facts: Facts {
-                scene: &scene,
-                texts: &BTreeMap::new(),
-                step,
-                last: it.last.as_ref(),
-                proposal: None,
-                pointing: Pointing::of_camera(&search.program.camera),
-            },
+        let ground = Ground {
+            program: search.program,
             scene: &scene,
+            observation: &observation,
+            reach: &|point| world.out_of_reach(point),
+            refuses: &|motion| world.refuses(motion),
+        };
+        let facts = Facts {
+            scene: &scene,
+            texts: &BTreeMap::new(),
+            step,
+            last: it.last.as_ref(),
+            proposal: None,
+            pointing: Pointing::of_camera(&search.program.camera),
         };
         let draw = format!("offered actions {} {node}", search.limits.seed);
-        Offers::of(&situation, &experts, Chance::of(&draw))
+        Offers::of(ground, facts, &experts, Chance::of(&draw), search.interrupt)
     }
 
     /// Makes trials, and adds the states that they lead to; a stop leaves some of them out.
@@ -315,21 +306,18 @@ impl<'a> Tree<'a> {
     }
 
     fn requested_stop(&self) -> Option<Stop> {
-        let is_over = |until: Instant| Instant::now() >= until;
+        let until = self.search.limits.until;
         if self.search.interrupt.is_raised() {
-            Some(Stop::Interrupt)
-        } else if self.search.limits.until.is_some_and(is_over) {
-            Some(Stop::Time)
-        } else {
-            None
+            return Some(Stop::Interrupt);
         }
+        let is_over = until.is_some_and(|until| Instant::now() >= until);
+        is_over.then_some(Stop::Time)
     }
 
     /// Returns the task's step that is due in a state, from 1.
     fn step_of(&self, node: &Node) -> u32 {
-        node.tries
-            .step(self.search.horizon)
-            .unwrap_or(self.search.horizon)
+        let horizon = self.search.horizon;
+        node.tries.step(horizon).unwrap_or(horizon)
     }
 
     fn n_trials(&self) -> u32 {
@@ -355,50 +343,62 @@ impl<'a> Tree<'a> {
     /// Returns what was found so far.
     pub fn found(&self) -> Found {
         let loss = |node: usize| self.aim.measure.loss(self.nodes[node].value);
-        let by_loss = |a: &usize, b: &usize| loss(*a).total_cmp(&loss(*b));
         // A rollout whose steps were all skipped has no score, so one action at least is taken.
         let may_skip = self.search.program.verify.exhausted == Exhausted::Skips;
-        let is_end =
-            |&node: &usize| self.nodes[node].has_ended || may_skip && !self.nodes[node].is_lost;
-        let end = (1..self.nodes.len()).filter(is_end).min_by(by_loss);
+        let ends = (1..self.nodes.len()).filter(|&node| {
+            let it = &self.nodes[node];
+            it.has_ended || may_skip && !it.is_lost
+        });
+        let end = ends.min_by(|a, b| loss(*a).total_cmp(&loss(*b)));
         let deepest = self.nodes.iter().map(|node| node.tries.number).max();
         let promising = || self.ranked(deepest.unwrap_or_default()).first().copied();
+        let best = self.taken(end.or_else(promising).unwrap_or_default(), end.is_some());
+        let left = self.untried();
         Found {
             measure: self.aim.measure,
             untouched: self.nodes[0].value,
-            best: self.taken(end.or_else(promising).unwrap_or_default(), end.is_some()),
-            has_ended: end.is_some(),
+            value: end.map(|end| self.nodes[end].value),
+            limiting: end.and_then(|_| self.limiting(&best)),
+            best,
             trials: self.n_trials(),
-            left: self.untried(),
+            exhausted: left == Untried::default(),
+            left,
             stop: self.stop,
         }
     }
 
+    /// Returns the index of the step after which the cloth lags behind most: the one that loses most against the experts,
+    /// or gains least. A skipped step limits nothing.
+    fn limiting(&self, best: &[Taken]) -> Option<usize> {
+        let before = std::iter::once(self.nodes[0].behind).chain(best.iter().map(|it| it.behind));
+        let steps = best.iter().zip(before).enumerate();
+        let lost = steps.filter(|(_, (taken, _))| taken.choice.is_some());
+        let lost = lost.map(|(index, (taken, before))| (index, taken.behind - before));
+        let worst = lost.reduce(|worst, it| if it.1 > worst.1 { it } else { worst });
+        worst.map(|(index, _)| index)
+    }
+
     /// Returns the steps from the start to a state; with `to_end`, the rest of the rollout is skipped.
     fn taken(&self, node: usize, to_end: bool) -> Vec<Taken> {
-        let mut steps = Vec::new();
-        let mut it = &self.nodes[node];
+        let program = self.search.program;
+        let (mut steps, end) = (Vec::new(), &self.nodes[node]);
+        let mut it = end;
         while let Some((parent, choice)) = &it.came_from {
             let parent = &self.nodes[*parent];
-            steps.push(Taken {
-                step: self.step_of(parent),
-                choice: Some(choice.clone()),
-                value: it.value,
-                behind: it.behind,
-            });
+            let choice = Some(choice.clone());
+            steps.push(Taken::of(
+                program,
+                self.step_of(parent),
+                choice,
+                [it.value, it.behind],
+            ));
             it = parent;
         }
         steps.reverse();
-        let it = &self.nodes[node];
-        let mut tries = it.tries;
-        while let (Some(step), true) = (tries.step(self.search.horizon), to_end && !it.has_ended) {
-            steps.push(Taken {
-                step,
-                choice: None,
-                value: it.value,
-                behind: it.behind,
-            });
-            tries.after(self.search.program.actions_per_step(), None);
+        let mut tries = end.tries;
+        while let (Some(step), true) = (tries.step(self.search.horizon), to_end && !end.has_ended) {
+            steps.push(Taken::of(program, step, None, [end.value, end.behind]));
+            tries.after(program.actions_per_step(), None);
         }
         steps
     }

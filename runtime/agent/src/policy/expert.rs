@@ -4,9 +4,9 @@
 //! closest to each fold, through the same action space, checks and world as any other policy, so it shows what those
 //! lose against the demonstration. It sees true particles, so it must not be compared with other policies.
 
-use super::proposing::{Answer, Proposed, Refusal, until_accepted};
+use super::proposing::{Answer, Proposed, until_accepted};
 use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, StepView};
-use crate::action::Action;
+use crate::action::{Action, combinations};
 use crate::outcome::Outcome;
 use fab_picture::observation::Observation;
 use fab_program::space;
@@ -52,31 +52,25 @@ impl Policy for Expert {
             .get(step.step as usize - 1)
             .map(|fold| wanted(fold, step));
         until_accepted(step, exchange, &mut |refusals, _| {
-            let (note, answer) = match &aim {
-                None => (
-                    None,
-                    stop(format!("the demonstration has {} folds", folds.len())),
-                ),
-                Some(Err(why)) => (None, stop(why.clone())),
-                Some(Ok(aim)) => match nearest(step, *aim, refusals) {
-                    Some((proposal, note)) => (Some(note), Answer::Grip(proposal)),
-                    None => (None, stop("no other action is offered".to_owned())),
-                },
+            let stop = |why: String| Answer::Stop(Outcome::PolicyStopped, why);
+            let aim = match &aim {
+                Some(Ok(aim)) => *aim,
+                Some(Err(why)) => return Ok(stop(why.clone()).into()),
+                None => {
+                    let why = format!("the demonstration has {} folds", folds.len());
+                    return Ok(stop(why).into());
+                }
             };
-            Ok(Proposed {
-                question: None,
-                reply: None,
-                note,
-                answer,
+            let refused = refusals.iter().filter_map(|it| it.proposal.as_ref());
+            let refused: Vec<&Proposal> = refused.collect();
+            Ok(match nearest(step, aim, &refused) {
+                Some((proposal, note)) => Proposed {
+                    note: Some(note),
+                    ..Answer::Grip(proposal).into()
+                },
+                None => stop("no other action is offered".to_owned()).into(),
             })
         })
-    }
-}
-
-fn stop(why: String) -> Answer {
-    Answer::Stop {
-        outcome: Outcome::PolicyStopped,
-        why,
     }
 }
 
@@ -109,24 +103,27 @@ fn wanted(fold: &Fold, step: &StepView<'_>) -> Result<Aim, String> {
 }
 
 /// Returns the offered action closest to the aim that was not refused yet, with a note on its distance.
-fn nearest(step: &StepView<'_>, aim: Aim, refusals: &[Refusal]) -> Option<(Proposal, String)> {
-    let refused = refusals.iter().filter_map(|it| it.proposal.as_ref());
-    let refused: Vec<&Proposal> = refused.collect();
-    let mut best: Option<(f64, Proposal, Action)> = None;
-    for proposal in proposals(step, aim, &refused) {
-        if refused.contains(&&proposal) {
-            continue;
-        }
-        let Some(action) = Action::lower(step.program, &proposal, step.scene, step.observation)
-        else {
-            continue;
+///
+/// It looks at the nearest points, and at all directions and distances; any other field has the value that was refused
+/// least often.
+fn nearest(step: &StepView<'_>, aim: Aim, refused: &[&Proposal]) -> Option<(Proposal, String)> {
+    let fields = step.program.actions.iter().map(|field| {
+        let values = if field.is_point() || MOVING.contains(&field.name.as_str()) {
+            candidates(step, field, aim)
+        } else {
+            least_refused(step, field, refused).into_iter().collect()
         };
+        (field.name.clone(), values)
+    });
+    let fields: Vec<_> = fields.collect();
+    let offered = combinations(&fields).filter(|proposal| !refused.contains(&proposal));
+    let offered = offered.filter_map(|proposal| {
+        let action = Action::lower(step.program, &proposal, step.scene, step.observation)?;
         let away = away_px(aim[0], action.pick_px) + away_px(aim[1], action.place_px);
-        if best.as_ref().is_none_or(|(least, ..)| away < *least) {
-            best = Some((away, proposal, action));
-        }
-    }
-    let (_, proposal, action) = best?;
+        Some((away, proposal, action))
+    });
+    // Of equals, the first.
+    let (_, proposal, action) = offered.reduce(|best, it| if it.0 < best.0 { it } else { best })?;
     let deviation = |what: &str, [u, v]: [f64; 2], offered: PixelPoint| {
         format!(
             "{what} wanted ({}, {}), nearest offered {offered}, {:.0} px away",
@@ -141,27 +138,6 @@ fn nearest(step: &StepView<'_>, aim: Aim, refusals: &[Refusal]) -> Option<(Propo
         deviation("place", aim[1], action.place_px)
     );
     Some((proposal, note))
-}
-
-/// Lists actions of the declared space: the nearest points, and all directions and distances; of any other field the
-/// value that was refused least often.
-fn proposals(step: &StepView<'_>, aim: Aim, refused: &[&Proposal]) -> Vec<Proposal> {
-    let mut all = vec![Proposal::default()];
-    for field in &step.program.actions {
-        let values = match field.is_point() || MOVING.contains(&field.name.as_str()) {
-            true => candidates(step, field, aim),
-            false => least_refused(step, field, refused).into_iter().collect(),
-        };
-        let longer = all.iter().flat_map(|shorter| {
-            values.iter().map(|value| {
-                let mut proposal = shorter.clone();
-                proposal.fields.push((field.name.clone(), value.clone()));
-                proposal
-            })
-        });
-        all = longer.collect();
-    }
-    all
 }
 
 /// Returns the value of a field that was refused least often; of equals, that nearest to how the fold is demonstrated.

@@ -16,12 +16,14 @@ use crate::journal::JournalError;
 use crate::outcome::Outcome;
 use fab_base::child::{Child, ChildError, CommandLine, excerpt};
 use fab_base::interrupt::Interrupt;
+use fab_base::wording::quoted;
 use fab_base::{digest, files, npy};
 use fab_model::Reply;
 use fab_picture::camera::Pinhole;
 use fab_picture::png;
 use fab_program::spaces::Spaces;
-use fab_program::{ActionField, Arrow, Choices, PixelPoint, Proposal, SubgoalStep, Value, space};
+use fab_program::{Arrow, Choices, PixelPoint, Proposal, SubgoalStep, Value, space};
+use image::RgbImage;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json};
 use std::path::{Path, PathBuf};
@@ -95,14 +97,12 @@ impl Policy for External {
                 folder.display()
             )));
         }
-        let reset = reset(step);
-        let files = write_files(step, folder)?;
+        write_files(step, folder)?;
         until_accepted(step, exchange, &mut |refusals, exchange| {
-            let mut sent = [reset.clone(), decide(step, &files, refusals)];
+            let asked_in = |folder: &Path| [reset(step, folder), decide(step, folder, refusals)];
             // Relative paths make equal questions equal in any run folder.
-            let key = digest::of(text(&sent));
-            sent.iter_mut()
-                .for_each(|question| question.place_in(folder));
+            let key = digest::of(text(&asked_in(Path::new(""))));
+            let sent = asked_in(folder);
             let text = text(&sent[1]);
             let question = Question::Line { key, text };
             (exchange.record)(Exchanged::Question {
@@ -121,14 +121,13 @@ impl Policy for External {
                 }
                 Err((outcome, why)) => {
                     self.child = None;
-                    (None, Answer::Stop { outcome, why })
+                    (None, Answer::Stop(outcome, why))
                 }
             };
             Ok(Proposed {
                 question: Some(question),
                 reply,
-                note: None,
-                answer,
+                ..answer.into()
             })
         })
     }
@@ -212,143 +211,125 @@ fn failed(error: ChildError) -> (Outcome, String) {
 }
 
 fn read(step: &StepView<'_>, line: &str) -> Answer {
-    let unreadable = |field: &str, message: String| Answer::Unreadable {
-        field: field.to_owned(),
-        message,
-    };
+    let unreadable = |(field, message): (String, String)| Answer::Unreadable { field, message };
+    let wrong = |message: String| unreadable(("grips".to_owned(), message));
     match serde_json::from_str(line) {
         Ok(Line {
             grips: None,
             refuse: Some(why),
-        }) => Answer::Stop {
-            outcome: Outcome::PolicyStopped,
-            why: match why.trim() {
+        }) => {
+            let why = match why.trim() {
                 "" => "the policy gives no reason".to_owned(),
                 why => excerpt(why.as_bytes()),
-            },
-        },
+            };
+            Answer::Stop(Outcome::PolicyStopped, why)
+        }
         Ok(Line {
             grips: Some(grips),
             refuse: None,
         }) => match grips.as_slice() {
-            [grip] => match proposal(step, grip) {
-                Ok(proposal) => Answer::Grip(proposal),
-                Err((field, message)) => unreadable(&field, message),
-            },
-            grips => unreadable(
-                "grips",
-                format!(
-                    "there are {} grips, and the world has one gripper",
-                    grips.len()
-                ),
-            ),
+            [grip] => proposal(step, grip).map_or_else(unreadable, Answer::Grip),
+            grips => wrong(format!(
+                "there are {} grips, and the world has one gripper",
+                grips.len()
+            )),
         },
-        Ok(_) => unreadable(
-            "grips",
+        Ok(_) => wrong(
             "the answer must have either `grips` or `refuse`, and it has both or neither"
                 .to_owned(),
         ),
-        Err(error) => unreadable("grips", error.to_string()),
+        Err(error) => wrong(error.to_string()),
     }
 }
 
 /// Reads a grip; fails with the wrong field and the reason.
 fn proposal(step: &StepView<'_>, grip: &Map<String, Json>) -> Result<Proposal, (String, String)> {
     let declared = &step.program.actions;
-    let names = || {
-        let names = declared.iter().map(|field| format!("`{}`", field.name));
-        names.collect::<Vec<_>>().join(", ")
-    };
+    let names = quoted(declared.iter().map(|field| &field.name));
     let is_unknown = |name: &&String| !declared.iter().any(|field| field.name == **name);
     if let Some(name) = grip.keys().find(is_unknown) {
         let name = excerpt(name.as_bytes());
-        let message = format!("the task has no field `{name}`; it has {}", names());
+        let message = format!("the task has no field `{name}`; it has {names}");
         return Err((name, message));
     }
-    let mut fields = Vec::with_capacity(declared.len());
-    for field in declared {
-        let wrong = |message: String| (field.name.clone(), message);
-        let stated = grip.get(&field.name);
-        let stated = stated.ok_or_else(|| {
-            wrong(format!(
-                "`{}` is missing; a grip has {}",
-                field.name,
-                names()
-            ))
-        })?;
-        let value = value(field, stated).ok_or_else(|| {
-            let right = match field.is_point() {
-                true => "a pixel, `[column, row]`, whole numbers".to_owned(),
-                false => format!("one of {}", space::listed(field, &space::declared(field))),
+    let fields = declared.iter().map(|field| {
+        let name = &field.name;
+        let Some(stated) = grip.get(name) else {
+            let message = format!("`{name}` is missing; a grip has {names}");
+            return Err((name.clone(), message));
+        };
+        let value = if field.is_point() {
+            PixelPoint::deserialize(stated).ok().map(Value::Point)
+        } else {
+            let mut declared = space::declared(field).into_iter();
+            declared.find(|value| stated.as_str() == Some(&space::text(field, value)))
+        };
+        let value = value.ok_or_else(|| {
+            let right = if field.is_point() {
+                "a pixel, `[column, row]`, whole numbers".to_owned()
+            } else {
+                format!("one of {}", space::listed(field, &space::declared(field)))
             };
-            wrong(format!(
-                "`{}` is {}, and has to be {right}",
-                field.name,
-                excerpt(stated.to_string().as_bytes())
-            ))
+            let stated = excerpt(stated.to_string().as_bytes());
+            let message = format!("`{name}` is {stated}, and has to be {right}");
+            (name.clone(), message)
         })?;
-        fields.push((field.name.clone(), value));
-    }
+        Ok((name.clone(), value))
+    });
+    let fields = fields.collect::<Result<_, _>>()?;
     Ok(Proposal { fields })
 }
 
-fn value(field: &ActionField, stated: &Json) -> Option<Value> {
-    if field.is_point() {
-        return PixelPoint::deserialize(stated).ok().map(Value::Point);
-    }
-    let text = stated.as_str()?;
-    let mut declared = space::declared(field).into_iter();
-    declared.find(|value| space::text(field, value) == text)
+/// Returns the path of a step's file in a run folder.
+fn file(step: &StepView<'_>, folder: &Path, name: &str) -> PathBuf {
+    folder.join(format!("step_{}/{name}", step.number))
 }
 
-/// Writes the files that the rollout itself does not store; returns all files by their names in the run folder.
-fn write_files(
-    step: &StepView<'_>,
-    folder: &Path,
-) -> Result<(Pictures, Option<PathBuf>), JournalError> {
-    let name = |what: &str| PathBuf::from(format!("step_{}/{what}", step.number));
-    let write = |what: &str, bytes: &[u8]| {
-        let (name, path) = (name(what), folder.join(name(what)));
-        let parent = path.parent().unwrap_or(folder);
-        let written =
-            std::fs::create_dir_all(parent).and_then(|()| files::write_whole(&path, bytes));
-        match written {
-            Ok(()) => Ok(name),
-            Err(error) => Err(JournalError::Unwritable {
-                path,
-                why: error.to_string(),
-            }),
-        }
-    };
+/// Returns the subgoal pictures of a step, if there are any, with the names of their files.
+fn subgoals<'p>(step: &StepView<'p>) -> Option<[(&'static str, &'p RgbImage); 2]> {
+    let shown = step.pictures.subgoals.as_ref()?;
+    let picture = |which| shown.picture(which, Arrow::Absent);
+    Some([
+        ("subgoal_now.png", picture(SubgoalStep::Now)),
+        ("subgoal_next.png", picture(SubgoalStep::Next)),
+    ])
+}
+
+/// Writes the files that the rollout itself does not store.
+fn write_files(step: &StepView<'_>, folder: &Path) -> Result<(), JournalError> {
     let depth = &step.observation.depth_m;
     let shape = [u64::from(depth.height()), u64::from(depth.width())];
-    let subgoal = |what: &str, which| {
-        let shown = step.pictures.subgoals.as_ref();
-        let shown = shown.map(|it| png::encode(it.picture(which, Arrow::Absent)));
-        shown.map(|png| write(what, &png)).transpose()
-    };
-    let pictures = Pictures {
-        scene: name("before.png"),
-        annotated: write("annotated.png", &png::encode(&step.pictures.annotated))?,
-        depth: write(
-            "depth.npy",
-            &npy::encode_floats(&shape, depth.iter().copied()),
-        )?,
-        subgoal_now: subgoal("subgoal_now.png", SubgoalStep::Now)?,
-        subgoal_next: subgoal("subgoal_next.png", SubgoalStep::Next)?,
-    };
-    let particles = step.truth.as_ref();
-    let particles = particles.map(|it| write("particles.npy", &npy::encode(it.particles)));
-    Ok((pictures, particles.transpose()?))
+    let depth = npy::encode_floats(&shape, depth.iter().copied());
+    let mut files = vec![
+        ("annotated.png", png::encode(&step.pictures.annotated)),
+        ("depth.npy", depth),
+    ];
+    let shown = subgoals(step).into_iter().flatten();
+    files.extend(shown.map(|(name, picture)| (name, png::encode(picture))));
+    files.extend(
+        step.truth
+            .map(|truth| ("particles.npy", npy::encode(truth.particles))),
+    );
+    for (name, bytes) in files {
+        let path = file(step, folder, name);
+        let parent = path.parent().unwrap_or(folder);
+        let written =
+            std::fs::create_dir_all(parent).and_then(|()| files::write_whole(&path, &bytes));
+        written.map_err(|error| JournalError::Unwritable {
+            path,
+            why: error.to_string(),
+        })?;
+    }
+    Ok(())
 }
 
-/// Returns the question that begins a rollout, with files by their names in the run folder.
-fn reset(step: &StepView<'_>) -> protocol::Question {
+/// Returns the question that begins a rollout, with the paths of files in a run folder.
+fn reset(step: &StepView<'_>, folder: &Path) -> protocol::Question {
     let program = step.program;
     protocol::Question::Reset(Box::new(protocol::Reset {
         task: program.task.clone(),
         variant: program.variant.clone(),
-        program: PathBuf::from("program.json"),
+        program: folder.join("program.json"),
         spaces: Spaces::of(program),
         horizon: step.horizon,
         attempts: program.verify.attempts,
@@ -357,12 +338,8 @@ fn reset(step: &StepView<'_>) -> protocol::Question {
     }))
 }
 
-/// Returns the question for a decision, with files by their names in the run folder.
-fn decide(
-    step: &StepView<'_>,
-    (pictures, particles): &(Pictures, Option<PathBuf>),
-    refusals: &[Refusal],
-) -> protocol::Question {
+/// Returns the question for a decision, with the paths of files in a run folder.
+fn decide(step: &StepView<'_>, folder: &Path, refusals: &[Refusal]) -> protocol::Question {
     let actions = &step.program.actions;
     let offered = actions.iter().map(|field| {
         let offered = match &field.choices {
@@ -377,19 +354,29 @@ fn decide(
         };
         (field.name.clone(), offered)
     });
-    let refusals = refusals.iter().map(|refusal| Refused {
-        grips: refusal
-            .proposal
-            .iter()
-            .map(|it| grip(actions, it))
-            .collect(),
-        check: refusal.check.clone(),
-        why: refusal.why.clone(),
+    let refusals = refusals.iter().map(|refusal| {
+        let grips = refusal.proposal.iter().map(|it| grip(actions, it));
+        Refused {
+            grips: grips.collect(),
+            check: refusal.check.clone(),
+            why: refusal.why.clone(),
+        }
     });
+    let file = |name: &str| file(step, folder, name);
+    let [subgoal_now, subgoal_next] = match subgoals(step) {
+        Some(shown) => shown.map(|(name, _)| Some(file(name))),
+        None => [None, None],
+    };
     protocol::Question::Decide(Box::new(Decide {
         step: step.step,
         action: step.number,
-        pictures: pictures.clone(),
+        pictures: Pictures {
+            scene: file("before.png"),
+            annotated: file("annotated.png"),
+            depth: file("depth.npy"),
+            subgoal_now,
+            subgoal_next,
+        },
         camera: Pinhole::of(&step.observation.camera),
         keypoints: step.scene.to_json(),
         offered: offered.collect(),
@@ -399,7 +386,7 @@ fn decide(
             placed_px: vec![last.place],
         }),
         refusals: refusals.collect(),
-        particles: particles.clone(),
+        particles: step.truth.map(|_| file("particles.npy")),
     }))
 }
 

@@ -7,10 +7,9 @@
 //! The runtime computes with what the processor offers, so the last bits of a value depend on the processor.
 
 use super::expert::least_refused;
-use super::judge::verdict;
 use super::proposing::{Answer, Proposed, until_accepted};
 use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, StepView};
-use crate::action::Action;
+use crate::action::{Action, combinations};
 use crate::outcome::Outcome;
 use fab_base::{digest, files};
 use fab_program::verify::{Strictness, Verdict};
@@ -33,30 +32,21 @@ const MOST_COMBINATIONS: usize = 20_000;
 const BATCH: usize = 256;
 
 /// What a network may take, with its shape: H and W are the picture's height and width, N is the number of actions.
-const INPUTS: [(&str, &[Side]); 7] = [
-    ("color", &[Side::Height, Side::Width, Side::Of(3)]),
-    ("depth", &[Side::Height, Side::Width]),
-    ("cloth", &[Side::Height, Side::Width]),
-    ("faces", &[Side::Of(2), Side::Of(3)]),
+const INPUTS: [(&str, &[&str]); 7] = [
+    ("color", &["H", "W", "3"]),
+    ("depth", &["H", "W"]),
+    ("cloth", &["H", "W"]),
+    ("faces", &["2", "3"]),
     ("edge", &[]),
-    ("picks", &[Side::Actions, Side::Of(2)]),
-    ("places", &[Side::Actions, Side::Of(2)]),
+    ("picks", &["N", "2"]),
+    ("places", &["N", "2"]),
 ];
 
 /// What a network returns.
-const OUTPUT: (&str, &[Side]) = ("values", &[Side::Actions]);
+const OUTPUT: (&str, &[&str]) = ("values", &["N"]);
 
 /// The fields by which a network is told an action.
 const MOVING: [&str; 4] = ["pick", "place", "direction", "distance"];
-
-/// The length of a side of a tensor.
-#[derive(Clone, Copy)]
-enum Side {
-    Height,
-    Width,
-    Actions,
-    Of(usize),
-}
 
 /// Plays a network.
 #[derive(Clone)]
@@ -67,34 +57,10 @@ pub struct Onnx {
     code: String,
 }
 
-/// Why a file cannot be played.
+/// Why a file cannot be played, in words.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum OnnxError {
-    /// It cannot be read.
-    #[error("`{file}` cannot be read: {why}")]
-    Unreadable {
-        /// The file.
-        file: String,
-        /// Why.
-        why: String,
-    },
-    /// It is damaged, of another format, or has an operator that is not supported.
-    #[error("`{file}` is not an ONNX network that fabc can run: {why}")]
-    NotANetwork {
-        /// The file.
-        file: String,
-        /// Why.
-        why: String,
-    },
-    /// Its inputs or its output are not those of a policy.
-    #[error("the network `{file}` {why}")]
-    Interface {
-        /// The file.
-        file: String,
-        /// What is wrong, and what would be right.
-        why: String,
-    },
-}
+#[error("{0}")]
+pub struct OnnxError(String);
 
 impl Onnx {
     /// Reads a network from a file; its name is `onnx:FILE`.
@@ -102,7 +68,7 @@ impl Onnx {
         let file = path.display().to_string();
         match files::read(path, MAX_BYTES) {
             Ok(bytes) => Onnx::of(format!("onnx:{file}"), &file, bytes),
-            Err(why) => Err(OnnxError::Unreadable { file, why }),
+            Err(why) => Err(OnnxError(format!("`{file}` cannot be read: {why}"))),
         }
     }
 
@@ -115,17 +81,15 @@ impl Onnx {
 
     fn of(name: String, file: &str, bytes: Vec<u8>) -> Result<Onnx, OnnxError> {
         let code = digest::of(&bytes);
-        let file = file.to_owned();
-        let model = match Model::load(bytes) {
-            Ok(model) => Arc::new(model),
-            Err(error) => {
-                let why = error.to_string();
-                return Err(OnnxError::NotANetwork { file, why });
-            }
-        };
+        let model = Model::load(bytes).map_err(|error| {
+            OnnxError(format!(
+                "`{file}` is not an ONNX network that fabc can run: {error}"
+            ))
+        })?;
+        let model = Arc::new(model);
         match check_interface(&model) {
             Ok(()) => Ok(Onnx { name, model, code }),
-            Err(why) => Err(OnnxError::Interface { file, why }),
+            Err(why) => Err(OnnxError(format!("the network `{file}` {why}"))),
         }
     }
 }
@@ -167,7 +131,7 @@ fn check_interface(model: &Model) -> Result<(), String> {
 }
 
 /// Checks a declared type and shape; a side without a number may have any length.
-fn check_shape(model: &Model, name: &str, shape: &[Side]) -> Result<(), String> {
+fn check_shape(model: &Model, name: &str, shape: &[&str]) -> Result<(), String> {
     let info = model.find_node(name).and_then(|id| model.node_info(id));
     let Some(info) = info else {
         return Err(format!("lacks `{name}`"));
@@ -178,33 +142,26 @@ fn check_shape(model: &Model, name: &str, shape: &[Side]) -> Result<(), String> 
             "declares `{name}` of another type; it must be float32"
         ));
     }
-    let fits = |(declared, side): (&Dimension, &Side)| match (declared, side) {
-        (Dimension::Fixed(declared), Side::Of(length)) => declared == length,
-        (Dimension::Fixed(_), Side::Actions) => false,
-        _ => true,
+    let fits = |(declared, side): (&Dimension, &&str)| match (declared, *side) {
+        (Dimension::Fixed(_), "N") => false,
+        (Dimension::Fixed(_), "H" | "W") | (Dimension::Symbolic(_), _) => true,
+        (Dimension::Fixed(length), side) => length.to_string() == side,
     };
-    match info.shape() {
-        Some(declared)
-            if declared.len() != shape.len() || !declared.iter().zip(shape).all(fits) =>
-        {
-            let declared = declared.iter().map(|side| match side {
-                Dimension::Fixed(length) => length.to_string(),
-                Dimension::Symbolic(name) => name.clone(),
-            });
-            let declared = declared.collect::<Vec<_>>().join(", ");
-            let sides = shape.iter().map(|side| match side {
-                Side::Height => "H".to_owned(),
-                Side::Width => "W".to_owned(),
-                Side::Actions => "N".to_owned(),
-                Side::Of(length) => length.to_string(),
-            });
-            let sides = sides.collect::<Vec<_>>().join(", ");
-            Err(format!(
-                "declares `{name}` as [{declared}]; it must be [{sides}]"
-            ))
-        }
-        _ => Ok(()),
+    let Some(declared) = info.shape() else {
+        return Ok(());
+    };
+    if declared.len() == shape.len() && declared.iter().zip(shape).all(fits) {
+        return Ok(());
     }
+    let declared = declared.iter().map(|side| match side {
+        Dimension::Fixed(length) => length.to_string(),
+        Dimension::Symbolic(name) => name.clone(),
+    });
+    Err(format!(
+        "declares `{name}` as [{}]; it must be [{}]",
+        declared.collect::<Vec<_>>().join(", "),
+        shape.join(", ")
+    ))
 }
 
 /// An offered action, and where it picks and places in the picture, `[column, row]`, pixels.
@@ -246,7 +203,7 @@ impl Policy for Onnx {
             let declared = id.and_then(|id| self.model.node_info(id)?.shape());
             let sides = shape.iter().zip(declared.into_iter().flatten());
             for (side, declared) in sides {
-                if let (Side::Height | Side::Width, Dimension::Fixed(length)) = (side, declared)
+                if let ("H" | "W", Dimension::Fixed(length)) = (*side, declared)
                     && length != image_px
                 {
                     return Err(PolicyError::Unfit(format!(
@@ -265,47 +222,27 @@ impl Policy for Onnx {
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Decision, PolicyError> {
-        let offers = match self.offers(step) {
-            Ok(offers) => Ok(accepted_first(step, offers)?),
+        let ranked = match self.offers(step) {
+            Ok(offers) => self.ranked(step, accepted_first(step, offers)?),
             Err(why) => Err(why),
         };
-        let ranked = offers.and_then(|offers| {
-            let values = self.values(step, &offers)?;
-            let mut ranked: Vec<(f32, Offer)> = values.into_iter().zip(offers).collect();
-            // Equal values stay in the order of the offer.
-            ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-            Ok(ranked)
-        });
         until_accepted(step, exchange, &mut |refusals, _| {
-            let next = ranked.as_ref().map(|ranked| ranked.get(refusals.len()));
-            let (note, answer) = match next {
-                Ok(Some((value, offer))) => (
-                    Some(format!("value {value:.3}")),
-                    Answer::Grip(offer.proposal.clone()),
-                ),
-                Ok(None) => (
-                    None,
-                    Answer::Stop {
-                        outcome: Outcome::NoCandidates,
-                        why: match refusals {
-                            [] => "no action is offered".to_owned(),
-                            _ => "every offered action was refused".to_owned(),
-                        },
-                    },
-                ),
-                Err(why) => (
-                    None,
-                    Answer::Stop {
-                        outcome: Outcome::PolicyFailed,
-                        why: why.clone(),
-                    },
-                ),
+            let next = match &ranked {
+                Ok(ranked) => ranked.get(refusals.len()),
+                Err(why) => return Ok(Answer::Stop(Outcome::PolicyFailed, why.clone()).into()),
             };
-            Ok(Proposed {
-                question: None,
-                reply: None,
-                note,
-                answer,
+            Ok(match next {
+                Some((value, offer)) => Proposed {
+                    note: Some(format!("value {value:.3}")),
+                    ..Answer::Grip(offer.proposal.clone()).into()
+                },
+                None => {
+                    let why = match refusals {
+                        [] => "no action is offered",
+                        _ => "every offered action was refused",
+                    };
+                    Answer::Stop(Outcome::NoCandidates, why.to_owned()).into()
+                }
             })
         })
     }
@@ -321,36 +258,22 @@ impl Onnx {
             } else {
                 least_refused(step, field, &[]).into_iter().collect()
             };
-            (field.name.as_str(), values)
+            (field.name.clone(), values)
         });
-        let fields: Vec<(&str, Vec<FieldValue>)> = fields.collect();
-        let counts = fields.iter().map(|(_, values)| values.len());
-        let count = counts.fold(1, usize::saturating_mul);
-        if count > MOST_COMBINATIONS {
-            let of_field = |(name, values): &(&str, Vec<FieldValue>)| match values.len() {
-                1 => None,
-                length => Some(format!("{length} of `{name}`")),
-            };
-            let choices: Vec<String> = fields.iter().filter_map(of_field).collect();
+        let fields: Vec<(String, Vec<FieldValue>)> = fields.collect();
+        let all = combinations(&fields);
+        if all.len() > MOST_COMBINATIONS {
+            let many = fields.iter().filter(|(_, values)| values.len() != 1);
+            let many = many.map(|(name, values)| format!("{} of `{name}`", values.len()));
             return Err(format!(
-                "`{}` offers {count} actions ({}), and `--policy {}` compares at most {MOST_COMBINATIONS}: offer fewer",
+                "`{}` offers {} actions ({}), and `--policy {}` compares at most {MOST_COMBINATIONS}: offer fewer",
                 step.program.title(),
-                choices.join(" x "),
+                all.len(),
+                many.collect::<Vec<_>>().join(" x "),
                 self.name
             ));
         }
-        let mut all = vec![Proposal::default()];
-        for (name, values) in &fields {
-            let longer = all.iter().flat_map(|shorter| {
-                values.iter().map(move |value| {
-                    let mut proposal = shorter.clone();
-                    proposal.fields.push(((*name).to_owned(), value.clone()));
-                    proposal
-                })
-            });
-            all = longer.collect();
-        }
-        let offers = all.into_iter().filter_map(|proposal| {
+        let offers = all.filter_map(|proposal| {
             let observation = step.observation;
             let action = Action::lower(step.program, &proposal, step.scene, observation)?;
             let pixel = |point| observation.camera.pixel_from_world(point);
@@ -363,21 +286,23 @@ impl Onnx {
         Ok(offers.collect())
     }
 
-    /// Returns the value of each offered action; fails with the reason.
-    fn values(&self, step: &StepView<'_>, offers: &[Offer]) -> Result<Vec<f32>, String> {
+    /// Values the offered actions; the highest first, equal ones in the order of the offer. Fails with the reason.
+    fn ranked(&self, step: &StepView<'_>, offers: Vec<Offer>) -> Result<Vec<(f32, Offer)>, String> {
         let mut values = Vec::with_capacity(offers.len());
         for batch in offers.chunks(BATCH) {
             values.extend(self.values_of_batch(step, batch)?);
         }
-        match values.iter().position(|value| !value.is_finite()) {
-            Some(at) => Err(format!(
+        if let Some(at) = values.iter().position(|value| !value.is_finite()) {
+            return Err(format!(
                 "the network's value of action {} of {} is {}, which is not finite",
                 at + 1,
                 values.len(),
                 values[at]
-            )),
-            None => Ok(values),
+            ));
         }
+        let mut ranked: Vec<_> = values.into_iter().zip(offers).collect();
+        ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+        Ok(ranked)
     }
 
     /// Runs the network once.
@@ -386,11 +311,11 @@ impl Onnx {
             let info = self.model.node_info(*id)?;
             let (name, shape) = INPUTS.iter().find(|(name, _)| info.name() == Some(*name))?;
             let (width, height) = step.observation.rgb.dimensions();
-            let shape = shape.iter().map(|side| match side {
-                Side::Height => height as usize,
-                Side::Width => width as usize,
-                Side::Actions => offers.len(),
-                Side::Of(length) => *length,
+            let shape = shape.iter().map(|side| match *side {
+                "H" => height as usize,
+                "W" => width as usize,
+                "N" => offers.len(),
+                length => length.parse().expect("a side is a letter or a number"),
             });
             let shape: Vec<usize> = shape.collect();
             let value = Value::from_shape(shape, input(name, step, offers));
@@ -400,10 +325,8 @@ impl Onnx {
         let inputs = inputs.map_err(|error| error.to_string())?;
         let outputs = self.model.run(inputs, self.model.output_ids(), None);
         let outputs = outputs.map_err(|error| format!("the network failed: {error}"))?;
-        let output = outputs
-            .into_iter()
-            .next()
-            .ok_or("the network returned nothing")?;
+        let output = outputs.into_iter().next();
+        let output = output.ok_or("the network returned nothing")?;
         let ([length], values) = output
             .into_shape_vec::<f32, 1>()
             .map_err(|error| format!("the network's `values` must be [N], float32: {error}"))?;
@@ -450,14 +373,17 @@ fn input(name: &str, step: &StepView<'_>, offers: &[Offer]) -> Vec<f32> {
 fn accepted_first(step: &StepView<'_>, offers: Vec<Offer>) -> Result<Vec<Offer>, PolicyError> {
     let texts = BTreeMap::new();
     let facts = step.facts(&texts, step.pixels());
-    let verdicts = offers
-        .iter()
-        .map(|offer| verdict(*step, facts, &offer.proposal, Strictness::Full))
-        .collect::<Result<Vec<_>, _>>()?;
-    if !verdicts.contains(&Verdict::Accept) {
+    let verdicts = offers.iter().map(|offer| {
+        let verdict = step
+            .ground()
+            .verdict(facts, &offer.proposal, Strictness::Full);
+        verdict.map(|verdict| verdict == Verdict::Accept)
+    });
+    let accepted = verdicts.collect::<Result<Vec<_>, _>>()?;
+    if !accepted.contains(&true) {
         return Ok(offers);
     }
-    let judged = offers.into_iter().zip(verdicts);
-    let accepted = judged.filter(|(_, verdict)| *verdict == Verdict::Accept);
+    let judged = offers.into_iter().zip(accepted);
+    let accepted = judged.filter(|(_, is_accepted)| *is_accepted);
     Ok(accepted.map(|(offer, _)| offer).collect())
 }

@@ -282,7 +282,6 @@ impl<'j> Turn<'j> {
             asking: line,
             record: &mut record,
             interrupt: job.interrupt,
-            twins: None,
         };
         let decision = policy.decide(&view, &mut exchange)?;
         let deciding = asking.elapsed().saturating_sub(aside);

@@ -38,6 +38,16 @@ pub struct Row {
     pub unscored: Vec<String>,
 }
 
+/// How a rollout ended.
+pub struct End {
+    /// The measure of its last state.
+    pub value: f64,
+    /// Why it has no score, if it has none.
+    pub unscored: Option<String>,
+    /// What it executed.
+    pub actions: Vec<Choice>,
+}
+
 impl Row {
     /// Collects rollouts of one kind.
     pub fn of(name: &'static str, oracle: bool, ends: &[End], goal: Option<&Goal>) -> Row {
@@ -52,111 +62,89 @@ impl Row {
     }
 }
 
-/// How a rollout ended.
-pub struct End {
-    /// The measure of its last state.
-    pub value: f64,
-    /// Why it has no score, if it has none.
-    pub unscored: Option<String>,
-    /// What it executed.
-    pub actions: Vec<Choice>,
+/// Plays the policies beside a search; returns a row each, and the actions of the best rollout with a score.
+///
+/// - `folder`: where their rollouts are written.
+pub fn play(
+    search: &Search<'_>,
+    aim: &Aim<'_>,
+    examples: &Examples,
+    folder: &Path,
+    io: &Io,
+) -> Result<(Vec<Row>, Vec<Choice>), Failure> {
+    let seed = search.limits.seed;
+    let models = Models {
+        vision: &Geometric,
+        text: &Geometric,
+    };
+    let makers: [(&'static str, bool, &dyn MakePolicy, usize); 3] = [
+        ("expert", true, &Expert, 1),
+        ("random", false, &Random { seed }, DRAWS),
+        ("stand-in", false, &Prompted::new(models), 1),
+    ];
+    let goal = search.program.goal.as_ref();
+    let (mut rows, mut scored) = (Vec::new(), Vec::new());
+    for (name, oracle, make_policy, count) in makers {
+        io.progress(&format!("rollouts beside it: {name}"));
+        if let Err(error) = make_policy.make().prepare(search.program) {
+            rows.push(Row {
+                unscored: vec![error.to_string()],
+                ..Row::of(name, oracle, &[], goal)
+            });
+            continue;
+        }
+        let play = |index: usize| {
+            let job = Job {
+                program: search.program,
+                start: search.start,
+                subgoals: search.subgoals,
+                examples,
+                make_policy,
+                budget: &Budget::default(),
+                make_world: search.make_world,
+                make_expert_world: search.make_expert_world,
+                cache: search.cache,
+                interrupt: search.interrupt,
+                horizon: Some(search.horizon),
+                early_stop: true,
+                operator: None,
+                repetition: index as u32,
+                start_number: None,
+            };
+            end_of(&job, &folder.join(format!("{name}-{}", index + 1)), aim)
+        };
+        let ends = in_parallel(count, search.limits.threads, play, |_| {})?;
+        let ends: Vec<End> = ends.into_iter().flatten().collect();
+        rows.push(Row::of(name, oracle, &ends, goal));
+        scored.extend(ends.into_iter().filter(|end| end.unscored.is_none()));
+    }
+    let loss = |end: &End| aim.measure.loss(end.value);
+    let best = scored
+        .into_iter()
+        .min_by(|a, b| loss(a).total_cmp(&loss(b)));
+    Ok((rows, best.map_or(Vec::new(), |end| end.actions)))
 }
 
-/// The rollouts beside one search.
-pub struct Playing<'a> {
-    pub search: &'a Search<'a>,
-    pub examples: &'a Examples,
-    pub folder: &'a Path,
-    pub io: &'a Io,
-}
-
-impl Playing<'_> {
-    /// Plays the policies; returns a row each, and the actions of the best rollout with a score.
-    pub fn policies(&self, aim: &Aim<'_>) -> Result<(Vec<Row>, Vec<Choice>), Failure> {
-        let seed = self.search.limits.seed;
-        let models = Models {
-            vision: &Geometric,
-            text: &Geometric,
-        };
-        let makers: [(&'static str, bool, &dyn MakePolicy, usize); 3] = [
-            ("expert", true, &Expert, 1),
-            ("random", false, &Random { seed }, DRAWS),
-            ("stand-in", false, &Prompted { models }, 1),
-        ];
-        let (mut rows, mut scored) = (Vec::new(), Vec::new());
-        for (name, oracle, make_policy, count) in makers {
-            self.io.progress(&format!("rollouts beside it: {name}"));
-            let goal = self.search.program.goal.as_ref();
-            if let Err(error) = make_policy.make().prepare(self.search.program) {
-                rows.push(Row {
-                    unscored: vec![error.to_string()],
-                    ..Row::of(name, oracle, &[], goal)
-                });
-                continue;
-            }
-            let play = |index| self.play(name, make_policy, index, aim);
-            let ends = in_parallel(count, self.search.limits.threads, play, |_| {})?;
-            let ends: Vec<End> = ends.into_iter().flatten().collect();
-            rows.push(Row::of(name, oracle, &ends, goal));
-            scored.extend(ends.into_iter().filter(|end| end.unscored.is_none()));
-        }
-        let loss = |end: &End| aim.measure.loss(end.value);
-        let best = scored
-            .into_iter()
-            .min_by(|a, b| loss(a).total_cmp(&loss(b)));
-        Ok((rows, best.map_or(Vec::new(), |end| end.actions)))
+/// Plays one rollout; `None` if it was interrupted.
+fn end_of(job: &Job<'_>, folder: &Path, aim: &Aim<'_>) -> Result<Option<End>, Failure> {
+    let report = match rollout::run(job, RunFolder::create(folder)?, &mut |_| {}) {
+        Ok(ended) => ended.report,
+        Err(_) if job.interrupt.is_raised() => return Ok(None),
+        Err(error) => return Err(Failure::environment(error)),
+    };
+    if report.outcome == Outcome::Interrupted {
+        return Ok(None);
     }
-
-    /// Plays one rollout; `None` if it was interrupted.
-    fn play(
-        &self,
-        name: &str,
-        make_policy: &dyn MakePolicy,
-        index: usize,
-        aim: &Aim<'_>,
-    ) -> Result<Option<End>, Failure> {
-        let search = self.search;
-        let job = Job {
-            program: search.program,
-            start: search.start,
-            subgoals: search.subgoals,
-            examples: self.examples,
-            make_policy,
-            budget: &Budget::default(),
-            make_world: search.make_world,
-            make_expert_world: search.make_expert_world,
-            cache: search.cache,
-            interrupt: search.interrupt,
-            horizon: Some(search.horizon),
-            early_stop: true,
-            operator: None,
-            repetition: index as u32,
-            start_number: None,
-        };
-        let folder = self.folder.join(format!("{name}-{}", index + 1));
-        let ended = rollout::run(&job, RunFolder::create(&folder)?, &mut |_| {});
-        let report = match ended {
-            Ok(ended) => ended.report,
-            Err(_) if search.interrupt.is_raised() => return Ok(None),
-            Err(error) => return Err(Failure::environment(error)),
-        };
-        if report.outcome == Outcome::Interrupted {
-            return Ok(None);
-        }
-        let unscored = (!report.outcome.is_scored()).then(|| {
-            let why = report.stopped.as_deref();
-            why.unwrap_or(report.outcome.name()).to_owned()
-        });
-        let record = Record::read(&folder).map_err(Failure::environment)?;
-        let last = record.end.and_then(|end| end.final_positions);
-        let last = last.and_then(|file| files::read(&folder.join(file), record::MAX_BYTES).ok());
-        let last = last.and_then(|bytes| npy::decode(&bytes));
-        Ok(Some(End {
-            value: aim
-                .value(last.as_ref().unwrap_or(&search.start.positions))
-                .map_err(Failure::environment)?,
-            unscored,
-            actions: record.steps.iter().filter_map(Choice::of).collect(),
-        }))
-    }
+    let why = report.stopped.as_deref();
+    let why = why.unwrap_or(report.outcome.name()).to_owned();
+    let record = Record::read(folder).map_err(Failure::environment)?;
+    let last = record.end.and_then(|end| end.final_positions);
+    let last = last.and_then(|file| files::read(&folder.join(file), record::MAX_BYTES).ok());
+    let last = last.and_then(|bytes| npy::decode(&bytes));
+    let last = last.as_ref().unwrap_or(&job.start.positions);
+    Ok(Some(End {
+        value: aim.value(last).map_err(Failure::environment)?,
+        unscored: (!report.outcome.is_scored()).then_some(why),
+        actions: record.steps.iter().filter_map(Choice::of).collect(),
+    }))
 }

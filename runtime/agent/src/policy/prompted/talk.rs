@@ -1,0 +1,268 @@
+//! The conversation of one stage in one step: asks, and after a refusal asks again with the reason.
+
+use super::{Conversation, PromptError, conversation};
+use crate::action::Action;
+use crate::outcome::Outcome;
+use crate::pictures::scene_png;
+use crate::policy::judge::judge;
+use crate::policy::proposing::{Refusal, Settled, settle};
+use crate::policy::{Attempt, Exchange, Exchanged, Finding, PolicyError, Question, StepView};
+use fab_model::calls::CallRefused;
+use fab_model::{Lowering, Model, ModelError, Png, Request, Speaker};
+use fab_program::facts::Facts;
+use fab_program::pointing::Notation;
+use fab_program::render::{self, PromptText, REFUSED_ACTION, RenderError, SEPARATOR, Values};
+use fab_program::{Layers, ModelRole, OVERLAP, Picture, Program, Proposal, Stage, reply, space};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// The conversation of one stage in one step. All its calls get the view and the texts that it began with.
+#[derive(Clone, Debug)]
+pub(super) struct Talk {
+    /// The index of the stage in the program.
+    stage: usize,
+    lowering: Lowering,
+    /// The notation of the scene's points for the model.
+    notation: Notation,
+    pub conversation: Conversation,
+    /// The schema of valid answers for this scene.
+    schema: Value,
+    /// Which of several answers to one question is asked for, from 0.
+    candidate: u32,
+    /// The number of this stage's last question in the step, whichever conversation asked it.
+    pub asked: u32,
+    /// The last answer; empty if none came.
+    answer: String,
+}
+
+impl Talk {
+    /// Begins with the stage's messages.
+    ///
+    /// - `stage`: its index in the program.
+    /// - `known`: [`Values::Known`], or [`Values::Partly`] to show missing texts as words in angle brackets.
+    /// - `candidate`: which of several answers is asked for, from 0.
+    /// - `asked`: questions of this stage and step so far.
+    pub fn begin<'t>(
+        view: StepView<'t>,
+        stage: usize,
+        texts: &'t BTreeMap<String, String>,
+        lowering: Lowering,
+        known: fn(Facts<'t>) -> Values<'t>,
+        [candidate, asked]: [u32; 2],
+    ) -> Result<Talk, PromptError> {
+        let (program, pictures) = (view.program, view.pictures);
+        let declared = &program.stages[stage];
+        let facts = view.facts(texts, lowering.pointing(pictures.size()));
+        let values = known(facts);
+        let mut conversation =
+            conversation(program, declared, values, pictures, view.step, &lowering)?;
+        if let Some(remark) = remark(view, facts)? {
+            conversation.add(remark);
+        }
+        let notation = facts.notation(program);
+        let fields = program.actions.iter();
+        let offered: Vec<_> = fields
+            .map(|field| (field.name.clone(), space::choices(field, view.scene)))
+            .collect();
+        Ok(Talk {
+            stage,
+            lowering,
+            conversation,
+            schema: reply::for_stage(program, declared, &notation, &offered),
+            notation,
+            candidate,
+            asked,
+            answer: String::new(),
+        })
+    }
+
+    fn stage<'p>(&self, program: &'p Program) -> &'p Stage {
+        &program.stages[self.stage]
+    }
+
+    /// Asks until the stage has its answer.
+    pub fn settle(
+        &mut self,
+        view: StepView<'_>,
+        texts: &BTreeMap<String, String>,
+        model: &dyn Model,
+        exchange: &mut Exchange<'_, '_>,
+    ) -> Result<Settled, PolicyError> {
+        let facts = view.facts(texts, self.lowering.pointing(view.pictures.size()));
+        settle(&view, facts, exchange, &mut |refusals, exchange| {
+            if let Some(refusal) = refusals.last() {
+                self.correct(view, facts, refusal)?;
+            }
+            self.ask(view, facts, model, exchange)
+        })
+    }
+
+    /// Shows the model what would come of its last answer, and asks once more.
+    pub fn revise(
+        &mut self,
+        view: StepView<'_>,
+        texts: &BTreeMap<String, String>,
+        model: &dyn Model,
+        exchange: &mut Exchange<'_, '_>,
+        (words, predicted): (&str, Png),
+    ) -> Result<Finding, PolicyError> {
+        self.say(Speaker::Assistant, &self.answer.clone());
+        self.say(Speaker::User, words);
+        self.conversation.add_prediction(predicted);
+        let facts = view.facts(texts, self.lowering.pointing(view.pictures.size()));
+        let attempt = self.ask(view, facts, model, exchange)?;
+        (exchange.record)(Exchanged::Attempt(&attempt))?;
+        Ok(attempt.finding)
+    }
+
+    fn say(&mut self, speaker: Speaker, text: &str) {
+        let stretches = Vec::new();
+        let text = text.to_owned();
+        let said = match speaker {
+            Speaker::Assistant => PromptText { text, stretches },
+            _ => PromptText::by_fabc(text),
+        };
+        self.conversation.say(speaker, said);
+    }
+
+    /// Asks the next question, and judges the answer.
+    fn ask(
+        &mut self,
+        view: StepView<'_>,
+        facts: Facts<'_>,
+        model: &dyn Model,
+        exchange: &mut Exchange<'_, '_>,
+    ) -> Result<Attempt, PolicyError> {
+        let stage = self.stage(view.program);
+        self.asked += 1;
+        let request = Request {
+            role: stage.model,
+            messages: self.conversation.messages.clone(),
+            temperature: stage.temperature,
+            top_p: stage.top_p,
+            max_tokens: stage.max_tokens,
+            reasoning: stage.reasoning,
+            repetition: view.repetition,
+            start: view.start_number,
+            step: view.number,
+            candidate: self.candidate,
+            schema: Some(self.schema.clone()),
+        };
+        let question = Question::Prompt(Box::new(request.clone()));
+        (exchange.record)(Exchanged::Question {
+            stage: &stage.name,
+            attempt: self.asked,
+            question: &question,
+        })?;
+        let begun = Instant::now();
+        let answered = exchange.asking.ask(model, &request);
+        let took = begun.elapsed();
+        let (reply, finding) = match answered {
+            Ok(reply) => {
+                let finding = judge(view, stage, facts, &reply.text)?;
+                (Some(reply), finding)
+            }
+            Err(ModelError::NotSent(
+                refused @ (CallRefused::NotNoted(_) | CallRefused::NotKept(_) | CallRefused::Lost),
+            )) => return Err(PolicyError::Calls(refused)),
+            Err(error) => (None, failed(&error)),
+        };
+        let answer = reply.as_ref().map(|reply| reply.text.clone());
+        self.answer = answer.unwrap_or_default();
+        Ok(Attempt {
+            stage: stage.name.clone(),
+            number: self.asked,
+            question: Some(question),
+            reply,
+            note: None,
+            finding,
+            took,
+        })
+    }
+
+    /// Adds a refused answer, why it was refused and, if the task asks for that, a picture of its action.
+    fn correct(
+        &mut self,
+        view: StepView<'_>,
+        facts: Facts<'_>,
+        refusal: &Refusal,
+    ) -> Result<(), RenderError> {
+        self.say(Speaker::Assistant, &refusal.answer);
+        let program = view.program;
+        // The message of a declared check says where in the source its texts stand.
+        let mut checks = program.verify.checks.iter();
+        let check = checks.find(|declared| declared.name == refusal.check);
+        let declared = match (check, &refusal.proposal) {
+            (Some(check), Some(proposal)) => {
+                let facts = facts.judging(proposal);
+                render::text(program, &check.message, Values::Known(facts))?
+            }
+            _ => None,
+        };
+        let same = declared.filter(|said| said.text == refusal.why);
+        let mut said = same.unwrap_or_else(|| PromptText::by_fabc(refusal.why.clone()));
+        let action = refusal.proposal.as_ref();
+        let picture = action.and_then(|it| self.refused_action(view, it));
+        if picture.is_some() {
+            said.push(SEPARATOR, PromptText::by_fabc(REFUSED_ACTION));
+        }
+        self.conversation.say(Speaker::User, said);
+        if let Some(png) = picture {
+            self.conversation.add_refused_action(png);
+        }
+        Ok(())
+    }
+
+    /// Draws a refused action on the stage's picture, if the task asks for that.
+    ///
+    /// Also `None` if the answer leads nowhere, for example with a distance that was never offered.
+    fn refused_action(&self, view: StepView<'_>, proposal: &Proposal) -> Option<Png> {
+        let (program, pictures) = (view.program, view.pictures);
+        let stage = self.stage(program);
+        if !program.verify.with_picture || stage.model == ModelRole::Text {
+            return None;
+        }
+        let action = Action::lower(program, proposal, view.scene, view.observation)?;
+        let layers = Picture::Scene {
+            layers: Layers::Drawn,
+        };
+        let mut drawn = if stage.show.contains(&layers) {
+            pictures.annotated.clone()
+        } else {
+            pictures.scene.clone()
+        };
+        fab_vision::draw_action(&mut drawn, action.pick_px, action.place_px).ok()?;
+        Some(scene_png(&drawn, &self.lowering, &self.notation))
+    }
+}
+
+/// Converts a question without an answer into the rollout's finding.
+fn failed(error: &ModelError) -> Finding {
+    let (outcome, fault) = match error {
+        ModelError::Failed { fault, .. } => (Outcome::ModelFailed, Some(*fault)),
+        ModelError::Unsupported { .. } => (Outcome::ModelFailed, None),
+        ModelError::NotSent(_) => (Outcome::BudgetExhausted, None),
+        ModelError::Interrupted => (Outcome::Interrupted, None),
+    };
+    Finding::Failed {
+        outcome,
+        fault,
+        why: error.to_string(),
+    }
+}
+
+/// Returns the message about the previous action, if the step is being retried.
+fn remark(view: StepView<'_>, facts: Facts<'_>) -> Result<Option<PromptText>, RenderError> {
+    let program = view.program;
+    let (Some(before), Some(check)) = (view.before, &program.verify.result) else {
+        return Ok(None);
+    };
+    let overlap = format!("{:.0}%", before.overlap * 100.0);
+    let texts = BTreeMap::from([(OVERLAP.to_owned(), overlap)]);
+    let facts = Facts {
+        texts: &texts,
+        ..facts
+    };
+    render::text(program, &check.message, Values::Known(facts))
+}
