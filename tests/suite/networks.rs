@@ -57,7 +57,7 @@ fn a_file_that_no_policy_can_play_is_refused_with_what_would_be_right() {
         ),
     ] {
         let error = Onnx::read(&fixture(name)).err();
-        let error = error.map(|error| error.to_string()).unwrap_or_default();
+        let error = error.unwrap_or_default();
         assert!(
             error.contains(name) && error.contains(expected),
             "{name}: {error}"

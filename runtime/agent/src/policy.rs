@@ -19,10 +19,9 @@ mod rehearsing;
 pub use asking::{Asking, StepKind};
 pub use expert::Expert;
 pub use external::{External, Sight};
-pub use onnx::{Onnx, OnnxError};
+pub use onnx::Onnx;
 pub use prompted::{
-    Conversation, MessagePart, PromptError, Prompted, Rehearsed, UndrawnMessage, conversation,
-    opening, rehearse,
+    MessagePart, PromptError, Prompted, Rehearsed, StageMessage, conversation, opening, rehearse,
 };
 pub use random::Random;
 pub use rehearsing::Rehearsing;
@@ -160,9 +159,8 @@ pub struct RoleModels {
 impl Description {
     /// Returns whether a stand-in answers in place of a vision-language model.
     pub fn is_stand_in(&self) -> bool {
-        let models = self.models.iter();
-        let mut natures = models.flat_map(|models| [models.vision.nature, models.text.nature]);
-        natures.any(|nature| nature == ModelKind::StandIn)
+        let mut asked = self.models.iter().flat_map(|it| [&it.vision, &it.text]);
+        asked.any(|model| model.nature == ModelKind::StandIn)
     }
 
     /// Returns the name, with the caveats that a reader of the figures must know.
@@ -289,19 +287,16 @@ impl<'a> StepView<'a> {
 
     /// Decides about a step without an answer: only faults of the policy are ever skipped.
     fn without_answer(&self, outcome: Outcome) -> Decision {
-        match (self.program.verify.exhausted, outcome) {
-            (Exhausted::Skips, Outcome::AttemptsExhausted | Outcome::MalformedReply) => {
-                Decision::Skip(outcome)
-            }
-            (_, Outcome::Interrupted) => Decision::Stop {
-                outcome,
-                why: "it was interrupted before it had decided".to_owned(),
-            },
-            _ => Decision::Stop {
-                outcome,
-                why: "no answer could be executed; the attempts say why".to_owned(),
-            },
+        let why = match outcome {
+            Outcome::Interrupted => "it was interrupted before it had decided",
+            _ => "no answer could be executed; the attempts say why",
+        };
+        let why = why.to_owned();
+        let stop = Decision::Stop { outcome, why };
+        if self.program.verify.exhausted == Exhausted::Skips && stop.is_exhausted() {
+            return Decision::Skip(outcome);
         }
+        stop
     }
 }
 
@@ -456,6 +451,17 @@ impl Decision {
             grips: vec![proposal],
             accepted,
         }
+    }
+
+    /// Returns whether every permitted answer was refused or unreadable.
+    fn is_exhausted(&self) -> bool {
+        let (Decision::Skip(outcome) | Decision::Stop { outcome, .. }) = self else {
+            return false;
+        };
+        matches!(
+            outcome,
+            Outcome::AttemptsExhausted | Outcome::MalformedReply
+        )
     }
 }
 

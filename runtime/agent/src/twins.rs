@@ -340,14 +340,9 @@ impl Twins {
     }
 
     /// Returns what the camera would see of the first twin after a motion that was tried.
-    pub(crate) fn picture(&self, motion: &Motion) -> Option<&RgbImage> {
-        let tried = self.tried.iter().find(|it| it.motion == *motion)?;
+    pub(crate) fn picture(&self, motion: Option<&Motion>) -> Option<&RgbImage> {
+        let tried = self.tried.iter().find(|it| Some(&it.motion) == motion)?;
         tried.results.first().map(|it| &it.picture)
-    }
-
-    /// Records why fewer answers count than the task declares; of several reasons the first.
-    pub(crate) fn fall_short(&mut self, why: String) {
-        self.line.shortfall.get_or_insert(why);
     }
 }
 

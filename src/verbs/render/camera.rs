@@ -17,10 +17,10 @@ use clap::Args;
 use fab_agent::examples::Examples;
 use fab_agent::pictures::Pictures;
 use fab_agent::policy;
-use fab_agent::policy::{Conversation, Finding, MessagePart, StepView, UndrawnMessage};
+use fab_agent::policy::{Finding, MessagePart, StageMessage, StepView};
 use fab_agent::subgoals::SubgoalSet;
 use fab_base::interrupt::Interrupt;
-use fab_model::{Message, Part, Speaker};
+use fab_model::Speaker;
 use fab_program::facts::Facts;
 use fab_program::render::Values;
 use fab_program::reply::Stated;
@@ -144,9 +144,8 @@ pub fn rendered(
     }
     let mut shown = Vec::with_capacity(rehearsed.len());
     for (rehearsed, stage) in rehearsed.into_iter().zip(stages) {
-        let Conversation { spoken, messages } = &rehearsed.conversation;
-        let messages = spoken.iter().zip(messages);
-        let messages = messages.map(|(spoken, sent)| displayed(spoken, Some(sent), step));
+        let messages = rehearsed.conversation.iter();
+        let messages = messages.map(|message| displayed(message, step));
         let findings = rehearsed.findings.iter();
         shown.push(ShownStage {
             n_asked_first: rehearsed.n_asked_first,
@@ -236,28 +235,24 @@ fn source(stated: &Stated) -> String {
     )
 }
 
-/// Returns a message for display, with the pictures of the request that is sent, if it was drawn.
-pub fn displayed(spoken: &UndrawnMessage, sent: Option<&Message>, step: u32) -> DisplayMessage {
-    let png = |number: usize| match sent?.parts.get(number)? {
-        Part::Image(png) => Some(png.bytes().to_vec()),
-        Part::Text(_) => None,
-    };
-    let part = |(number, part): (usize, &MessagePart)| {
-        let title = match part {
+/// Returns a message for display, with the pictures that are drawn.
+pub fn displayed(message: &StageMessage, step: u32) -> DisplayMessage {
+    let part = |part: &MessagePart| {
+        let (title, png) = match part {
             MessagePart::Text(said) => return DisplayPart::Text { said: said.clone() },
-            MessagePart::Picture(picture) => title(picture, step),
-            MessagePart::RefusedAction => "the refused action".to_owned(),
-            MessagePart::Prediction => "what would come of the answer".to_owned(),
+            MessagePart::Picture(picture, png) => (title(picture, step), png.as_ref()),
+            MessagePart::RefusedAction(png) => ("the refused action".to_owned(), Some(png)),
+            MessagePart::Prediction(png) => ("what would come of the answer".to_owned(), Some(png)),
         };
-        let png = png(number);
+        let png = png.map(|png| png.bytes().to_vec());
         DisplayPart::Image { title, png }
     };
     DisplayMessage {
-        role: match spoken.speaker {
+        role: match message.speaker {
             Speaker::System => "system",
             Speaker::User => "user",
             Speaker::Assistant => "assistant",
         },
-        parts: spoken.parts.iter().enumerate().map(part).collect(),
+        parts: message.parts.iter().map(part).collect(),
     }
 }

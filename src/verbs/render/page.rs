@@ -100,7 +100,7 @@ fn messages(
     let spoken = fab_agent::policy::opening(program, stage, values, &examples, step)?;
     let spoken = spoken.iter();
     Ok(spoken
-        .map(|it| super::camera::displayed(it, None, step))
+        .map(|it| super::camera::displayed(it, step))
         .collect())
 }
 

@@ -1,6 +1,6 @@
 //! The states that a search has reached, and the order in which it tries their actions.
 //!
-//! In: a search. Out: states by depth, each with the action that led to it. A pass with a width goes through all depths:
+//! In: a search. Out: states by depth, each with the actions that led to it. A pass with a width goes through all depths:
 //! the most promising states of each are expanded, and share the remaining trials with the depths that follow.
 
 use super::aim::Aim;
@@ -19,7 +19,7 @@ use fab_world::{Fork, World};
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-/// States of one depth whose worlds are kept; any other state is reached again from the last kept one before it.
+/// States of one depth whose worlds are kept; any other state is reached again from the start.
 const KEPT_WORLDS: usize = 64;
 
 /// A tree of states; the first one is the start.
@@ -34,25 +34,35 @@ pub(super) struct Tree<'a> {
 
 /// A state.
 struct Node {
-    /// The state before, and the action that led here; `None` at the start.
-    came_from: Option<(usize, Choice)>,
+    /// The steps from the start to here.
+    path: Vec<Taken>,
     tries: Tries,
-    last: Option<ExecutedAction>,
     world: Option<Fork>,
     value: f64,
     behind: f64,
-    /// Whether the rollout ends here with a score.
-    has_ended: bool,
-    /// Whether the camera shows nothing to choose from, so that the rollout ends here without a score.
-    is_lost: bool,
+    end: End,
     /// What can be done here; `None` until it is listed.
     offers: Option<Offers>,
     /// How many of these were tried, from the first on.
     tried: usize,
 }
 
-/// A trial to be made: the index of a state, and that of one of its choices.
-type Due = (usize, usize);
+/// Whether a rollout ends in a state.
+#[derive(Clone, Copy, PartialEq)]
+enum End {
+    Open,
+    Scored,
+    /// Without a score: the camera shows nothing to choose from.
+    Lost,
+}
+
+impl Node {
+    /// Returns whether every choice was tried.
+    fn is_tried_out(&self) -> bool {
+        let is_whole = |offers: &Offers| self.tried == offers.choices.len();
+        self.end != End::Open || self.offers.as_ref().is_some_and(is_whole)
+    }
+}
 
 impl<'a> Tree<'a> {
     /// Begins at the start of a rollout.
@@ -64,14 +74,12 @@ impl<'a> Tree<'a> {
         check_world(world.as_ref())?;
         let positions = &search.start.positions;
         let root = Node {
-            came_from: None,
+            path: Vec::new(),
             tries: Tries::default(),
-            last: None,
             world: world.fork(),
             value: aim.value(positions)?,
             behind: aim.behind(positions, 0)?,
-            has_ended: false,
-            is_lost: false,
+            end: End::Open,
             offers: None,
             tried: 0,
         };
@@ -88,7 +96,7 @@ impl<'a> Tree<'a> {
     pub fn follow(&mut self, hint: &[Choice]) -> Result<(), BestError> {
         let mut node = 0;
         for choice in hint {
-            if !self.is_open(node) || self.trials_left() == 0 {
+            if self.nodes[node].end != End::Open || self.trials_left() == 0 {
                 break;
             }
             self.list(&[node])?;
@@ -111,7 +119,7 @@ impl<'a> Tree<'a> {
     /// Goes through all depths with more and more states, until everything was tried or a limit is reached.
     pub fn widen(&mut self) -> Result<(), BestError> {
         let mut width = 1;
-        while self.stop.is_none() && !(0..self.nodes.len()).all(|node| self.is_tried_out(node)) {
+        while self.stop.is_none() && !self.nodes.iter().all(Node::is_tried_out) {
             if self.trials_left() == 0 {
                 self.stop = Some(Stop::Trials);
                 break;
@@ -129,10 +137,12 @@ impl<'a> Tree<'a> {
             // The remaining trials are shared with the depths that follow.
             let share = self.trials_left().div_ceil(depths - depth) as usize;
             let open = self.ranked(depth).into_iter();
-            let open = open.filter(|&node| self.is_open(node)).take(width);
+            let open = open.filter(|&node| self.nodes[node].end == End::Open);
             // No more actions are listed than can be tried.
-            let beam = open.filter(|&node| !self.is_tried_out(node)).take(share);
-            let beam: Vec<usize> = beam.collect();
+            let untried = open
+                .take(width)
+                .filter(|&it| !self.nodes[it].is_tried_out());
+            let beam: Vec<usize> = untried.take(share).collect();
             self.list(&beam)?;
             // The first choice of each state, then the second, and so on.
             let untried = |&node: &usize| {
@@ -140,7 +150,7 @@ impl<'a> Tree<'a> {
                 let choices = it.offers.as_ref().map_or(0, |offers| offers.choices.len());
                 (it.tried..choices).map(move |choice| (node, choice))
             };
-            let mut due: Vec<Due> = beam.iter().flat_map(untried).collect();
+            let mut due: Vec<_> = beam.iter().flat_map(untried).collect();
             due.sort_by_key(|&(_, choice)| choice);
             due.truncate(share);
             self.make(&due)?;
@@ -172,13 +182,7 @@ impl<'a> Tree<'a> {
     fn list(&mut self, nodes: &[usize]) -> Result<(), BestError> {
         let is_new = |node: &usize| self.nodes[*node].offers.is_none();
         let new: Vec<usize> = nodes.iter().copied().filter(is_new).collect();
-        let tree = &*self;
-        let listed = in_parallel(
-            new.len(),
-            self.search.limits.threads,
-            |index| tree.unless_due_to_stop(|| tree.offers(new[index])),
-            |_| {},
-        )?;
+        let listed = self.until_stopped(&new, |node| self.offers(*node), |_| {})?;
         for (node, offers) in new.into_iter().zip(listed) {
             self.nodes[node].offers = offers;
         }
@@ -186,12 +190,62 @@ impl<'a> Tree<'a> {
         Ok(())
     }
 
+    /// Makes trials, and adds the states that they lead to; a stop leaves some of them out.
+    ///
+    /// - `due`: the index of a state, and that of one of its choices.
+    fn make(&mut self, due: &[(usize, usize)]) -> Result<(), BestError> {
+        let made = self.n_trials();
+        let count = |done| (self.search.progress)(made + done as u32);
+        let reached = self.until_stopped(due, |due| self.reach(*due), count)?;
+        for ((parent, _), node) in due.iter().zip(reached) {
+            if let Some(node) = node {
+                self.nodes[*parent].tried += 1;
+                self.nodes.push(node);
+            }
+        }
+        self.stop = self.requested_stop();
+        Ok(())
+    }
+
+    /// Does jobs side by side; those that a stop prevents have no result.
+    fn until_stopped<D: Sync, T: Send>(
+        &self,
+        due: &[D],
+        job: impl Fn(&D) -> Result<T, BestError> + Sync,
+        finished: impl Fn(usize) + Sync,
+    ) -> Result<Vec<Option<T>>, BestError> {
+        let job = |index: usize| match self.requested_stop() {
+            Some(_) => Ok(None),
+            None => unless_stopped(job(&due[index])),
+        };
+        in_parallel(due.len(), self.search.limits.threads, job, finished)
+    }
+
+    fn requested_stop(&self) -> Option<Stop> {
+        let until = self.search.limits.until;
+        if self.search.interrupt.is_raised() {
+            return Some(Stop::Interrupt);
+        }
+        let is_over = until.is_some_and(|until| Instant::now() >= until);
+        is_over.then_some(Stop::Time)
+    }
+
+    /// Lists what can be done in a state.
     fn offers(&self, node: usize) -> Result<Offers, BestError> {
         let (search, it) = (self.search, &self.nodes[node]);
-        let mut world = self.world_at(node)?;
+        let mut world = self.world_at(it)?;
         let observation = world.observe()?;
-        let first = it.came_from.is_some().then_some(&self.first);
-        let scene = Scene::of(search.program, &observation, first)?;
+        let last = it.path.last().and_then(|taken| taken.choice.clone());
+        let scene = Scene::of(
+            search.program,
+            &observation,
+            last.as_ref().map(|_| &self.first),
+        )?;
+        let last = last.map(|choice| ExecutedAction {
+            proposal: choice.proposal,
+            pick: choice.action.pick_on_cloth_px,
+            place: choice.action.place_px,
+        });
         let step = self.step_of(it);
         let positions = world.particles().unwrap_or_default();
         let experts = self.aim.expert_grips(&positions, step - 1);
@@ -206,112 +260,63 @@ impl<'a> Tree<'a> {
             scene: &scene,
             texts: &BTreeMap::new(),
             step,
-            last: it.last.as_ref(),
+            last: last.as_ref(),
             proposal: None,
             pointing: Pointing::of_camera(&search.program.camera),
         };
-        let draw = format!("offered actions {} {node}", search.limits.seed);
-        Offers::of(ground, facts, &experts, Chance::of(&draw), search.interrupt)
-    }
-
-    /// Makes trials, and adds the states that they lead to; a stop leaves some of them out.
-    fn make(&mut self, due: &[Due]) -> Result<(), BestError> {
-        let (tree, made) = (&*self, self.n_trials());
-        let reached = in_parallel(
-            due.len(),
-            self.search.limits.threads,
-            |index| tree.unless_due_to_stop(|| tree.reach(due[index])),
-            |done| (self.search.progress)(made + done as u32),
-        )?;
-        for (&(parent, _), node) in due.iter().zip(reached) {
-            if let Some(node) = node {
-                self.nodes[parent].tried += 1;
-                self.nodes.push(node);
-            }
-        }
-        self.stop = self.requested_stop();
-        Ok(())
+        let chance = Chance::of(&format!("offered actions {} {node}", search.limits.seed));
+        Offers::of(ground, facts, &experts, chance, search.interrupt)
     }
 
     /// Tries one choice on a copy of a state's world.
-    fn reach(&self, (parent, choice): Due) -> Result<Node, BestError> {
+    fn reach(&self, (parent, choice): (usize, usize)) -> Result<Node, BestError> {
         const LISTED: &str = "only states whose actions are listed have trials due";
         let (program, it) = (self.search.program, &self.nodes[parent]);
         let choice = it.offers.as_ref().expect(LISTED).choices[choice].clone();
-        let mut world = self.world_at(parent)?;
+        let mut world = self.world_at(it)?;
         world.act(&choice.action.grip.into(), self.search.interrupt)?;
         let positions = world.particles().unwrap_or_default();
-        let value = self.aim.value(&positions)?;
         let (step, after) = (self.step_of(it), world.observe()?);
+        let value = self.aim.value(&positions)?;
+        let behind = self.aim.behind(&positions, step)?;
         let subgoals = self.search.subgoals;
         let result = StepResult::of(program, subgoals, step, &self.first, &after)?;
         let mut tries = it.tries;
         tries.number += 1;
         tries.after(program.actions_per_step(), result);
-        let has_ended = tries.step(self.search.horizon).is_none() || self.aim.is_reached(value);
-        let is_lost = !has_ended
-            && match Scene::of(program, &after, Some(&self.first)) {
-                Err(SceneError::OutOfView { .. } | SceneError::NoCandidates { .. }) => true,
-                scene => scene.map(|_| false)?,
-            };
+        let end = if tries.step(self.search.horizon).is_none() || self.aim.is_reached(value) {
+            End::Scored
+        } else {
+            match Scene::of(program, &after, Some(&self.first)) {
+                Err(SceneError::OutOfView { .. } | SceneError::NoCandidates { .. }) => End::Lost,
+                scene => scene.map(|_| End::Open)?,
+            }
+        };
+        let mut path = it.path.clone();
+        path.push(Taken::of(program, step, Some(choice), [value, behind]));
         Ok(Node {
+            path,
             tries,
-            last: Some(ExecutedAction {
-                proposal: choice.proposal.clone(),
-                pick: choice.action.pick_on_cloth_px,
-                place: choice.action.place_px,
-            }),
-            world: world.fork().filter(|_| !has_ended && !is_lost),
+            world: world.fork().filter(|_| end == End::Open),
             value,
-            behind: self.aim.behind(&positions, step)?,
-            has_ended,
-            is_lost,
+            behind,
+            end,
             offers: None,
             tried: 0,
-            came_from: Some((parent, choice)),
         })
     }
 
-    /// Returns the world of a state; where no copy of it is kept, the actions since the last one are executed again.
-    fn world_at(&self, node: usize) -> Result<Box<dyn World>, BestError> {
-        let mut again = Vec::new();
-        let mut it = &self.nodes[node];
-        let mut world: Box<dyn World> = loop {
-            if let Some(copy) = it.world.as_ref().and_then(|world| world.fork()) {
-                break copy;
-            }
-            let Some((parent, choice)) = &it.came_from else {
-                let mut world = (self.search.make_world)()?;
-                world.reset(self.search.start)?;
-                break world;
-            };
-            again.push(choice.action.grip);
-            it = &self.nodes[*parent];
-        };
-        for grip in again.into_iter().rev() {
-            world.act(&grip.into(), self.search.interrupt)?;
+    /// Returns the world of a state; where no copy of it is kept, the actions that lead to it are executed again.
+    fn world_at(&self, node: &Node) -> Result<Box<dyn World>, BestError> {
+        if let Some(copy) = node.world.as_ref().and_then(|world| world.fork()) {
+            return Ok(copy);
+        }
+        let mut world = (self.search.make_world)()?;
+        world.reset(self.search.start)?;
+        for choice in node.path.iter().filter_map(|taken| taken.choice.as_ref()) {
+            world.act(&choice.action.grip.into(), self.search.interrupt)?;
         }
         Ok(world)
-    }
-
-    /// Does something unless the search should stop, or is stopped in it.
-    fn unless_due_to_stop<T>(
-        &self,
-        job: impl FnOnce() -> Result<T, BestError>,
-    ) -> Result<Option<T>, BestError> {
-        if self.requested_stop().is_some() {
-            return Ok(None);
-        }
-        unless_stopped(job())
-    }
-
-    fn requested_stop(&self) -> Option<Stop> {
-        let until = self.search.limits.until;
-        if self.search.interrupt.is_raised() {
-            return Some(Stop::Interrupt);
-        }
-        let is_over = until.is_some_and(|until| Instant::now() >= until);
-        is_over.then_some(Stop::Time)
     }
 
     /// Returns the task's step that is due in a state, from 1.
@@ -328,36 +333,28 @@ impl<'a> Tree<'a> {
         self.search.limits.trials.saturating_sub(self.n_trials())
     }
 
-    /// Returns whether a rollout goes on from a state.
-    fn is_open(&self, node: usize) -> bool {
-        !self.nodes[node].has_ended && !self.nodes[node].is_lost
-    }
-
-    /// Returns whether every choice of a state was tried.
-    fn is_tried_out(&self, node: usize) -> bool {
-        let it = &self.nodes[node];
-        let is_whole = |offers: &Offers| it.tried == offers.choices.len();
-        !self.is_open(node) || it.offers.as_ref().is_some_and(is_whole)
-    }
-
     /// Returns what was found so far.
     pub fn found(&self) -> Found {
-        let loss = |node: usize| self.aim.measure.loss(self.nodes[node].value);
+        let loss = |node: &Node| self.aim.measure.loss(node.value);
         // A rollout whose steps were all skipped has no score, so one action at least is taken.
         let may_skip = self.search.program.verify.exhausted == Exhausted::Skips;
-        let ends = (1..self.nodes.len()).filter(|&node| {
-            let it = &self.nodes[node];
-            it.has_ended || may_skip && !it.is_lost
+        let ends = self.nodes.iter().skip(1).filter(|it| match it.end {
+            End::Scored => true,
+            End::Open => may_skip,
+            End::Lost => false,
         });
-        let end = ends.min_by(|a, b| loss(*a).total_cmp(&loss(*b)));
+        let end = ends.min_by(|a, b| loss(a).total_cmp(&loss(b)));
         let deepest = self.nodes.iter().map(|node| node.tries.number).max();
-        let promising = || self.ranked(deepest.unwrap_or_default()).first().copied();
-        let best = self.taken(end.or_else(promising).unwrap_or_default(), end.is_some());
+        let promising = self.ranked(deepest.unwrap_or_default());
+        let best = match end {
+            Some(end) => self.to_the_end(end),
+            None => self.nodes[promising[0]].path.clone(),
+        };
         let left = self.untried();
         Found {
             measure: self.aim.measure,
             untouched: self.nodes[0].value,
-            value: end.map(|end| self.nodes[end].value),
+            value: end.map(|end| end.value),
             limiting: end.and_then(|_| self.limiting(&best)),
             best,
             trials: self.n_trials(),
@@ -367,45 +364,31 @@ impl<'a> Tree<'a> {
         }
     }
 
+    /// Returns the steps of a rollout that ends in a state; those after it are skipped.
+    fn to_the_end(&self, node: &Node) -> Vec<Taken> {
+        let program = self.search.program;
+        let (mut path, mut tries) = (node.path.clone(), node.tries);
+        while let (Some(step), End::Open) = (tries.step(self.search.horizon), node.end) {
+            path.push(Taken::of(program, step, None, [node.value, node.behind]));
+            tries.after(program.actions_per_step(), None);
+        }
+        path
+    }
+
     /// Returns the index of the step after which the cloth lags behind most: the one that loses most against the experts,
     /// or gains least. A skipped step limits nothing.
     fn limiting(&self, best: &[Taken]) -> Option<usize> {
         let before = std::iter::once(self.nodes[0].behind).chain(best.iter().map(|it| it.behind));
         let steps = best.iter().zip(before).enumerate();
-        let lost = steps.filter(|(_, (taken, _))| taken.choice.is_some());
-        let lost = lost.map(|(index, (taken, before))| (index, taken.behind - before));
+        let acted = steps.filter(|(_, (taken, _))| taken.choice.is_some());
+        let lost = acted.map(|(index, (taken, before))| (index, taken.behind - before));
         let worst = lost.reduce(|worst, it| if it.1 > worst.1 { it } else { worst });
         worst.map(|(index, _)| index)
     }
 
-    /// Returns the steps from the start to a state; with `to_end`, the rest of the rollout is skipped.
-    fn taken(&self, node: usize, to_end: bool) -> Vec<Taken> {
-        let program = self.search.program;
-        let (mut steps, end) = (Vec::new(), &self.nodes[node]);
-        let mut it = end;
-        while let Some((parent, choice)) = &it.came_from {
-            let parent = &self.nodes[*parent];
-            let choice = Some(choice.clone());
-            steps.push(Taken::of(
-                program,
-                self.step_of(parent),
-                choice,
-                [it.value, it.behind],
-            ));
-            it = parent;
-        }
-        steps.reverse();
-        let mut tries = end.tries;
-        while let (Some(step), true) = (tries.step(self.search.horizon), to_end && !end.has_ended) {
-            steps.push(Taken::of(program, step, None, [end.value, end.behind]));
-            tries.after(program.actions_per_step(), None);
-        }
-        steps
-    }
-
     fn untried(&self) -> Untried {
         let mut left = Untried::default();
-        for it in self.nodes.iter().filter(|it| !it.has_ended && !it.is_lost) {
+        for it in self.nodes.iter().filter(|it| it.end == End::Open) {
             match &it.offers {
                 None => left.states += 1,
                 Some(offers) => {

@@ -4,7 +4,7 @@
 //! closest to each fold, through the same action space, checks and world as any other policy, so it shows what those
 //! lose against the demonstration. It sees true particles, so it must not be compared with other policies.
 
-use super::proposing::{Answer, Proposed, until_accepted};
+use super::proposing::{Proposed, stop, until_accepted};
 use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, StepView};
 use crate::action::{Action, combinations};
 use crate::outcome::Outcome;
@@ -48,28 +48,26 @@ impl Policy for Expert {
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Decision, PolicyError> {
         let folds = folds(step.program)?;
-        let aim = folds
-            .get(step.step as usize - 1)
-            .map(|fold| wanted(fold, step));
+        let aim = match folds.get(step.step as usize - 1) {
+            Some(fold) => wanted(fold, step),
+            None => Err(format!("the demonstration has {} folds", folds.len())),
+        };
         until_accepted(step, exchange, &mut |refusals, _| {
-            let stop = |why: String| Answer::Stop(Outcome::PolicyStopped, why);
-            let aim = match &aim {
-                Some(Ok(aim)) => *aim,
-                Some(Err(why)) => return Ok(stop(why.clone()).into()),
-                None => {
-                    let why = format!("the demonstration has {} folds", folds.len());
-                    return Ok(stop(why).into());
-                }
-            };
             let refused = refusals.iter().filter_map(|it| it.proposal.as_ref());
             let refused: Vec<&Proposal> = refused.collect();
-            Ok(match nearest(step, aim, &refused) {
-                Some((proposal, note)) => Proposed {
-                    note: Some(note),
-                    ..Answer::Grip(proposal).into()
+            let why = match &aim {
+                Ok(aim) => match nearest(step, *aim, &refused) {
+                    Some((proposal, note)) => {
+                        return Ok(Proposed {
+                            note: Some(note),
+                            ..Ok(proposal).into()
+                        });
+                    }
+                    None => "no other action is offered",
                 },
-                None => stop("no other action is offered".to_owned()).into(),
-            })
+                Err(why) => why,
+            };
+            Ok(stop(Outcome::PolicyStopped, why).into())
         })
     }
 }

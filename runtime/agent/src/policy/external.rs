@@ -5,12 +5,13 @@
 //! started at the first question, and its answers are stored in the run folder before they are used: a resumed rollout
 //! asks only new questions.
 
-use super::proposing::{Answer, Proposed, Refusal, STAGE, until_accepted};
+use super::proposing::{Proposed, Refusal, STAGE, stop, until_accepted};
 use super::protocol::{
     self, Decide, FieldValue, Last, Line, Offered, PROTOCOL, Pictures, Refused, grip,
 };
 use super::{
-    Decision, Description, Exchange, Exchanged, Kind, Policy, PolicyError, Question, StepView,
+    Decision, Description, Exchange, Exchanged, Finding, Kind, Policy, PolicyError, Question,
+    StepView,
 };
 use crate::journal::JournalError;
 use crate::outcome::Outcome;
@@ -121,7 +122,7 @@ impl Policy for External {
                 }
                 Err((outcome, why)) => {
                     self.child = None;
-                    (None, Answer::Stop(outcome, why))
+                    (None, stop(outcome, why))
                 }
             };
             Ok(Proposed {
@@ -210,69 +211,70 @@ fn failed(error: ChildError) -> (Outcome, String) {
     (outcome, error.to_string())
 }
 
-fn read(step: &StepView<'_>, line: &str) -> Answer {
-    let unreadable = |(field, message): (String, String)| Answer::Unreadable { field, message };
-    let wrong = |message: String| unreadable(("grips".to_owned(), message));
+fn read(step: &StepView<'_>, line: &str) -> Result<Proposal, Finding> {
+    let wrong = |message: String| unreadable("grips", message);
     match serde_json::from_str(line) {
         Ok(Line {
             grips: None,
             refuse: Some(why),
-        }) => {
-            let why = match why.trim() {
-                "" => "the policy gives no reason".to_owned(),
-                why => excerpt(why.as_bytes()),
-            };
-            Answer::Stop(Outcome::PolicyStopped, why)
-        }
+        }) => match why.trim() {
+            "" => stop(Outcome::PolicyStopped, "the policy gives no reason"),
+            why => stop(Outcome::PolicyStopped, excerpt(why.as_bytes())),
+        },
         Ok(Line {
             grips: Some(grips),
             refuse: None,
         }) => match grips.as_slice() {
-            [grip] => proposal(step, grip).map_or_else(unreadable, Answer::Grip),
-            grips => wrong(format!(
+            [grip] => proposal(step, grip),
+            grips => Err(wrong(format!(
                 "there are {} grips, and the world has one gripper",
                 grips.len()
-            )),
+            ))),
         },
-        Ok(_) => wrong(
+        Ok(_) => Err(wrong(
             "the answer must have either `grips` or `refuse`, and it has both or neither"
                 .to_owned(),
-        ),
-        Err(error) => wrong(error.to_string()),
+        )),
+        Err(error) => Err(wrong(error.to_string())),
+    }
+}
+
+fn unreadable(field: &str, message: String) -> Finding {
+    Finding::Malformed {
+        field: field.to_owned(),
+        message,
+        stated: Vec::new(),
     }
 }
 
 /// Reads a grip; fails with the wrong field and the reason.
-fn proposal(step: &StepView<'_>, grip: &Map<String, Json>) -> Result<Proposal, (String, String)> {
+fn proposal(step: &StepView<'_>, grip: &Map<String, Json>) -> Result<Proposal, Finding> {
     let declared = &step.program.actions;
     let names = quoted(declared.iter().map(|field| &field.name));
-    let is_unknown = |name: &&String| !declared.iter().any(|field| field.name == **name);
-    if let Some(name) = grip.keys().find(is_unknown) {
+    if let Some(name) = grip.keys().find(|name| step.program.field(name).is_none()) {
         let name = excerpt(name.as_bytes());
         let message = format!("the task has no field `{name}`; it has {names}");
-        return Err((name, message));
+        return Err(unreadable(&name, message));
     }
     let fields = declared.iter().map(|field| {
         let name = &field.name;
-        let Some(stated) = grip.get(name) else {
-            let message = format!("`{name}` is missing; a grip has {names}");
-            return Err((name.clone(), message));
-        };
+        let missing = || unreadable(name, format!("`{name}` is missing; a grip has {names}"));
+        let stated = grip.get(name).ok_or_else(missing)?;
+        let offered = space::declared(field);
         let value = if field.is_point() {
             PixelPoint::deserialize(stated).ok().map(Value::Point)
         } else {
-            let mut declared = space::declared(field).into_iter();
-            declared.find(|value| stated.as_str() == Some(&space::text(field, value)))
+            let is_stated = |value: &&Value| stated.as_str() == Some(&space::text(field, value));
+            offered.iter().find(is_stated).cloned()
         };
         let value = value.ok_or_else(|| {
             let right = if field.is_point() {
                 "a pixel, `[column, row]`, whole numbers".to_owned()
             } else {
-                format!("one of {}", space::listed(field, &space::declared(field)))
+                format!("one of {}", space::listed(field, &offered))
             };
             let stated = excerpt(stated.to_string().as_bytes());
-            let message = format!("`{name}` is {stated}, and has to be {right}");
-            (name.clone(), message)
+            unreadable(name, format!("`{name}` is {stated}, and has to be {right}"))
         })?;
         Ok((name.clone(), value))
     });

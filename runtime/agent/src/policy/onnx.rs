@@ -7,7 +7,7 @@
 //! The runtime computes with what the processor offers, so the last bits of a value depend on the processor.
 
 use super::expert::least_refused;
-use super::proposing::{Answer, Proposed, until_accepted};
+use super::proposing::{Proposed, stop, until_accepted};
 use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, StepView};
 use crate::action::{Action, combinations};
 use crate::outcome::Outcome;
@@ -57,19 +57,13 @@ pub struct Onnx {
     code: String,
 }
 
-/// Why a file cannot be played, in words.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct OnnxError(String);
-
 impl Onnx {
-    /// Reads a network from a file; its name is `onnx:FILE`.
-    pub fn read(path: &Path) -> Result<Onnx, OnnxError> {
+    /// Reads a network from a file; its name is `onnx:FILE`. Fails with the reason, in words.
+    pub fn read(path: &Path) -> Result<Onnx, String> {
         let file = path.display().to_string();
-        match files::read(path, MAX_BYTES) {
-            Ok(bytes) => Onnx::of(format!("onnx:{file}"), &file, bytes),
-            Err(why) => Err(OnnxError(format!("`{file}` cannot be read: {why}"))),
-        }
+        let bytes = files::read(path, MAX_BYTES);
+        let bytes = bytes.map_err(|why| format!("`{file}` cannot be read: {why}"))?;
+        Onnx::of(format!("onnx:{file}"), &file, bytes)
     }
 
     /// Returns the network that smooths crumpled cloths, one pull at a time.
@@ -79,18 +73,14 @@ impl Onnx {
             .expect("the network in the program is whole")
     }
 
-    fn of(name: String, file: &str, bytes: Vec<u8>) -> Result<Onnx, OnnxError> {
+    fn of(name: String, file: &str, bytes: Vec<u8>) -> Result<Onnx, String> {
         let code = digest::of(&bytes);
         let model = Model::load(bytes).map_err(|error| {
-            OnnxError(format!(
-                "`{file}` is not an ONNX network that fabc can run: {error}"
-            ))
+            format!("`{file}` is not an ONNX network that fabc can run: {error}")
         })?;
+        check_interface(&model).map_err(|why| format!("the network `{file}` {why}"))?;
         let model = Arc::new(model);
-        match check_interface(&model) {
-            Ok(()) => Ok(Onnx { name, model, code }),
-            Err(why) => Err(OnnxError(format!("the network `{file}` {why}"))),
-        }
+        Ok(Onnx { name, model, code })
     }
 }
 
@@ -227,22 +217,19 @@ impl Policy for Onnx {
             Err(why) => Err(why),
         };
         until_accepted(step, exchange, &mut |refusals, _| {
-            let next = match &ranked {
-                Ok(ranked) => ranked.get(refusals.len()),
-                Err(why) => return Ok(Answer::Stop(Outcome::PolicyFailed, why.clone()).into()),
+            let ranked = match &ranked {
+                Ok(ranked) => ranked,
+                Err(why) => return Ok(stop(Outcome::PolicyFailed, why).into()),
             };
-            Ok(match next {
+            Ok(match ranked.get(refusals.len()) {
                 Some((value, offer)) => Proposed {
                     note: Some(format!("value {value:.3}")),
-                    ..Answer::Grip(offer.proposal.clone()).into()
+                    ..Ok(offer.proposal.clone()).into()
                 },
-                None => {
-                    let why = match refusals {
-                        [] => "no action is offered",
-                        _ => "every offered action was refused",
-                    };
-                    Answer::Stop(Outcome::NoCandidates, why.to_owned()).into()
+                None if refusals.is_empty() => {
+                    stop(Outcome::NoCandidates, "no action is offered").into()
                 }
+                None => stop(Outcome::NoCandidates, "every offered action was refused").into(),
             })
         })
     }

@@ -13,9 +13,7 @@ use super::{
     RoleModels, StepView,
 };
 use crate::outcome::Outcome;
-pub use conversation::{
-    Conversation, MessagePart, PromptError, UndrawnMessage, conversation, opening,
-};
+pub use conversation::{MessagePart, PromptError, StageMessage, conversation, opening};
 use fab_model::{Description as ModelDescription, Models, Png, lowering};
 use fab_picture::png;
 use fab_program::render::{RenderError, Values};
@@ -32,7 +30,7 @@ const PREDICTED: &str = "The picture shows how the cloth would lie after this ac
 #[derive(Clone)]
 pub struct Prompted<'m> {
     /// Which model answers which role.
-    models: Models<'m>,
+    pub models: Models<'m>,
     /// The texts that the current step's stages read.
     texts: BTreeMap<String, String>,
     /// The index of the stage that reads the action, and its conversations in the current step, one for each answer.
@@ -166,6 +164,10 @@ impl Policy for Prompted<'_> {
         };
         Ok(Some(match settled {
             Settled::Action(proposal, accepted) => Decision::act(proposal, accepted),
+            Settled::Failed {
+                outcome: outcome @ Outcome::Interrupted,
+                ..
+            } => step.without_answer(outcome),
             Settled::Failed { outcome, why } => Decision::Stop { outcome, why },
             Settled::Refused(last) => step.without_answer(exhausted(last)),
             Settled::Text { .. } => return Ok(None),

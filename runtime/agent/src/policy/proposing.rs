@@ -119,21 +119,12 @@ pub(super) struct Proposed {
     pub reply: Option<Reply>,
     /// A note for people.
     pub note: Option<String>,
-    pub answer: Answer,
+    /// An action for the only gripper, or why there is none.
+    pub answer: Result<Proposal, Finding>,
 }
 
-/// What a policy without stages proposes.
-pub(super) enum Answer {
-    /// An action for the only gripper.
-    Grip(Proposal),
-    /// Nothing that can be judged; it may try again.
-    Unreadable { field: String, message: String },
-    /// Nothing, now or later.
-    Stop(Outcome, String),
-}
-
-impl From<Answer> for Proposed {
-    fn from(answer: Answer) -> Proposed {
+impl From<Result<Proposal, Finding>> for Proposed {
+    fn from(answer: Result<Proposal, Finding>) -> Proposed {
         Proposed {
             question: None,
             reply: None,
@@ -141,6 +132,15 @@ impl From<Answer> for Proposed {
             answer,
         }
     }
+}
+
+/// Proposes nothing, now or later.
+pub(super) fn stop<T>(outcome: Outcome, why: impl Into<String>) -> Result<T, Finding> {
+    Err(Finding::Failed {
+        outcome,
+        fault: None,
+        why: why.into(),
+    })
 }
 
 /// Proposes an action, given the refusals so far.
@@ -160,21 +160,12 @@ pub(super) fn until_accepted(
         let proposed = propose(refusals, exchange)?;
         let took = begun.elapsed();
         let finding = match proposed.answer {
-            Answer::Grip(proposal) => Finding::Action {
+            Err(finding) => finding,
+            Ok(proposal) => Finding::Action {
                 verdict: step.ground().verdict(facts, &proposal, Strictness::Full)?,
                 fields: proposal.fields,
                 repairs: Vec::new(),
                 stated: Vec::new(),
-            },
-            Answer::Unreadable { field, message } => Finding::Malformed {
-                field,
-                message,
-                stated: Vec::new(),
-            },
-            Answer::Stop(outcome, why) => Finding::Failed {
-                outcome,
-                fault: None,
-                why,
             },
         };
         Ok(Attempt {

@@ -3,7 +3,7 @@
 //! It is the paper's random policy, a baseline for others. Seed, start, repetition, action and attempt determine the
 //! draw.
 
-use super::proposing::{Answer, until_accepted};
+use super::proposing::{stop, until_accepted};
 use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, StepView};
 use crate::outcome::Outcome;
 use fab_base::chance::Chance;
@@ -41,8 +41,8 @@ impl Policy for Random {
             let mut below = |count: u64| chance.below(count as usize) as u64;
             let sampled = space::sample(step.program, step.scene, &mut below);
             let nothing = "a field has nothing to choose from";
-            let nothing = || Answer::Stop(Outcome::NoCandidates, nothing.to_owned());
-            Ok(sampled.map_or_else(nothing, Answer::Grip).into())
+            let nothing = || stop(Outcome::NoCandidates, nothing);
+            Ok(sampled.map_or_else(nothing, Ok).into())
         })
     }
 }

@@ -27,7 +27,7 @@ pub struct Rehearsing<'p> {
 /// An accepted answer, and what would come of it.
 struct Candidate {
     /// Which of the policy's answers to the step it is, from 0.
-    answer: usize,
+    answer: u32,
     grips: Vec<Proposal>,
     accepted: Accepted,
     /// `None` if the answer leads nowhere, which the rollout reports if it is taken.
@@ -59,14 +59,7 @@ impl<'p> Rehearsing<'p> {
             },
             interrupt: exchange.interrupt,
         };
-        let decided = match self.best(step, first.clone(), &mut exchange)? {
-            Ok(Some(best)) => Decision::Act {
-                grips: best.grips,
-                accepted: best.accepted,
-            },
-            Ok(None) => first,
-            Err(Interrupted) => step.without_answer(Outcome::Interrupted),
-        };
+        let decided = self.best(step, first, &mut exchange)?;
         let line = &mut self.twins.line;
         line.calls = further;
         if let Decision::Act { accepted, .. } = &decided {
@@ -75,126 +68,106 @@ impl<'p> Rehearsing<'p> {
         Ok(decided)
     }
 
-    /// Asks for the answers that the task declares, and returns the best; `None` if the first decision stands.
+    /// Asks for the answers that the task declares, and returns the best; the first decision, if none can be used.
+    ///
+    /// First come independent answers, then revisions of the best of these. A revision that does not come, cannot be
+    /// read, is refused, or is measured as worse leaves the answer before it.
     fn best(
         &mut self,
         step: &StepView<'_>,
         first: Decision,
         exchange: &mut Exchange<'_, '_>,
-    ) -> Result<Result<Option<Candidate>, Interrupted>, PolicyError> {
+    ) -> Result<Decision, PolicyError> {
+        let interrupted = step.without_answer(Outcome::Interrupted);
         let rehearsal = self.twins.rehearsal.clone();
-        let stages = &step.program.stages;
-        let stage = stages.iter().find(|stage| stage.name == rehearsal.stage);
+        let mut stages = step.program.stages.iter();
+        let stage = stages.find(|stage| stage.name == rehearsal.stage);
         let count = rehearsal.choose.and(stage).map_or(1, |it| it.candidates());
         let mut best: Option<Candidate> = None;
-        let (mut next, mut unusable) = (Some(first), 0);
-        for answer in 0..count as usize {
-            if answer > 0 {
-                next = self.inner.again(step, exchange, Again::Independent)?;
-            }
-            match next.take() {
+        let mut unusable = 0;
+        for answer in 0..count {
+            let decision = match answer {
+                0 => Some(first.clone()),
+                _ => self.inner.again(step, exchange, Again::Independent)?,
+            };
+            match decision {
                 Some(Decision::Act { grips, accepted }) => {
-                    let candidate = match self.tried(step, answer, (grips, accepted), exchange) {
-                        Ok(candidate) => candidate,
-                        Err(interrupted) => return Ok(Err(interrupted)),
+                    let tried = self.tried(step, answer, (grips, accepted), exchange);
+                    let Ok(candidate) = tried else {
+                        return Ok(interrupted);
                     };
                     if best.as_ref().is_none_or(|best| candidate.is_better(best)) {
                         best = Some(candidate);
                     }
                 }
                 // Only the policy's own faults leave the others a chance.
-                Some(
-                    Decision::Skip(_)
-                    | Decision::Stop {
-                        outcome: Outcome::AttemptsExhausted | Outcome::MalformedReply,
-                        ..
-                    },
-                ) => unusable += 1,
-                Some(Decision::Stop {
-                    outcome: Outcome::Interrupted,
-                    ..
-                }) => return Ok(Err(Interrupted)),
+                Some(decision) if decision.is_exhausted() => unusable += 1,
+                Some(decision) if decision == interrupted => return Ok(decision),
                 // Without rehearsal it would not have been asked, so the answers that came still count.
                 Some(Decision::Stop { why, .. }) if answer > 0 => {
-                    self.twins.fall_short(format!(
+                    self.fall_short(format!(
                         "candidate {} of {count} was not answered, and no more were asked for: {why}",
                         answer + 1
                     ));
                     break;
                 }
-                Some(Decision::Stop { .. }) => return Ok(Ok(None)),
-                None => break,
+                _ => break,
             }
         }
-        if unusable > 0 && best.is_some() {
-            self.twins.fall_short(format!(
+        let Some(mut taken) = best else {
+            return Ok(first);
+        };
+        if unusable > 0 {
+            self.fall_short(format!(
                 "{unusable} of {count} candidates were not usable after all their attempts"
             ));
         }
-        match best {
-            Some(best) => Ok(self
-                .revised(best, rehearsal.revisions, step, exchange)?
-                .map(Some)),
-            None => Ok(Ok(None)),
-        }
-    }
-
-    /// Shows the policy what would come of its answer, as often as the task says, and takes on what it answers then.
-    ///
-    /// An answer that does not come, cannot be read, is refused, or is measured as worse leaves the one before it.
-    fn revised(
-        &mut self,
-        mut taken: Candidate,
-        revisions: u32,
-        step: &StepView<'_>,
-        exchange: &mut Exchange<'_, '_>,
-    ) -> Result<Result<Candidate, Interrupted>, PolicyError> {
-        let (mut highest, answer) = (taken.measure, taken.answer);
-        for number in 1..=revisions {
-            let motion = taken.motion.as_ref();
-            let Some(predicted) = motion.and_then(|motion| self.twins.picture(motion)) else {
+        let mut highest = taken.measure;
+        for number in 1..=rehearsal.revisions {
+            let Some(predicted) = self.twins.picture(taken.motion.as_ref()) else {
                 break;
             };
-            let again = Again::Revised { answer, predicted };
-            let candidate = match self.inner.again(step, exchange, again)? {
+            let again = Again::Revised {
+                answer: taken.answer as usize,
+                predicted,
+            };
+            let revision = match self.inner.again(step, exchange, again)? {
                 Some(Decision::Act { grips, accepted }) if grips != taken.grips => {
-                    self.tried(step, answer, (grips, accepted), exchange)
+                    self.tried(step, taken.answer, (grips, accepted), exchange)
                 }
-                Some(Decision::Stop {
-                    outcome: Outcome::Interrupted,
-                    ..
-                }) => Err(Interrupted),
-                Some(Decision::Stop { outcome, why })
-                    if !matches!(
-                        outcome,
-                        Outcome::AttemptsExhausted | Outcome::MalformedReply
-                    ) =>
-                {
-                    let why = format!("revision {number} was not answered: {why}");
-                    self.twins.fall_short(why);
+                Some(decision) if decision == interrupted => Err(Interrupted),
+                Some(decision) if decision.is_exhausted() => break,
+                Some(Decision::Stop { why, .. }) => {
+                    self.fall_short(format!("revision {number} was not answered: {why}"));
                     break;
                 }
                 _ => break,
             };
-            let candidate = match candidate {
-                Ok(candidate) => candidate,
-                Err(interrupted) => return Ok(Err(interrupted)),
+            let Ok(revision) = revision else {
+                return Ok(interrupted);
             };
-            let motion = candidate.motion.as_ref();
-            let was_tried = motion.is_some_and(|motion| self.twins.picture(motion).is_some());
-            if !was_tried || !admits(&mut highest, candidate.measure) {
+            let was_tried = self.twins.picture(revision.motion.as_ref()).is_some();
+            if !was_tried || !admits(&mut highest, revision.measure) {
                 break;
             }
-            taken = candidate;
+            taken = revision;
         }
-        Ok(Ok(taken))
+        Ok(Decision::Act {
+            grips: taken.grips,
+            accepted: taken.accepted,
+        })
+    }
+
+    /// Records why fewer answers count than the task declares; of several reasons the first.
+    fn fall_short(&mut self, why: String) {
+        self.twins.line.shortfall.get_or_insert(why);
     }
 
     /// Tries an answer on the twins; one that cannot be tried has no measure.
     fn tried(
         &mut self,
         step: &StepView<'_>,
-        answer: usize,
+        answer: u32,
         (grips, accepted): (Vec<Proposal>, Accepted),
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Candidate, Interrupted> {

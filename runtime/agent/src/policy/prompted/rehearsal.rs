@@ -4,7 +4,7 @@
 //! each answer, by the same code as a rollout. When the answers run out, later stages are shown with placeholders for a
 //! model's texts.
 
-use super::Conversation;
+use super::StageMessage;
 use super::talk::Talk;
 use crate::policy::proposing::Settled;
 use crate::policy::{Asking, Exchange, Exchanged, Finding, PolicyError, StepView};
@@ -22,7 +22,7 @@ pub struct Rehearsed {
     /// The stage.
     pub stage: String,
     /// All messages up to its next question, or its last answer.
-    pub conversation: Conversation,
+    pub conversation: Vec<StageMessage>,
     /// The number of messages before the first answer.
     pub n_asked_first: usize,
     /// The result of each answer, in order.
@@ -77,7 +77,7 @@ pub fn rehearse(
             continue;
         }
         let mut talk = Talk::begin(view, index, &texts, lowering, Values::Partly, [0, 0])?;
-        let n_asked_first = talk.conversation.messages.len();
+        let n_asked_first = talk.messages.len();
         let mut findings = Vec::new();
         let mut exchange = Exchange {
             asking: &mut Asking::unrecorded(),
@@ -95,7 +95,7 @@ pub fn rehearse(
         rehearsed.push(Rehearsed {
             stage: stage.name.clone(),
             n_asked_first,
-            conversation: talk.conversation,
+            conversation: talk.messages,
             findings,
         });
         match settled {

@@ -1,6 +1,6 @@
 //! The conversation of one stage in one step: asks, and after a refusal asks again with the reason.
 
-use super::{Conversation, PromptError, conversation};
+use super::{MessagePart, PromptError, StageMessage, conversation};
 use crate::action::Action;
 use crate::outcome::Outcome;
 use crate::pictures::scene_png;
@@ -25,7 +25,7 @@ pub(super) struct Talk {
     lowering: Lowering,
     /// The notation of the scene's points for the model.
     notation: Notation,
-    pub conversation: Conversation,
+    pub messages: Vec<StageMessage>,
     /// The schema of valid answers for this scene.
     schema: Value,
     /// Which of several answers to one question is asked for, from 0.
@@ -55,10 +55,10 @@ impl Talk {
         let declared = &program.stages[stage];
         let facts = view.facts(texts, lowering.pointing(pictures.size()));
         let values = known(facts);
-        let mut conversation =
-            conversation(program, declared, values, pictures, view.step, &lowering)?;
+        let mut messages = conversation(program, declared, values, pictures, view.step, &lowering)?;
         if let Some(remark) = remark(view, facts)? {
-            conversation.add(remark);
+            let question = messages.last_mut().into_iter();
+            question.for_each(|it| it.parts.push(MessagePart::Text(remark.clone())));
         }
         let notation = facts.notation(program);
         let fields = program.actions.iter();
@@ -68,7 +68,7 @@ impl Talk {
         Ok(Talk {
             stage,
             lowering,
-            conversation,
+            messages,
             schema: reply::for_stage(program, declared, &notation, &offered),
             notation,
             candidate,
@@ -107,23 +107,21 @@ impl Talk {
         exchange: &mut Exchange<'_, '_>,
         (words, predicted): (&str, Png),
     ) -> Result<Finding, PolicyError> {
-        self.say(Speaker::Assistant, &self.answer.clone());
-        self.say(Speaker::User, words);
-        self.conversation.add_prediction(predicted);
+        self.say_answer(self.answer.clone());
+        let words = PromptText::by_fabc(words.to_owned());
+        let mut shown = StageMessage::text(Speaker::User, words);
+        shown.parts.push(MessagePart::Prediction(predicted));
+        self.messages.push(shown);
         let facts = view.facts(texts, self.lowering.pointing(view.pictures.size()));
         let attempt = self.ask(view, facts, model, exchange)?;
         (exchange.record)(Exchanged::Attempt(&attempt))?;
         Ok(attempt.finding)
     }
 
-    fn say(&mut self, speaker: Speaker, text: &str) {
+    fn say_answer(&mut self, text: String) {
         let stretches = Vec::new();
-        let text = text.to_owned();
-        let said = match speaker {
-            Speaker::Assistant => PromptText { text, stretches },
-            _ => PromptText::by_fabc(text),
-        };
-        self.conversation.say(speaker, said);
+        let answer = StageMessage::text(Speaker::Assistant, PromptText { text, stretches });
+        self.messages.push(answer);
     }
 
     /// Asks the next question, and judges the answer.
@@ -138,7 +136,7 @@ impl Talk {
         self.asked += 1;
         let request = Request {
             role: stage.model,
-            messages: self.conversation.messages.clone(),
+            messages: self.messages.iter().map(StageMessage::sent).collect(),
             temperature: stage.temperature,
             top_p: stage.top_p,
             max_tokens: stage.max_tokens,
@@ -188,7 +186,7 @@ impl Talk {
         facts: Facts<'_>,
         refusal: &Refusal,
     ) -> Result<(), RenderError> {
-        self.say(Speaker::Assistant, &refusal.answer);
+        self.say_answer(refusal.answer.clone());
         let program = view.program;
         // The message of a declared check says where in the source its texts stand.
         let mut checks = program.verify.checks.iter();
@@ -207,10 +205,11 @@ impl Talk {
         if picture.is_some() {
             said.push(SEPARATOR, PromptText::by_fabc(REFUSED_ACTION));
         }
-        self.conversation.say(Speaker::User, said);
-        if let Some(png) = picture {
-            self.conversation.add_refused_action(png);
-        }
+        let mut correction = StageMessage::text(Speaker::User, said);
+        correction
+            .parts
+            .extend(picture.map(MessagePart::RefusedAction));
+        self.messages.push(correction);
         Ok(())
     }
 
