@@ -398,7 +398,7 @@ fn a_search_ends_with_its_time_and_says_what_it_left() {
     };
     let found = asked.found(home.path());
     assert_eq!((found.stop, found.trials), (Some(Stop::Time), 0));
-    assert_eq!((found.left.states, found.value), (1, None));
+    assert!(found.left.actions > 0 && found.value.is_none(), "{found:?}");
 }
 
 #[test]

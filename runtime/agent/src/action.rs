@@ -62,19 +62,17 @@ pub(crate) fn combinations(
     fields: &[(String, Vec<Value>)],
 ) -> impl ExactSizeIterator<Item = Proposal> {
     let counts = fields.iter().map(|(_, values)| values.len());
-    (0..counts.fold(1, usize::saturating_mul)).map(|number| combination(fields, number))
-}
-
-/// Returns one of these combinations, by its number.
-pub(crate) fn combination(fields: &[(String, Vec<Value>)], mut number: usize) -> Proposal {
-    let chosen = fields.iter().rev().map(|(name, values)| {
-        let value = values[number % values.len()].clone();
-        number /= values.len();
-        (name.clone(), value)
-    });
-    let mut fields: Vec<_> = chosen.collect();
-    fields.reverse();
-    Proposal { fields }
+    let numbers = 0..counts.fold(1, usize::saturating_mul);
+    numbers.map(|mut number| {
+        let chosen = fields.iter().rev().map(|(name, values)| {
+            let value = values[number % values.len()].clone();
+            number /= values.len();
+            (name.clone(), value)
+        });
+        let mut fields: Vec<_> = chosen.collect();
+        fields.reverse();
+        Proposal { fields }
+    })
 }
 
 /// Returns the table point of a field's pixel, as [`Action::lower`] computes it; `None` for a field that moves nothing,

@@ -78,7 +78,12 @@ pub trait Policy {
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Decision, PolicyError>;
 
-    /// Gives another answer to the step that was decided last, for a rehearsal; `None` if this policy has one answer.
+    /// Returns whether its answers are tried on twins where the task rehearses: [`Policy::again`] gives further ones.
+    fn rehearses(&self) -> bool {
+        false
+    }
+
+    /// Gives another answer to the step that was decided last; `None` if there is none.
     fn again(
         &mut self,
         _step: &StepView<'_>,

@@ -18,7 +18,7 @@ use crate::examples::Examples;
 use crate::journal::{JournalError, RunFolder};
 use crate::operator::Operator;
 use crate::outcome::Outcome;
-use crate::policy::{Asking, Kind, MakePolicy, PolicyError, PromptError, Rehearsing, StepKind};
+use crate::policy::{Asking, MakePolicy, PolicyError, PromptError, Rehearsing, StepKind};
 use crate::record::{Line, Report, RunCosts};
 use crate::scene::SceneError;
 use crate::sheet::Sheet;
@@ -201,8 +201,8 @@ pub fn run(
         RolloutWriter::open(job, folder, asking, who.clone(), world.as_ref(), progress)?;
     let mut sheet = Sheet::new();
     let mut memory = Memory::new(job.start.digest(), who.sees_particles);
-    // A policy that asks no model has nothing to rehearse; but where something real could move, its twins must be trusted too.
-    if who.kind == Kind::Prompted || !world.is_simulated() {
+    // Some policies have nothing to rehearse; but where something real could move, their twins must be trusted too.
+    if policy.rehearses() || !world.is_simulated() {
         let draws = format!("{} {}", job.start_number.unwrap_or(0), job.repetition);
         let twins = Twins::of(job.program, job.subgoals, &draws, world.is_simulated());
         if let Some(twins) = twins {

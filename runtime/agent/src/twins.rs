@@ -12,7 +12,7 @@ use crate::subgoals::SubgoalSet;
 use fab_base::interrupt::Interrupt;
 use fab_picture::Mask;
 use fab_picture::observation::Observation;
-use fab_program::{Camera, Cloth, Distrusted, Picker, Program, Rehearsal, RehearsalMeasure};
+use fab_program::{Distrusted, Program, Rehearsal, RehearsalMeasure};
 use fab_vision::{Rectangle, VisionError};
 use fab_world::twin::{Drawn, Kind, Sighting, Twin, TwinView};
 use fab_world::{Motion, WorldError};
@@ -28,11 +28,9 @@ const RAISED_M: f64 = 0.008;
 const HIGHEST: f64 = 0.1;
 
 /// The twins of one rollout.
-pub struct Twins {
-    pub(crate) rehearsal: Rehearsal,
-    camera: Camera,
-    picker: Picker,
-    cloth: Cloth,
+pub struct Twins<'p> {
+    program: &'p Program,
+    pub(crate) rehearsal: &'p Rehearsal,
     /// Distinguishes the draws of rollouts.
     seed: String,
     /// Whether nothing real can move.
@@ -111,22 +109,20 @@ impl From<&str> for Aside {
 const NO_CLOTH: &str = "the picture shows no cloth";
 const NOT_SEEN: &str = "a twin cannot be seen";
 
-impl Twins {
+impl<'p> Twins<'p> {
     /// Prepares the twins of a rollout; `None` if the task does not rehearse.
     ///
     /// - `draws`: distinguishes the draws of rollouts; equal ones give equal twins.
     /// - `is_simulated`: whether nothing real can move; [`fab_world::World::is_simulated`] of the rollout's world.
     pub fn of(
-        program: &Program,
+        program: &'p Program,
         subgoals: &SubgoalSet,
         draws: &str,
         is_simulated: bool,
-    ) -> Option<Twins> {
+    ) -> Option<Twins<'p>> {
         Some(Twins {
-            rehearsal: program.rehearsal.clone()?,
-            camera: program.camera.clone(),
-            picker: program.picker,
-            cloth: program.cloth.clone(),
+            program,
+            rehearsal: program.rehearsal.as_ref()?,
             seed: format!("twin {draws}"),
             is_simulated,
             subgoals: subgoals.pictures.iter().map(silhouette).collect(),
@@ -210,7 +206,7 @@ impl Twins {
     /// Lays the twins where the camera sees the cloth.
     fn lay(&mut self, observation: &Observation, cloth: Option<&Mask>) -> Result<(), Aside> {
         let cloth = cloth.ok_or(NO_CLOTH)?;
-        let flat_m = self.cloth.rest_height_m();
+        let flat_m = self.program.cloth.rest_height_m();
         if let Some(raised_m) = raised_m(observation, cloth)
             && raised_m > flat_m + RAISED_M
         {
@@ -224,10 +220,10 @@ impl Twins {
         let seen = Sighting::of(observation, corners_px(&rectangle))
             .ok_or("the camera does not tell where on the table the cloth lies")?;
         let kind = Kind {
-            camera: &self.camera,
-            picker: self.picker,
+            camera: &self.program.camera,
+            picker: self.program.picker,
             ranges: &self.rehearsal.twin,
-            cloth: &self.cloth,
+            cloth: &self.program.cloth,
         };
         let twins = (1..=self.rehearsal.twin.draws).map(|draw| {
             let drawn = Drawn::by(kind.ranges, &format!("{} {draw}", self.seed));

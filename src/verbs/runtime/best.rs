@@ -13,10 +13,10 @@ use crate::verbs::runtime::setting::worlds::{self, WorldChoice};
 use crate::verbs::runtime::setting::{self, StartArguments};
 use crate::verbs::runtime::sim::parallel::{ThreadArguments, threads};
 use clap::{Args, ValueHint};
-use fab_agent::best::{self, Aim, BestError, Limits, Measure, Search, unless_stopped};
+use fab_agent::best::{self, Aim, BestError, Limits, Search, unless_stopped};
 use fab_agent::examples::Examples;
 use report::BestReport;
-use rows::{End, Row};
+use rows::Row;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -59,7 +59,6 @@ pub struct BestArguments {
 pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
     let until = Instant::now().checked_add(Duration::from_secs(arguments.seconds.into()));
     let declared = sources::compile_task(&arguments.task, io)?;
-    Measure::of(&declared).map_err(failure)?;
     let beside = sources::folder_of(&arguments.task.file);
     let examples = Examples::load(&declared, &beside)?;
     let interrupt = io.interrupt()?;
@@ -120,13 +119,15 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
     let found = unless_stopped(best::search(&hinted));
     io.progress("");
     let found = found.map_err(failure)?.ok_or_else(stopped)?;
-    let end = found.value.map(|value| End {
-        value,
-        unscored: None,
-        actions: Vec::new(),
-    });
-    let goal = program.goal.as_ref();
-    let mut rows = vec![Row::of("best", true, end.as_slice(), goal)];
+    let mut best = Row {
+        name: "best",
+        oracle: true,
+        ..Row::default()
+    };
+    if let Some(value) = found.value {
+        best.add(value, None, program.goal.as_ref());
+    }
+    let mut rows = vec![best];
     rows.extend(policies);
     let report = BestReport::new(&program, &start, &found, &rows, &out);
     io.result(arguments.json, &report);
@@ -141,7 +142,7 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
 
 fn failure(error: BestError) -> Failure {
     match error {
-        BestError::Aimless { .. } => Failure::usage(error.to_string()),
+        BestError::Aimless(_) => Failure::usage(error.to_string()),
         error => Failure::environment(error),
     }
 }

@@ -4,45 +4,11 @@
 //! of the experts after as many folds; the least distance counts.
 
 use super::{BestError, Search};
-use fab_program::{Comparison, Goal, Metric, Program, Sequence};
+use fab_program::{Comparison, Goal, Metric, Sequence};
 use fab_world::expert::{self, Sequences};
 use fab_world::metrics::{coverage, mean_particle_distance_m, normalized_improvement};
 use fab_world::start::Start;
 use fab_world::{Grip, WorldError, WorldPoint};
-
-/// What results are measured by: the goal's measure, or the distance to the experts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Measure {
-    /// What is measured.
-    pub metric: Metric,
-    /// Whether a larger measure is better.
-    pub more_is_better: bool,
-}
-
-impl Measure {
-    /// Returns what the results of a task are measured by.
-    ///
-    /// Fails if the task says nowhere what is better.
-    pub fn of(program: &Program) -> Result<Measure, BestError> {
-        let goal = program.goal.as_ref();
-        let is_more = |goal: &Goal| matches!(goal.is, Comparison::Greater | Comparison::AtLeast);
-        let measure = Measure {
-            metric: goal.map_or(Metric::ParticleDistance, |goal| goal.metric),
-            more_is_better: goal.is_some_and(is_more),
-        };
-        if measure.metric == Metric::ParticleDistance && program.experts.is_empty() {
-            return Err(BestError::Aimless {
-                task: program.title(),
-            });
-        }
-        Ok(measure)
-    }
-
-    /// Returns a number that is lower for a better measure.
-    pub fn loss(self, value: f64) -> f64 {
-        if self.more_is_better { -value } else { value }
-    }
-}
 
 /// Where an expert would pick and place, and how far the cloth is from the expert's, metres.
 pub(super) type ExpertGrip = (f64, Grip);
@@ -50,8 +16,8 @@ pub(super) type ExpertGrip = (f64, Grip);
 /// The aim of one search.
 #[derive(Debug)]
 pub struct Aim<'a> {
-    /// What is measured.
-    pub measure: Measure,
+    /// What results are measured by: the goal's measure, or the distance to the experts.
+    pub metric: Metric,
     start: &'a Start,
     goal: Option<&'a Goal>,
     /// Each expert sequence with the particles after 0, 1, … folds; none if the measure is another.
@@ -63,18 +29,31 @@ impl<'a> Aim<'a> {
     ///
     /// Fails if the task says nowhere what is better, the start gives nothing to measure, or a fold cannot be executed.
     pub fn of(search: &Search<'a>) -> Result<Aim<'a>, BestError> {
-        let measure = Measure::of(search.program)?;
+        let goal = search.program.goal.as_ref();
+        let metric = goal.map_or(Metric::ParticleDistance, |goal| goal.metric);
+        let experts = match metric {
+            Metric::ParticleDistance if search.program.experts.is_empty() => {
+                return Err(BestError::Aimless(search.program.title()));
+            }
+            Metric::ParticleDistance => experts(search)?,
+            Metric::Coverage | Metric::NormalizedImprovement => Vec::new(),
+        };
         let aim = Aim {
-            measure,
+            metric,
             start: search.start,
-            goal: search.program.goal.as_ref(),
-            experts: match measure.metric {
-                Metric::ParticleDistance => experts(search)?,
-                Metric::Coverage | Metric::NormalizedImprovement => Vec::new(),
-            },
+            goal,
+            experts,
         };
         aim.value(&search.start.positions)?;
         Ok(aim)
+    }
+
+    /// Returns a number that is lower for a better measure.
+    pub fn loss(&self, value: f64) -> f64 {
+        match self.goal.map(|goal| goal.is) {
+            Some(Comparison::Greater | Comparison::AtLeast) => -value,
+            _ => value,
+        }
     }
 
     /// Measures a state as the rollout's last one.
@@ -84,16 +63,14 @@ impl<'a> Aim<'a> {
     /// Fails if it cannot be measured from this start.
     pub fn value(&self, positions: &[[f32; 3]]) -> Result<f64, BestError> {
         let start = self.start;
-        let value = match self.measure.metric {
+        let value = match self.metric {
             Metric::Coverage => coverage(positions, &start.grid),
             Metric::NormalizedImprovement => coverage(positions, &start.grid)
                 .zip(coverage(&start.positions, &start.grid))
                 .and_then(|(now, before)| normalized_improvement(now, before)),
             Metric::ParticleDistance => self.distance_m(positions, u32::MAX),
         };
-        value.ok_or_else(|| BestError::Unmeasured {
-            start: start.name.clone(),
-        })
+        value.ok_or_else(|| BestError::Unmeasured(start.name.clone()))
     }
 
     /// Returns how far a state is from the nearest state of an expert after `folds` folds, metres; its loss where no
@@ -101,7 +78,7 @@ impl<'a> Aim<'a> {
     pub(super) fn behind(&self, positions: &[[f32; 3]], folds: u32) -> Result<f64, BestError> {
         match self.distance_m(positions, folds) {
             Some(least) => Ok(least),
-            None => Ok(self.measure.loss(self.value(positions)?)),
+            None => Ok(self.loss(self.value(positions)?)),
         }
     }
 
@@ -126,8 +103,8 @@ impl<'a> Aim<'a> {
 
     /// Returns whether a state ends a rollout, because its goal is judged after each step and met.
     pub(super) fn is_reached(&self, value: f64) -> bool {
-        let judged = self.goal.filter(|goal| goal.metric.is_judged_each_step());
-        judged.is_some_and(|goal| goal.is_met(value))
+        self.goal
+            .is_some_and(|goal| goal.metric.is_judged_each_step() && goal.is_met(value))
     }
 }
 
@@ -140,21 +117,15 @@ pub(super) fn off_m(experts: &[ExpertGrip], grip: &Grip) -> f64 {
     all.reduce(f64::min).unwrap_or_default()
 }
 
-/// Simulates the experts fold by fold; equal beginnings once.
+/// Simulates the experts fold by fold.
 fn experts<'a>(search: &Search<'a>) -> Result<Vec<(&'a Sequence, Vec<Vec<[f32; 3]>>)>, WorldError> {
     let sequences = &search.program.experts;
-    let beginning = |sequence: &Sequence, folds: usize| Sequence {
-        folds: sequence.folds[..folds].to_vec(),
-    };
-    let mut beginnings = Vec::new();
-    for sequence in sequences {
-        for folds in 1..=sequence.folds.len() {
-            let beginning = beginning(sequence, folds);
-            if !beginnings.contains(&beginning) {
-                beginnings.push(beginning);
-            }
-        }
-    }
+    let beginnings = sequences.iter().flat_map(|sequence| {
+        (1..=sequence.folds.len()).map(|folds| Sequence {
+            folds: sequence.folds[..folds].to_vec(),
+        })
+    });
+    let beginnings: Vec<Sequence> = beginnings.collect();
     let simulated = expert::ends(
         Sequences {
             folds: &beginnings,
@@ -166,15 +137,11 @@ fn experts<'a>(search: &Search<'a>) -> Result<Vec<(&'a Sequence, Vec<Vec<[f32; 3
         search.interrupt,
         &mut |_| {},
     )?;
-    let after = |beginning: Sequence| {
-        let mut ends = simulated.ends.iter();
-        let end = ends.find(|end| beginnings[end.sequence] == beginning);
-        end.map_or(&search.start.positions, |end| &end.positions)
-            .clone()
-    };
+    let mut ends = simulated.ends.into_iter().map(|end| end.positions);
     let experts = sequences.iter().map(|sequence| {
-        let states = (0..=sequence.folds.len()).map(|folds| after(beginning(sequence, folds)));
-        (sequence, states.collect())
+        let mut states = vec![search.start.positions.clone()];
+        states.extend(ends.by_ref().take(sequence.folds.len()));
+        (sequence, states)
     });
     Ok(experts.collect())
 }

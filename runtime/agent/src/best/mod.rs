@@ -18,7 +18,7 @@ mod aim;
 mod offers;
 mod tree;
 
-pub use aim::{Aim, Measure};
+pub use aim::Aim;
 
 use crate::action::Action;
 use crate::policy::Finding;
@@ -27,8 +27,9 @@ use crate::scene::SceneError;
 use crate::subgoals::SubgoalSet;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
+use fab_program::facts::ExecutedAction;
 use fab_program::render::RenderError;
-use fab_program::{Program, Proposal, space};
+use fab_program::{Metric, Program, Proposal, space};
 use fab_world::expert::MakeWorld;
 use fab_world::start::Start;
 use fab_world::{World, WorldError};
@@ -88,6 +89,14 @@ pub struct Choice {
 }
 
 impl Choice {
+    fn executed(&self) -> ExecutedAction {
+        ExecutedAction {
+            proposal: self.proposal.clone(),
+            pick: self.action.pick_on_cloth_px,
+            place: self.action.place_px,
+        }
+    }
+
     /// Returns the action of a step of a record; `None` if it executed none.
     pub fn of(step: &record::Step) -> Option<Choice> {
         step.executed.as_ref()?;
@@ -164,8 +173,7 @@ pub enum Stop {
 #[derive(Clone, Debug, Serialize)]
 pub struct Found {
     /// What is measured.
-    #[serde(skip)]
-    pub measure: Measure,
+    pub metric: Metric,
     /// The measure of the untouched cloth.
     pub untouched: f64,
     /// The measure at the end of the best actions; `None` if no rollout has ended.
@@ -187,10 +195,8 @@ pub struct Found {
 /// What a search has not tried.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Untried {
-    /// Actions of the states whose actions were listed.
+    /// Listed actions of the reached states.
     pub actions: usize,
-    /// Reached states whose actions were not listed.
-    pub states: usize,
     /// The masks of which only some pixels were listed, and fields whose combinations were too many.
     pub sampled: Vec<String>,
 }
@@ -200,30 +206,19 @@ pub struct Untried {
 pub enum BestError {
     /// The task does not say what is better.
     #[error(
-        "`{task}` declares no `goal`, no `experts` and no demonstration, so no result is better than another: declare one of them"
+        "`{0}` declares no `goal`, no `experts` and no demonstration, so no result is better than another: declare one of them"
     )]
-    Aimless {
-        /// The task.
-        task: String,
-    },
+    Aimless(String),
     /// The start gives nothing to measure.
     #[error(
-        "the start `{start}` cannot be measured: it covers as much as the flat cloth, or its particles are not those of the experts"
+        "the start `{0}` cannot be measured: it covers as much as the flat cloth, or its particles are not those of the experts"
     )]
-    Unmeasured {
-        /// The start.
-        start: String,
-    },
+    Unmeasured(String),
     /// The world cannot take an action back, or does not show what became of the cloth.
     #[error(
-        "the world `{world}` {why}, so actions cannot be tried in it: search in `sim`, or in a program that repeats and knows its particles"
+        "the world `{0}` {1}, so actions cannot be tried in it: search in `sim`, or in a program that repeats and knows its particles"
     )]
-    Unsearchable {
-        /// The world's name.
-        world: String,
-        /// What it cannot do.
-        why: &'static str,
-    },
+    Unsearchable(String, &'static str),
     /// The world failed.
     #[error(transparent)]
     World(#[from] WorldError),
@@ -255,10 +250,7 @@ pub fn check_world(world: &dyn World) -> Result<(), BestError> {
     } else {
         return Ok(());
     };
-    Err(BestError::Unsearchable {
-        world: world.name().to_owned(),
-        why,
-    })
+    Err(BestError::Unsearchable(world.name().to_owned(), why))
 }
 
 /// Searches the best actions.

@@ -5,22 +5,21 @@
 
 use super::aim::{ExpertGrip, off_m};
 use super::{BestError, Choice};
-use crate::action::{Action, combination, combinations};
+use crate::action::{Action, combinations};
 use crate::policy::Ground;
 use fab_base::chance::Chance;
 use fab_base::interrupt::Interrupt;
 use fab_program::facts::Facts;
-use fab_program::scene::SceneView;
 use fab_program::verify::{Strictness, Verdict};
-use fab_program::{ActionField, Choices, Proposal, Value, space};
+use fab_program::{Choices, Proposal, space};
 use fab_world::WorldError;
 use std::collections::BTreeSet;
 
-/// The most combinations of a step's choices that are listed; of more, as many are drawn.
+/// The most combinations of a step's choices that are listed.
 const MOST_COMBINATIONS: usize = 20_000;
 
-/// How many pixels of a mask are drawn.
-const MOST_PIXELS: usize = 64;
+/// How many of more combinations are drawn.
+const DRAWN: usize = 2_000;
 
 /// What can be done in a state.
 #[derive(Debug, Default)]
@@ -44,6 +43,7 @@ impl Offers {
         mut chance: Chance,
         interrupt: &Interrupt,
     ) -> Result<Offers, BestError> {
+        let relaxed = &at.program.verify.relaxed;
         let mut sampled = Vec::new();
         let mut seen = BTreeSet::new();
         let mut ranked = Vec::new();
@@ -51,7 +51,15 @@ impl Offers {
             if interrupt.is_raised() {
                 return Err(WorldError::Interrupted.into());
             }
-            let Some(without) = dropped(at, facts, &proposal)? else {
+            let is_accepted = |strictness| {
+                let verdict = at.verdict(facts, &proposal, strictness);
+                verdict.map(|verdict| verdict == Verdict::Accept)
+            };
+            let without = if is_accepted(Strictness::Full)? {
+                Vec::new()
+            } else if !relaxed.is_empty() && is_accepted(Strictness::Relaxed)? {
+                relaxed.clone()
+            } else {
                 continue;
             };
             let action = Action::lower(at.program, &proposal, at.scene, at.observation);
@@ -82,63 +90,26 @@ impl Offers {
     }
 }
 
-/// Returns the checks that must be dropped to accept an action; `None` if it is refused for good.
-fn dropped(
-    at: Ground<'_>,
-    facts: Facts<'_>,
-    proposal: &Proposal,
-) -> Result<Option<Vec<String>>, BestError> {
-    let relaxed = &at.program.verify.relaxed;
-    let is_accepted = |strictness| {
-        let verdict = at.verdict(facts, proposal, strictness);
-        verdict.map(|verdict| verdict == Verdict::Accept)
-    };
-    if is_accepted(Strictness::Full)? {
-        Ok(Some(Vec::new()))
-    } else if !relaxed.is_empty() && is_accepted(Strictness::Relaxed)? {
-        Ok(Some(relaxed.clone()))
-    } else {
-        Ok(None)
-    }
-}
-
-/// Combines the choices of all fields; of too many combinations, some are drawn.
+/// Combines the choices of all fields; of too many combinations, or of the pixels of a mask, some are drawn.
 fn proposals(at: Ground<'_>, chance: &mut Chance, sampled: &mut Vec<String>) -> Vec<Proposal> {
-    let fields = at.program.actions.iter().map(|field| {
-        let values = values_of(field, at.scene, chance, sampled);
-        (field.name.clone(), values)
+    let fields = at.program.actions.iter();
+    let masks = fields.clone().filter_map(|field| match &field.choices {
+        Choices::Region { mask } => Some(space::any_of(mask)),
+        _ => None,
     });
-    let fields: Vec<_> = fields.collect();
-    let all = combinations(&fields);
-    if all.len() <= MOST_COMBINATIONS {
-        return all.collect();
+    sampled.extend(masks);
+    if sampled.is_empty() {
+        let listed = fields.map(|field| (field.name.clone(), space::choices(field, at.scene)));
+        let listed: Vec<_> = listed.collect();
+        let all = combinations(&listed);
+        if all.len() <= MOST_COMBINATIONS {
+            return all.collect();
+        }
+        let names: Vec<&str> = listed.iter().map(|(name, _)| name.as_str()).collect();
+        sampled.push(names.join(" x "));
     }
-    let names: Vec<&str> = fields.iter().map(|(name, _)| name.as_str()).collect();
-    sampled.push(names.join(" x "));
-    // Twice the same is no loss: equal grips are offered once.
-    let draw = |_| combination(&fields, (chance.fraction() * all.len() as f64) as usize);
-    (0..MOST_COMBINATIONS).map(draw).collect()
-}
-
-/// Returns the choices of a field; of a mask, some pixels.
-fn values_of(
-    field: &ActionField,
-    scene: &dyn SceneView,
-    chance: &mut Chance,
-    sampled: &mut Vec<String>,
-) -> Vec<Value> {
-    let Choices::Region { mask } = &field.choices else {
-        return space::choices(field, scene);
-    };
-    // An area is a whole number far below 2^53.
-    let n_pixels = scene.area_px(mask).unwrap_or_default() as usize;
-    let numbers: BTreeSet<usize> = if n_pixels > MOST_PIXELS {
-        sampled.push(space::any_of(mask));
-        (0..MOST_PIXELS).map(|_| chance.below(n_pixels)).collect()
-    } else {
-        (0..n_pixels).collect()
-    };
-    let pixels = numbers.into_iter();
-    let pixels = pixels.filter_map(|number| scene.region_pixel(mask, number as u64));
-    pixels.map(Value::Point).collect()
+    // A number below an in-memory count fits in `usize`. Equal grips are offered once.
+    let mut below = |count: u64| chance.below(count as usize) as u64;
+    let drawn = (0..DRAWN).filter_map(|_| space::sample(at.program, at.scene, &mut below));
+    drawn.collect()
 }

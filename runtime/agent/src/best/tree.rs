@@ -12,11 +12,12 @@ use crate::rollout::Tries;
 use crate::scene::{Scene, SceneError};
 use fab_base::chance::Chance;
 use fab_base::parallel::in_parallel;
+use fab_picture::observation::Observation;
 use fab_program::Exhausted;
 use fab_program::facts::{ExecutedAction, Facts};
 use fab_program::pointing::Pointing;
 use fab_world::{Fork, World};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
 
 /// States of one depth whose worlds are kept; any other state is reached again from the start.
@@ -41,8 +42,8 @@ struct Node {
     value: f64,
     behind: f64,
     end: End,
-    /// What can be done here; `None` until it is listed.
-    offers: Option<Offers>,
+    /// What can be done here; nothing where a rollout ends.
+    offers: Offers,
     /// How many of these were tried, from the first on.
     tried: usize,
 }
@@ -57,10 +58,8 @@ enum End {
 }
 
 impl Node {
-    /// Returns whether every choice was tried.
     fn is_tried_out(&self) -> bool {
-        let is_whole = |offers: &Offers| self.tried == offers.choices.len();
-        self.end != End::Open || self.offers.as_ref().is_some_and(is_whole)
+        self.tried == self.offers.choices.len()
     }
 }
 
@@ -72,46 +71,42 @@ impl<'a> Tree<'a> {
         let mut world = (search.make_world)()?;
         world.reset(search.start)?;
         check_world(world.as_ref())?;
+        let observation = world.observe()?;
+        let mut tree = Tree {
+            search,
+            aim,
+            first: Scene::of(search.program, &observation, None)?,
+            nodes: Vec::new(),
+            stop: None,
+        };
+        let first = tree.first.clone();
+        let offers = tree.offers(world.as_ref(), &observation, &first, (1, None), "the start")?;
         let positions = &search.start.positions;
-        let root = Node {
+        tree.nodes.push(Node {
             path: Vec::new(),
             tries: Tries::default(),
             world: world.fork(),
             value: aim.value(positions)?,
             behind: aim.behind(positions, 0)?,
             end: End::Open,
-            offers: None,
+            offers,
             tried: 0,
-        };
-        Ok(Tree {
-            search,
-            aim,
-            first: Scene::of(search.program, &world.observe()?, None)?,
-            nodes: vec![root],
-            stop: None,
-        })
+        });
+        Ok(tree)
     }
 
     /// Tries the actions of another rollout, as far as there are trials left.
     pub fn follow(&mut self, hint: &[Choice]) -> Result<(), BestError> {
-        let mut node = 0;
         for choice in hint {
-            if self.nodes[node].end != End::Open || self.trials_left() == 0 {
+            let node = self.nodes.len() - 1;
+            if self.nodes[node].end != End::Open || self.stop.is_some() || self.trials_left() == 0 {
                 break;
             }
-            self.list(&[node])?;
-            let Some(offers) = &mut self.nodes[node].offers else {
-                break;
-            };
             // A pixel of a mask may not have been drawn.
-            let grip = choice.action.grip;
-            offers.choices.retain(|offered| offered.action.grip != grip);
-            offers.choices.insert(0, choice.clone());
+            let (grip, choices) = (choice.action.grip, &mut self.nodes[node].offers.choices);
+            choices.retain(|offered| offered.action.grip != grip);
+            choices.insert(0, choice.clone());
             self.make(&[(node, 0)])?;
-            if self.stop.is_some() {
-                break;
-            }
-            node = self.nodes.len() - 1;
         }
         Ok(())
     }
@@ -137,20 +132,13 @@ impl<'a> Tree<'a> {
             // The remaining trials are shared with the depths that follow.
             let share = self.trials_left().div_ceil(depths - depth) as usize;
             let open = self.ranked(depth).into_iter();
-            let open = open.filter(|&node| self.nodes[node].end == End::Open);
-            // No more actions are listed than can be tried.
-            let untried = open
-                .take(width)
-                .filter(|&it| !self.nodes[it].is_tried_out());
-            let beam: Vec<usize> = untried.take(share).collect();
-            self.list(&beam)?;
+            let beam = open.filter(|&node| self.nodes[node].end == End::Open);
             // The first choice of each state, then the second, and so on.
-            let untried = |&node: &usize| {
+            let untried = beam.take(width).flat_map(|node| {
                 let it = &self.nodes[node];
-                let choices = it.offers.as_ref().map_or(0, |offers| offers.choices.len());
-                (it.tried..choices).map(move |choice| (node, choice))
-            };
-            let mut due: Vec<_> = beam.iter().flat_map(untried).collect();
+                (it.tried..it.offers.choices.len()).map(move |choice| (node, choice))
+            });
+            let mut due: Vec<_> = untried.collect();
             due.sort_by_key(|&(_, choice)| choice);
             due.truncate(share);
             self.make(&due)?;
@@ -178,25 +166,20 @@ impl<'a> Tree<'a> {
         ranked
     }
 
-    /// Lists what can be done in states, where that is not done yet.
-    fn list(&mut self, nodes: &[usize]) -> Result<(), BestError> {
-        let is_new = |node: &usize| self.nodes[*node].offers.is_none();
-        let new: Vec<usize> = nodes.iter().copied().filter(is_new).collect();
-        let listed = self.until_stopped(&new, |node| self.offers(*node), |_| {})?;
-        for (node, offers) in new.into_iter().zip(listed) {
-            self.nodes[node].offers = offers;
-        }
-        self.stop = self.requested_stop();
-        Ok(())
-    }
-
     /// Makes trials, and adds the states that they lead to; a stop leaves some of them out.
     ///
     /// - `due`: the index of a state, and that of one of its choices.
     fn make(&mut self, due: &[(usize, usize)]) -> Result<(), BestError> {
         let made = self.n_trials();
-        let count = |done| (self.search.progress)(made + done as u32);
-        let reached = self.until_stopped(due, |due| self.reach(*due), count)?;
+        let reached = in_parallel(
+            due.len(),
+            self.search.limits.threads,
+            |index| match self.requested_stop() {
+                Some(_) => Ok(None),
+                None => unless_stopped(self.reach(due[index])),
+            },
+            |done| (self.search.progress)(made + done as u32),
+        )?;
         for ((parent, _), node) in due.iter().zip(reached) {
             if let Some(node) = node {
                 self.nodes[*parent].tried += 1;
@@ -205,20 +188,6 @@ impl<'a> Tree<'a> {
         }
         self.stop = self.requested_stop();
         Ok(())
-    }
-
-    /// Does jobs side by side; those that a stop prevents have no result.
-    fn until_stopped<D: Sync, T: Send>(
-        &self,
-        due: &[D],
-        job: impl Fn(&D) -> Result<T, BestError> + Sync,
-        finished: impl Fn(usize) + Sync,
-    ) -> Result<Vec<Option<T>>, BestError> {
-        let job = |index: usize| match self.requested_stop() {
-            Some(_) => Ok(None),
-            None => unless_stopped(job(&due[index])),
-        };
-        in_parallel(due.len(), self.search.limits.threads, job, finished)
     }
 
     fn requested_stop(&self) -> Option<Stop> {
@@ -230,66 +199,37 @@ impl<'a> Tree<'a> {
         is_over.then_some(Stop::Time)
     }
 
-    /// Lists what can be done in a state.
-    fn offers(&self, node: usize) -> Result<Offers, BestError> {
-        let (search, it) = (self.search, &self.nodes[node]);
+    /// Tries one choice on a copy of a state's world, and lists what can be done then.
+    fn reach(&self, (parent, number): (usize, usize)) -> Result<Node, BestError> {
+        let (search, aim, it) = (self.search, self.aim, &self.nodes[parent]);
+        let program = search.program;
+        let choice = it.offers.choices[number].clone();
         let mut world = self.world_at(it)?;
-        let observation = world.observe()?;
-        let last = it.path.last().and_then(|taken| taken.choice.clone());
-        let scene = Scene::of(
-            search.program,
-            &observation,
-            last.as_ref().map(|_| &self.first),
-        )?;
-        let last = last.map(|choice| ExecutedAction {
-            proposal: choice.proposal,
-            pick: choice.action.pick_on_cloth_px,
-            place: choice.action.place_px,
-        });
-        let step = self.step_of(it);
+        world.act(&choice.action.grip.into(), search.interrupt)?;
         let positions = world.particles().unwrap_or_default();
-        let experts = self.aim.expert_grips(&positions, step - 1);
-        let ground = Ground {
-            program: search.program,
-            scene: &scene,
-            observation: &observation,
-            reach: &|point| world.out_of_reach(point),
-            refuses: &|motion| world.refuses(motion),
-        };
-        let facts = Facts {
-            scene: &scene,
-            texts: &BTreeMap::new(),
-            step,
-            last: last.as_ref(),
-            proposal: None,
-            pointing: Pointing::of_camera(&search.program.camera),
-        };
-        let chance = Chance::of(&format!("offered actions {} {node}", search.limits.seed));
-        Offers::of(ground, facts, &experts, chance, search.interrupt)
-    }
-
-    /// Tries one choice on a copy of a state's world.
-    fn reach(&self, (parent, choice): (usize, usize)) -> Result<Node, BestError> {
-        const LISTED: &str = "only states whose actions are listed have trials due";
-        let (program, it) = (self.search.program, &self.nodes[parent]);
-        let choice = it.offers.as_ref().expect(LISTED).choices[choice].clone();
-        let mut world = self.world_at(it)?;
-        world.act(&choice.action.grip.into(), self.search.interrupt)?;
-        let positions = world.particles().unwrap_or_default();
-        let (step, after) = (self.step_of(it), world.observe()?);
-        let value = self.aim.value(&positions)?;
-        let behind = self.aim.behind(&positions, step)?;
-        let subgoals = self.search.subgoals;
-        let result = StepResult::of(program, subgoals, step, &self.first, &after)?;
+        let (step, after) = (self.step_of(&it.tries), world.observe()?);
+        let (value, behind) = (aim.value(&positions)?, aim.behind(&positions, step)?);
+        let result = StepResult::of(program, search.subgoals, step, &self.first, &after)?;
         let mut tries = it.tries;
         tries.number += 1;
         tries.after(program.actions_per_step(), result);
-        let end = if tries.step(self.search.horizon).is_none() || self.aim.is_reached(value) {
-            End::Scored
+        let has_ended = tries.step(search.horizon).is_none() || aim.is_reached(value);
+        let scene = if has_ended {
+            None
         } else {
             match Scene::of(program, &after, Some(&self.first)) {
-                Err(SceneError::OutOfView { .. } | SceneError::NoCandidates { .. }) => End::Lost,
-                scene => scene.map(|_| End::Open)?,
+                Err(SceneError::OutOfView { .. } | SceneError::NoCandidates { .. }) => None,
+                scene => Some(scene?),
+            }
+        };
+        let (end, offers) = match scene {
+            None if has_ended => (End::Scored, Offers::default()),
+            None => (End::Lost, Offers::default()),
+            Some(scene) => {
+                let next = (self.step_of(&tries), Some(choice.executed()));
+                let draw = format!("{parent} {number}");
+                let offers = self.offers(world.as_ref(), &after, &scene, next, &draw)?;
+                (End::Open, offers)
             }
         };
         let mut path = it.path.clone();
@@ -301,9 +241,40 @@ impl<'a> Tree<'a> {
             value,
             behind,
             end,
-            offers: None,
+            offers,
             tried: 0,
         })
+    }
+
+    /// Lists what can be done in a step, given the action before it; `draw` distinguishes states.
+    fn offers(
+        &self,
+        world: &dyn World,
+        observation: &Observation,
+        scene: &Scene,
+        (step, last): (u32, Option<ExecutedAction>),
+        draw: &str,
+    ) -> Result<Offers, BestError> {
+        let search = self.search;
+        let positions = world.particles().unwrap_or_default();
+        let experts = self.aim.expert_grips(&positions, step - 1);
+        let ground = Ground {
+            program: search.program,
+            scene,
+            observation,
+            reach: &|point| world.out_of_reach(point),
+            refuses: &|motion| world.refuses(motion),
+        };
+        let facts = Facts {
+            scene,
+            texts: &BTreeMap::new(),
+            step,
+            last: last.as_ref(),
+            proposal: None,
+            pointing: Pointing::of_camera(&search.program.camera),
+        };
+        let chance = Chance::of(&format!("offered actions {} {draw}", search.limits.seed));
+        Offers::of(ground, facts, &experts, chance, search.interrupt)
     }
 
     /// Returns the world of a state; where no copy of it is kept, the actions that lead to it are executed again.
@@ -319,10 +290,10 @@ impl<'a> Tree<'a> {
         Ok(world)
     }
 
-    /// Returns the task's step that is due in a state, from 1.
-    fn step_of(&self, node: &Node) -> u32 {
+    /// Returns the task's step that is due, from 1.
+    fn step_of(&self, tries: &Tries) -> u32 {
         let horizon = self.search.horizon;
-        node.tries.step(horizon).unwrap_or(horizon)
+        tries.step(horizon).unwrap_or(horizon)
     }
 
     fn n_trials(&self) -> u32 {
@@ -335,7 +306,7 @@ impl<'a> Tree<'a> {
 
     /// Returns what was found so far.
     pub fn found(&self) -> Found {
-        let loss = |node: &Node| self.aim.measure.loss(node.value);
+        let loss = |node: &Node| self.aim.loss(node.value);
         // A rollout whose steps were all skipped has no score, so one action at least is taken.
         let may_skip = self.search.program.verify.exhausted == Exhausted::Skips;
         let ends = self.nodes.iter().skip(1).filter(|it| match it.end {
@@ -352,7 +323,7 @@ impl<'a> Tree<'a> {
         };
         let left = self.untried();
         Found {
-            measure: self.aim.measure,
+            metric: self.aim.metric,
             untouched: self.nodes[0].value,
             value: end.map(|end| end.value),
             limiting: end.and_then(|_| self.limiting(&best)),
@@ -387,18 +358,12 @@ impl<'a> Tree<'a> {
     }
 
     fn untried(&self) -> Untried {
-        let mut left = Untried::default();
-        for it in self.nodes.iter().filter(|it| it.end == End::Open) {
-            match &it.offers {
-                None => left.states += 1,
-                Some(offers) => {
-                    left.actions += offers.choices.len() - it.tried;
-                    left.sampled.extend(offers.sampled.iter().cloned());
-                }
-            }
+        let open = self.nodes.iter().filter(|it| it.end == End::Open);
+        let untried = open.clone().map(|it| it.offers.choices.len() - it.tried);
+        let sampled: BTreeSet<String> = open.flat_map(|it| it.offers.sampled.clone()).collect();
+        Untried {
+            actions: untried.sum(),
+            sampled: sampled.into_iter().collect(),
         }
-        left.sampled.sort();
-        left.sampled.dedup();
-        left
     }
 }

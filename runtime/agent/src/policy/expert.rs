@@ -147,16 +147,10 @@ pub(super) fn least_refused(
     let name = &field.name;
     let usual = step.program.manner.or_usual(name);
     let cost = |value: &Value| {
-        let is_same = |it: &&&Proposal| {
-            it.fields
-                .iter()
-                .any(|own| own.0 == *name && own.1 == *value)
-        };
+        let same = refused.iter().filter(|it| it.get(name) == Some(value));
         let away = usual.zip(field.metres(value));
-        (
-            refused.iter().filter(is_same).count(),
-            away.map_or(0.0, |(usual, metres)| (metres - usual).abs()),
-        )
+        let away_m = away.map_or(0.0, |(usual, metres)| (metres - usual).abs());
+        (same.count(), away_m)
     };
     let costs = space::choices(field, step.scene).into_iter();
     let costs = costs.map(|value| (cost(&value), value));
@@ -166,26 +160,21 @@ pub(super) fn least_refused(
 
 fn candidates(step: &StepView<'_>, field: &ActionField, [pick, place]: Aim) -> Vec<Value> {
     let target = if field.name == "place" { place } else { pick };
-    match &field.choices {
-        Choices::Region { mask } => {
-            let pixel = PixelPoint::new(target[0].floor() as i32, target[1].floor() as i32);
-            let nearest = step.scene.nearest_in(mask, pixel);
-            nearest.map(Value::Point).into_iter().collect()
-        }
-        Choices::Points { .. } => {
-            let mut points = space::choices(field, step.scene);
-            let away = |value: &Value| match value {
-                Value::Point(point) => away_px(target, *point),
-                _ => f64::INFINITY,
-            };
-            points.sort_by(|a, b| away(a).total_cmp(&away(b)));
-            points.truncate(NEAREST);
-            points
-        }
-        Choices::Words { .. } | Choices::Directions { .. } | Choices::Lengths { .. } => {
-            space::choices(field, step.scene)
-        }
+    if let Choices::Region { mask } = &field.choices {
+        let pixel = PixelPoint::new(target[0].floor() as i32, target[1].floor() as i32);
+        let nearest = step.scene.nearest_in(mask, pixel);
+        return nearest.map(Value::Point).into_iter().collect();
     }
+    let mut values = space::choices(field, step.scene);
+    if field.is_point() {
+        let away = |value: &Value| match value {
+            Value::Point(point) => away_px(target, *point),
+            _ => f64::INFINITY,
+        };
+        values.sort_by(|a, b| away(a).total_cmp(&away(b)));
+        values.truncate(NEAREST);
+    }
+    values
 }
 
 /// Returns the distance from a point in the picture to the middle of a pixel.

@@ -95,6 +95,10 @@ impl Policy for Prompted<'_> {
         Ok(lowering::note(program, self.models))
     }
 
+    fn rehearses(&self) -> bool {
+        true
+    }
+
     /// Asks every stage of one step and returns the decision.
     fn decide(
         &mut self,

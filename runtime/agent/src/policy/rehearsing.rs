@@ -3,11 +3,10 @@
 //! In: each step, and what the world has done since the one before. Out: of the inner policy's answers the one that does
 //! best on the twins; or a stop, where nothing may move because twins and camera disagree. The first answer is what the
 //! inner policy decides by itself. Further ones are asked for as the task says: independent ones, then revisions of the
-//! best. A policy that asks no model has one answer, which is not tried.
+//! best. A policy without further answers has one, which is not tried.
 
 use super::{
-    Accepted, Again, Decision, Description, Exchange, Exchanged, Kind, Policy, PolicyError,
-    StepView,
+    Accepted, Again, Decision, Description, Exchange, Exchanged, Policy, PolicyError, StepView,
 };
 use crate::action::Action;
 use crate::outcome::Outcome;
@@ -21,7 +20,7 @@ const NOTICEABLE: f64 = 0.01;
 /// A policy around another one.
 pub struct Rehearsing<'p> {
     inner: Box<dyn Policy + 'p>,
-    twins: Twins,
+    twins: Twins<'p>,
 }
 
 /// An accepted answer, and what would come of it.
@@ -38,7 +37,7 @@ struct Candidate {
 
 impl<'p> Rehearsing<'p> {
     /// Lets a policy try its answers on twins.
-    pub fn new(inner: Box<dyn Policy + 'p>, twins: Twins) -> Rehearsing<'p> {
+    pub fn new(inner: Box<dyn Policy + 'p>, twins: Twins<'p>) -> Rehearsing<'p> {
         Rehearsing { inner, twins }
     }
 
@@ -79,7 +78,7 @@ impl<'p> Rehearsing<'p> {
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Decision, PolicyError> {
         let interrupted = step.without_answer(Outcome::Interrupted);
-        let rehearsal = self.twins.rehearsal.clone();
+        let rehearsal = self.twins.rehearsal;
         let mut stages = step.program.stages.iter();
         let stage = stages.find(|stage| stage.name == rehearsal.stage);
         let count = rehearsal.choose.and(stage).map_or(1, |it| it.candidates());
@@ -255,9 +254,7 @@ impl Policy for Rehearsing<'_> {
                 (exchange.record)(Exchanged::Note(note))?;
                 self.inner.decide(step, exchange)
             }
-            (None, None) if self.description().kind == Kind::Prompted => {
-                self.decide_with_twins(step, exchange)
-            }
+            (None, None) if self.inner.rehearses() => self.decide_with_twins(step, exchange),
             (None, None) => self.inner.decide(step, exchange),
         };
         let took = std::mem::take(&mut self.twins.took);

@@ -5,11 +5,9 @@ use crate::report::Report;
 use fab_agent::best::{Found, Stop, Taken};
 use fab_base::table::aligned;
 use fab_base::wording::counted;
-use fab_bench::statistics;
-use fab_program::{Goal, Metric, Program};
+use fab_program::{Comparison, Goal, Metric, Program};
 use fab_world::start::Start;
 use serde::Serialize;
-use std::collections::BTreeSet;
 use std::path::Path;
 
 /// What was found.
@@ -19,7 +17,6 @@ pub struct BestReport<'a> {
     variant: Option<&'a str>,
     start: &'a str,
     seed: Option<u64>,
-    metric: &'static str,
     goal: Option<&'a Goal>,
     pub goal_missed: bool,
     #[serde(flatten)]
@@ -44,7 +41,6 @@ impl<'a> BestReport<'a> {
             variant: program.variant.as_deref(),
             start: &start.name,
             seed: start.seed,
-            metric: found.measure.metric.as_str(),
             goal_missed: goal.is_some_and(misses),
             goal,
             found,
@@ -53,20 +49,16 @@ impl<'a> BestReport<'a> {
         }
     }
 
-    /// Writes a measure.
-    fn shown(&self, value: f64) -> String {
-        match self.found.measure.metric {
-            Metric::ParticleDistance => format!("{:.1} mm", value * 1000.0),
-            Metric::Coverage | Metric::NormalizedImprovement => format!("{value:.3}"),
-        }
+    fn is_distance(&self) -> bool {
+        self.found.metric == Metric::ParticleDistance
     }
 
-    /// Whether distances to the experts are measured, and what the measure is called.
-    fn measure(&self) -> (bool, &'static str) {
-        match self.found.measure.metric {
-            Metric::ParticleDistance => (true, "distance to the experts"),
-            Metric::Coverage => (false, "coverage"),
-            Metric::NormalizedImprovement => (false, "normalized improvement"),
+    /// Writes a measure.
+    fn shown(&self, value: f64) -> String {
+        if self.is_distance() {
+            format!("{:.1} mm", value * 1000.0)
+        } else {
+            format!("{value:.3}")
         }
     }
 
@@ -77,18 +69,15 @@ impl<'a> BestReport<'a> {
         if !taken.without.is_empty() {
             line += &format!(" (without {})", taken.without.join(", "));
         }
-        let (is_distance, _) = self.measure();
-        line += &if is_distance {
-            format!("; then {} from the experts", self.shown(taken.behind))
+        let (then, limits) = if self.is_distance() {
+            let behind = self.shown(taken.behind);
+            (format!("{behind} from the experts"), "this step limits")
         } else {
-            format!("; then {}", self.shown(taken.value))
+            (self.shown(taken.value), "this step gains least")
         };
+        line += &format!("; then {then}");
         if self.found.limiting == Some(index) {
-            line += if is_distance {
-                "  <- this step limits"
-            } else {
-                "  <- this step gains least"
-            };
+            line += &format!("  <- {limits}");
         }
         line
     }
@@ -98,10 +87,6 @@ impl<'a> BestReport<'a> {
         let mut left = Vec::new();
         if self.found.left.actions > 0 {
             left.push(counted(self.found.left.actions, "listed action"));
-        }
-        if self.found.left.states > 0 {
-            let states = counted(self.found.left.states, "reached state");
-            left.push(format!("all actions of {states}"));
         }
         if !self.found.left.sampled.is_empty() {
             let sampled = self.found.left.sampled.join(", ");
@@ -114,24 +99,6 @@ impl<'a> BestReport<'a> {
             Some(Stop::Interrupt) => "; interrupted",
         };
         format!("  left untried: {}{more}", left.join(", "))
-    }
-
-    fn row(&self, row: &Row) -> [String; 3] {
-        let oracle = if row.oracle { " (oracle)" } else { "" };
-        let mean = statistics::mean(&row.values);
-        let mut notes = Vec::new();
-        if row.values.len() > 1 {
-            notes.push(format!("mean of {} rollouts", row.values.len()));
-        }
-        if !row.reached.is_empty() {
-            let reached = row.reached.iter().filter(|it| **it).count();
-            notes.push(format!("{reached} of {} reach the goal", row.reached.len()));
-        }
-        let measured = mean.map_or("", |_| ", measured at its end");
-        let whys: BTreeSet<&String> = row.unscored.iter().collect();
-        notes.extend(whys.iter().map(|why| format!("no score ({why}){measured}")));
-        let mean = mean.map_or("none".to_owned(), |mean| self.shown(mean));
-        [format!("{}{oracle}", row.name), mean, notes.join("; ")]
     }
 }
 
@@ -161,8 +128,15 @@ impl Report for BestReport<'_> {
         }
         let steps = found.best.iter().enumerate();
         lines.extend(steps.map(|(index, taken)| self.step(index, taken)));
-        let heading = ["", self.measure().1, ""].map(str::to_owned);
-        let rows = self.rows.iter().map(|row| self.row(row));
+        let measure = match self.found.metric {
+            Metric::ParticleDistance => "distance to the experts".to_owned(),
+            metric => metric.as_str().replace('_', " "),
+        };
+        let heading = [String::new(), measure, String::new()];
+        let rows = self
+            .rows
+            .iter()
+            .map(|row| row.cells(|value| self.shown(value)));
         let table: Vec<[String; 3]> = std::iter::once(heading).chain(rows).collect();
         lines.extend(aligned(&[], &table).iter().map(|line| format!("  {line}")));
         if let (Some(goal), true) = (self.goal, self.goal_missed) {
@@ -171,10 +145,9 @@ impl Report for BestReport<'_> {
             } else {
                 "none of the actions tried reaches it"
             };
-            let side = if found.measure.more_is_better {
-                "above"
-            } else {
-                "below"
+            let side = match goal.is {
+                Comparison::Greater | Comparison::AtLeast => "above",
+                _ => "below",
             };
             let limit = self.shown(goal.limit);
             lines.push(format!("  the goal, {side} {limit}, is missed: {why}"));

@@ -13,52 +13,63 @@ use fab_agent::record::{self, Record};
 use fab_agent::rollout::{self, Job};
 use fab_base::parallel::in_parallel;
 use fab_base::{files, npy};
+use fab_bench::statistics;
 use fab_model::Models;
 use fab_model::calls::Budget;
 use fab_program::Goal;
 use fab_standins::Geometric;
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// How many rollouts of random actions there are.
 const DRAWS: usize = 5;
 
 /// One kind of rollouts.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Row {
     #[serde(rename = "row")]
     pub name: &'static str,
     /// Whether it may look at the true state of the cloth, which no camera shows.
     pub oracle: bool,
     /// The measure at the end of each rollout, however it ended.
-    pub values: Vec<f64>,
+    values: Vec<f64>,
     /// Whether each of these reached the goal; empty without one.
-    pub reached: Vec<bool>,
+    reached: Vec<bool>,
     /// Why each rollout without a score has none.
-    pub unscored: Vec<String>,
-}
-
-/// How a rollout ended.
-pub struct End {
-    /// The measure of its last state.
-    pub value: f64,
-    /// Why it has no score, if it has none.
-    pub unscored: Option<String>,
-    /// What it executed.
-    pub actions: Vec<Choice>,
+    unscored: Vec<String>,
 }
 
 impl Row {
-    /// Collects rollouts of one kind.
-    pub fn of(name: &'static str, oracle: bool, ends: &[End], goal: Option<&Goal>) -> Row {
-        let reached = |end: &End| goal.map(|goal| end.unscored.is_none() && goal.is_met(end.value));
-        Row {
-            name,
-            oracle,
-            values: ends.iter().map(|end| end.value).collect(),
-            reached: ends.iter().filter_map(reached).collect(),
-            unscored: ends.iter().filter_map(|end| end.unscored.clone()).collect(),
+    /// Adds a rollout by its measure, and why it has no score, if it has none.
+    pub fn add(&mut self, value: f64, unscored: Option<String>, goal: Option<&Goal>) {
+        self.values.push(value);
+        let is_scored = unscored.is_none();
+        self.reached
+            .extend(goal.map(|goal| is_scored && goal.is_met(value)));
+        self.unscored.extend(unscored);
+    }
+
+    /// Returns the cells of its line in a table; `shown` writes a measure.
+    pub fn cells(&self, shown: impl Fn(f64) -> String) -> [String; 3] {
+        let oracle = if self.oracle { " (oracle)" } else { "" };
+        let mean = statistics::mean(&self.values);
+        let mut notes = Vec::new();
+        if self.values.len() > 1 {
+            notes.push(format!("mean of {} rollouts", self.values.len()));
         }
+        if !self.reached.is_empty() {
+            let reached = self.reached.iter().filter(|it| **it).count();
+            notes.push(format!(
+                "{reached} of {} reach the goal",
+                self.reached.len()
+            ));
+        }
+        let measured = mean.map_or("", |_| ", measured at its end");
+        let whys: BTreeSet<&String> = self.unscored.iter().collect();
+        notes.extend(whys.iter().map(|why| format!("no score ({why}){measured}")));
+        let mean = mean.map_or("none".to_owned(), shown);
+        [format!("{}{oracle}", self.name), mean, notes.join("; ")]
     }
 }
 
@@ -82,15 +93,17 @@ pub fn play(
         ("random", false, &Random { seed }, DRAWS),
         ("stand-in", false, &Prompted::new(models), 1),
     ];
-    let goal = search.program.goal.as_ref();
     let (mut rows, mut scored) = (Vec::new(), Vec::new());
     for (name, oracle, make_policy, count) in makers {
         io.progress(&format!("rollouts beside it: {name}"));
+        let mut row = Row {
+            name,
+            oracle,
+            ..Row::default()
+        };
         if let Err(error) = make_policy.make().prepare(search.program) {
-            rows.push(Row {
-                unscored: vec![error.to_string()],
-                ..Row::of(name, oracle, &[], goal)
-            });
+            row.unscored.push(error.to_string());
+            rows.push(row);
             continue;
         }
         let play = |index: usize| {
@@ -114,16 +127,20 @@ pub fn play(
             end_of(&job, &folder.join(format!("{name}-{}", index + 1)), aim)
         };
         let ends = in_parallel(count, search.limits.threads, play, |_| {})?;
-        let ends: Vec<End> = ends.into_iter().flatten().collect();
-        rows.push(Row::of(name, oracle, &ends, goal));
-        scored.extend(ends.into_iter().filter(|end| end.unscored.is_none()));
+        for (value, unscored, actions) in ends.into_iter().flatten() {
+            if unscored.is_none() {
+                scored.push((aim.loss(value), actions));
+            }
+            row.add(value, unscored, search.program.goal.as_ref());
+        }
+        rows.push(row);
     }
-    let loss = |end: &End| aim.measure.loss(end.value);
-    let best = scored
-        .into_iter()
-        .min_by(|a, b| loss(a).total_cmp(&loss(b)));
-    Ok((rows, best.map_or(Vec::new(), |end| end.actions)))
+    let best = scored.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    Ok((rows, best.map_or(Vec::new(), |(_, actions)| actions)))
 }
+
+/// The measure of a rollout's last state, why it has no score, and what it executed.
+type End = (f64, Option<String>, Vec<Choice>);
 
 /// Plays one rollout; `None` if it was interrupted.
 fn end_of(job: &Job<'_>, folder: &Path, aim: &Aim<'_>) -> Result<Option<End>, Failure> {
@@ -142,9 +159,8 @@ fn end_of(job: &Job<'_>, folder: &Path, aim: &Aim<'_>) -> Result<Option<End>, Fa
     let last = last.and_then(|file| files::read(&folder.join(file), record::MAX_BYTES).ok());
     let last = last.and_then(|bytes| npy::decode(&bytes));
     let last = last.as_ref().unwrap_or(&job.start.positions);
-    Ok(Some(End {
-        value: aim.value(last).map_err(Failure::environment)?,
-        unscored: (!report.outcome.is_scored()).then_some(why),
-        actions: record.steps.iter().filter_map(Choice::of).collect(),
-    }))
+    let value = aim.value(last).map_err(Failure::environment)?;
+    let unscored = (!report.outcome.is_scored()).then_some(why);
+    let actions = record.steps.iter().filter_map(Choice::of).collect();
+    Ok(Some((value, unscored, actions)))
 }
