@@ -125,26 +125,16 @@ fn carried(
     pick: WorldPoint,
     observation: &Observation,
 ) -> Option<(PixelPoint, WorldPoint)> {
-    let (Value::Direction { deg }, Value::Length { length }) =
-        (proposal.get("direction")?, proposal.get("distance")?)
-    else {
+    let Value::Direction { deg } = proposal.get("direction")? else {
         return None;
     };
-    let choices = |name: &str| program.field(name).map(|field| &field.choices);
-    let Some(Choices::Directions {
-        choices: directions,
-    }) = choices("direction")
-    else {
+    let Choices::Directions { choices } = &program.field("direction")?.choices else {
         return None;
     };
-    let Some(Choices::Lengths {
-        choices: lengths, ..
-    }) = choices("distance")
-    else {
-        return None;
-    };
-    let [right, down] = directions.iter().find(|choice| choice.deg == *deg)?.vector;
-    let length_m = lengths.iter().find(|choice| choice.value == *length)?.m;
+    let [right, down] = choices.iter().find(|choice| choice.deg == *deg)?.vector;
+    let length_m = program
+        .field("distance")?
+        .metres(proposal.get("distance")?)?;
     let camera = &observation.camera;
     let way = camera.table_direction(camera.pixel_from_world(pick)?, [right, down])?;
     let place = pick + way * length_m;

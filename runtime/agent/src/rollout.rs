@@ -222,10 +222,10 @@ pub fn run(
     let mut tries = Tries::default();
     while let Some(step) = tries.step(job.horizon()) {
         tries.number += 1;
-        keeper.asking.begin(match keeper.folder.repeats() {
+        keeper.asking.step_kind = match keeper.folder.repeats() {
             true => StepKind::Repeated,
             false => StepKind::New,
-        });
+        };
         let mut turn = Turn::new(job, tries.number, step, tries.before);
         let mut stopped = turn.take(
             policy.as_mut(),

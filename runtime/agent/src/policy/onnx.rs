@@ -11,6 +11,7 @@ use super::proposing::{Proposed, stop, until_accepted};
 use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, StepView};
 use crate::action::{Action, combinations};
 use crate::outcome::Outcome;
+use fab_base::wording::quoted;
 use fab_base::{digest, files};
 use fab_program::verify::{Strictness, Verdict};
 use fab_program::{Choices, Face, Program, Proposal, Value as FieldValue, space};
@@ -95,9 +96,9 @@ fn check_interface(model: &Model) -> Result<(), String> {
     let takes = names(model.input_ids());
     for name in &takes {
         let Some((_, shape)) = INPUTS.iter().find(|(input, _)| *input == name.as_str()) else {
-            let inputs = INPUTS.map(|(input, _)| format!("`{input}`")).join(", ");
             return Err(format!(
-                "takes `{name}`, which fabc does not provide; the inputs are {inputs}"
+                "takes `{name}`, which fabc does not provide; the inputs are {}",
+                quoted(INPUTS.map(|(input, _)| input))
             ));
         };
         check_shape(model, name, shape)?;
@@ -110,10 +111,9 @@ fn check_interface(model: &Model) -> Result<(), String> {
     }
     let returned = names(model.output_ids());
     if returned != [OUTPUT.0] {
-        let returned = returned.iter().map(|name| format!("`{name}`"));
         return Err(format!(
             "returns {}, and must return `{}` alone",
-            returned.collect::<Vec<_>>().join(", "),
+            quoted(returned),
             OUTPUT.0
         ));
     }
@@ -126,8 +126,8 @@ fn check_shape(model: &Model, name: &str, shape: &[&str]) -> Result<(), String> 
     let Some(info) = info else {
         return Err(format!("lacks `{name}`"));
     };
-    let is_float = |kind| kind == ValueType::Tensor(DataType::Float);
-    if !info.dtype().is_none_or(is_float) {
+    let float = ValueType::Tensor(DataType::Float);
+    if info.dtype().is_some_and(|kind| kind != float) {
         return Err(format!(
             "declares `{name}` of another type; it must be float32"
         ));
@@ -177,16 +177,16 @@ impl Policy for Onnx {
     }
 
     fn prepare(&self, program: &Program) -> Result<Option<String>, PolicyError> {
-        let listed = |name: &str| match program.field(name).map(|field| &field.choices) {
-            Some(Choices::Region { mask }) => Err(PolicyError::Unfit(format!(
-                "`{name}` of `{}` is any pixel of `{mask}`, and `--policy {}` compares listed points: write `one of`",
-                program.title(),
-                self.name
-            ))),
-            _ => Ok(()),
-        };
-        listed("pick")?;
-        listed("place")?;
+        let unfit = |why: String| Err(PolicyError::Unfit(why));
+        let (task, policy) = (program.title(), &self.name);
+        for name in ["pick", "place"] {
+            let field = program.field(name).map(|field| &field.choices);
+            if let Some(Choices::Region { mask }) = field {
+                return unfit(format!(
+                    "`{name}` of `{task}` is any pixel of `{mask}`, and `--policy {policy}` compares listed points: write `one of`"
+                ));
+            }
+        }
         let image_px = program.camera.image_px as usize;
         for (input, shape) in INPUTS {
             let id = self.model.find_node(input);
@@ -196,11 +196,9 @@ impl Policy for Onnx {
                 if let ("H" | "W", Dimension::Fixed(length)) = (*side, declared)
                     && length != image_px
                 {
-                    return Err(PolicyError::Unfit(format!(
-                        "`--policy {}` takes a `{input}` of {length} px a side, and the pictures of `{}` have {image_px} px",
-                        self.name,
-                        program.title()
-                    )));
+                    return unfit(format!(
+                        "`--policy {policy}` takes a `{input}` of {length} px a side, and the pictures of `{task}` have {image_px} px"
+                    ));
                 }
             }
         }

@@ -9,16 +9,14 @@ mod talk;
 
 use super::proposing::{Refusal, Settled};
 use super::{
-    Accepted, Again, Decision, Description, Exchange, Finding, Kind, Policy, PolicyError,
-    RoleModels, StepView,
+    Again, Decision, Description, Exchange, Kind, Policy, PolicyError, RoleModels, StepView,
 };
 use crate::outcome::Outcome;
 pub use conversation::{MessagePart, PromptError, StageMessage, conversation, opening};
 use fab_model::{Description as ModelDescription, Models, Png, lowering};
 use fab_picture::png;
 use fab_program::render::{RenderError, Values};
-use fab_program::verify::Verdict;
-use fab_program::{Program, Proposal, Read};
+use fab_program::{Program, Read};
 pub use rehearsal::{Rehearsed, rehearse};
 use std::collections::BTreeMap;
 use talk::Talk;
@@ -59,15 +57,10 @@ impl<'m> Prompted<'m> {
     ) -> Result<(Talk, Settled), PolicyError> {
         let model = self.models.of(step.program.stages[stage].model);
         let texts = &self.texts;
-        let mut talk = Talk::begin(
-            *step,
-            stage,
-            texts,
-            model.lowering(),
-            Values::Known,
-            numbers,
-        )?;
-        let settled = talk.settle(*step, texts, model, exchange)?;
+        let lowering = model.lowering();
+        let mut talk = Talk::begin(*step, stage, texts, lowering, Values::Known, numbers)?;
+        let attempts = step.program.verify.attempts;
+        let settled = talk.settle(*step, attempts, texts, model, exchange)?;
         Ok((talk, settled))
     }
 }
@@ -143,27 +136,11 @@ impl Policy for Prompted<'_> {
                 let Some(talk) = talks.get_mut(answer) else {
                     return Ok(None);
                 };
-                let declared = &step.program.stages[*stage];
-                let model = self.models.of(declared.model);
+                let model = self.models.of(step.program.stages[*stage].model);
                 let predicted = Png::new(png::encode(&model.lowering().resized(predicted)));
+                talk.show_prediction(PREDICTED, predicted);
                 talk.asked = asked;
-                let shown = (PREDICTED, predicted);
-                match talk.revise(*step, &self.texts, model, exchange, shown)? {
-                    Finding::Failed { outcome, why, .. } => Settled::Failed { outcome, why },
-                    Finding::Action {
-                        fields,
-                        verdict: Verdict::Accept,
-                        ..
-                    } => {
-                        let accepted = Accepted {
-                            stage: declared.name.clone(),
-                            attempt: talk.asked,
-                            without: Vec::new(),
-                        };
-                        Settled::Action(Proposal { fields }, accepted)
-                    }
-                    _ => Settled::Refused(None),
-                }
+                talk.settle(*step, 1, &self.texts, model, exchange)?
             }
         };
         Ok(Some(match settled {

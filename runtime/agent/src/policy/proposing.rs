@@ -50,16 +50,17 @@ pub(super) struct Refusal {
 /// Makes an attempt, given the refusals so far.
 type Ask<'p> = dyn FnMut(&[Refusal], &mut Exchange<'_, '_>) -> Result<Attempt, PolicyError> + 'p;
 
-/// Makes attempts until an answer is accepted.
+/// Makes at most so many attempts, until an answer is accepted.
 pub(super) fn settle(
     step: &StepView<'_>,
+    attempts: u32,
     facts: Facts<'_>,
     exchange: &mut Exchange<'_, '_>,
     ask: &mut Ask<'_>,
 ) -> Result<Settled, PolicyError> {
     let mut refusals = Vec::new();
     let mut stage = String::new();
-    for _ in 0..step.program.verify.attempts {
+    for _ in 0..attempts {
         let attempt = ask(&refusals, exchange)?;
         (exchange.record)(Exchanged::Attempt(&attempt))?;
         let (check, why, proposal) = match attempt.finding {
@@ -155,29 +156,36 @@ pub(super) fn until_accepted(
 ) -> Result<Decision, PolicyError> {
     let texts = BTreeMap::new();
     let facts = step.facts(&texts, step.pixels());
-    let settled = settle(step, facts, exchange, &mut |refusals, exchange| {
-        let begun = Instant::now();
-        let proposed = propose(refusals, exchange)?;
-        let took = begun.elapsed();
-        let finding = match proposed.answer {
-            Err(finding) => finding,
-            Ok(proposal) => Finding::Action {
-                verdict: step.ground().verdict(facts, &proposal, Strictness::Full)?,
-                fields: proposal.fields,
-                repairs: Vec::new(),
-                stated: Vec::new(),
-            },
-        };
-        Ok(Attempt {
-            stage: STAGE.to_owned(),
-            number: refusals.len() as u32 + 1,
-            question: proposed.question,
-            reply: proposed.reply,
-            note: proposed.note,
-            finding,
-            took,
-        })
-    })?;
+    let attempts = step.program.verify.attempts;
+    let settled = settle(
+        step,
+        attempts,
+        facts,
+        exchange,
+        &mut |refusals, exchange| {
+            let begun = Instant::now();
+            let proposed = propose(refusals, exchange)?;
+            let took = begun.elapsed();
+            let finding = match proposed.answer {
+                Err(finding) => finding,
+                Ok(proposal) => Finding::Action {
+                    verdict: step.ground().verdict(facts, &proposal, Strictness::Full)?,
+                    fields: proposal.fields,
+                    repairs: Vec::new(),
+                    stated: Vec::new(),
+                },
+            };
+            Ok(Attempt {
+                stage: STAGE.to_owned(),
+                number: refusals.len() as u32 + 1,
+                question: proposed.question,
+                reply: proposed.reply,
+                note: proposed.note,
+                finding,
+                took,
+            })
+        },
+    )?;
     // A proposal outside the action space is a failure of the policy, not a bad choice.
     let is_outside = |refusal: &Refusal| refusal.proposal.is_none() || refusal.check == OFFERED;
     Ok(match settled {

@@ -131,7 +131,9 @@ impl<'p> Rehearsing<'p> {
                 predicted,
             };
             let revision = match self.inner.again(step, exchange, again)? {
-                Some(Decision::Act { grips, accepted }) if grips != taken.grips => {
+                Some(Decision::Act { grips, accepted })
+                    if accepted.without.is_empty() && grips != taken.grips =>
+                {
                     self.tried(step, taken.answer, (grips, accepted), exchange)
                 }
                 Some(decision) if decision == interrupted => Err(Interrupted),

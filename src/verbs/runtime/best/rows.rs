@@ -33,11 +33,11 @@ pub struct Row {
     /// Whether it may look at the true state of the cloth, which no camera shows.
     pub oracle: bool,
     /// The measure at the end of each rollout, however it ended.
-    values: Vec<f64>,
+    pub values: Vec<f64>,
     /// Whether each of these reached the goal; empty without one.
-    reached: Vec<bool>,
+    pub reached: Vec<bool>,
     /// Why each rollout without a score has none.
-    unscored: Vec<String>,
+    pub unscored: Vec<String>,
 }
 
 impl Row {

@@ -91,7 +91,13 @@ pub fn rehearse(
             },
             interrupt: &Interrupt::default(),
         };
-        let settled = talk.settle(view, &texts, &given, &mut exchange)?;
+        let settled = talk.settle(
+            view,
+            view.program.verify.attempts,
+            &texts,
+            &given,
+            &mut exchange,
+        )?;
         rehearsed.push(Rehearsed {
             stage: stage.name.clone(),
             n_asked_first,

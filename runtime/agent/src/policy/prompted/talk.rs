@@ -81,41 +81,37 @@ impl Talk {
         &program.stages[self.stage]
     }
 
-    /// Asks until the stage has its answer.
+    /// Asks at most so often, until the stage has its answer.
     pub fn settle(
         &mut self,
         view: StepView<'_>,
+        attempts: u32,
         texts: &BTreeMap<String, String>,
         model: &dyn Model,
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Settled, PolicyError> {
         let facts = view.facts(texts, self.lowering.pointing(view.pictures.size()));
-        settle(&view, facts, exchange, &mut |refusals, exchange| {
-            if let Some(refusal) = refusals.last() {
-                self.correct(view, facts, refusal)?;
-            }
-            self.ask(view, facts, model, exchange)
-        })
+        settle(
+            &view,
+            attempts,
+            facts,
+            exchange,
+            &mut |refusals, exchange| {
+                if let Some(refusal) = refusals.last() {
+                    self.correct(view, facts, refusal)?;
+                }
+                self.ask(view, facts, model, exchange)
+            },
+        )
     }
 
-    /// Shows the model what would come of its last answer, and asks once more.
-    pub fn revise(
-        &mut self,
-        view: StepView<'_>,
-        texts: &BTreeMap<String, String>,
-        model: &dyn Model,
-        exchange: &mut Exchange<'_, '_>,
-        (words, predicted): (&str, Png),
-    ) -> Result<Finding, PolicyError> {
+    /// Adds the last answer, and what would come of it.
+    pub fn show_prediction(&mut self, words: &str, predicted: Png) {
         self.say_answer(self.answer.clone());
         let words = PromptText::by_fabc(words.to_owned());
         let mut shown = StageMessage::text(Speaker::User, words);
         shown.parts.push(MessagePart::Prediction(predicted));
         self.messages.push(shown);
-        let facts = view.facts(texts, self.lowering.pointing(view.pictures.size()));
-        let attempt = self.ask(view, facts, model, exchange)?;
-        (exchange.record)(Exchanged::Attempt(&attempt))?;
-        Ok(attempt.finding)
     }
 
     fn say_answer(&mut self, text: String) {
