@@ -143,14 +143,22 @@ impl External {
         interrupt: &Interrupt,
     ) -> Result<Reply, (Outcome, String)> {
         let limit = self.limit;
+        // The answer, parsed and as it came.
+        let answer_of = |child: &mut Child, question| {
+            child.send(question)?;
+            let line = child.receive(limit, interrupt)?;
+            let answer: Line = child.read(&line)?;
+            Ok((answer, String::from_utf8_lossy(&line).into_owned()))
+        };
         let child = match &mut self.child {
             Some(child) => child,
             absent => {
                 let stderr = folder.join(STDERR_FILE);
                 let child = Child::start(&self.command, Some(&stderr)).map_err(failed)?;
                 let child = absent.insert(child);
-                greet(child, &self.command, limit, interrupt)?;
-                let (refused, line) = answer_of(child, reset, limit, interrupt).map_err(failed)?;
+                let hello = protocol::Question::Hello { protocol: PROTOCOL };
+                greeted(child.ask(&hello, limit, interrupt), &self.command)?;
+                let (refused, line) = answer_of(child, reset).map_err(failed)?;
                 if refused.grips.is_some() {
                     let why = "to `reset` it is `{}`, or has only `refuse`";
                     return Err(failed(child.no_answer(line.as_bytes(), why)));
@@ -161,20 +169,16 @@ impl External {
                 child
             }
         };
-        let (_, line) = answer_of(child, decide, limit, interrupt).map_err(failed)?;
+        let (_, line) = answer_of(child, decide).map_err(failed)?;
         Ok(Reply::text(line))
     }
 }
 
 /// Makes sure that a program answers this version of the lines.
-fn greet(
-    child: &mut Child,
+fn greeted(
+    answered: Result<protocol::Hello, ChildError>,
     command: &CommandLine,
-    limit: Duration,
-    interrupt: &Interrupt,
 ) -> Result<(), (Outcome, String)> {
-    let hello = protocol::Question::Hello { protocol: PROTOCOL };
-    let answered = child.ask(&hello, limit, interrupt);
     let why = match answered {
         Ok(protocol::Hello { protocol: PROTOCOL }) => return Ok(()),
         Err(ChildError::Interrupted) => return Err(failed(ChildError::Interrupted)),
@@ -188,19 +192,6 @@ fn greet(
          `{{\"do\": \"reset\"}}` with `{{}}`, and then each `{{\"do\": \"decide\"}}`"
     );
     Err((Outcome::PolicyFailed, why))
-}
-
-/// Sends a question; returns the line that answers it, parsed and as it came.
-fn answer_of(
-    child: &mut Child,
-    question: &protocol::Question,
-    limit: Duration,
-    interrupt: &Interrupt,
-) -> Result<(Line, String), ChildError> {
-    child.send(question)?;
-    let line = child.receive(limit, interrupt)?;
-    let answer = child.read(&line)?;
-    Ok((answer, String::from_utf8_lossy(&line).into_owned()))
 }
 
 fn failed(error: ChildError) -> (Outcome, String) {

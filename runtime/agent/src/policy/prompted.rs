@@ -19,7 +19,7 @@ use fab_program::render::{RenderError, Values};
 use fab_program::{Program, Read};
 pub use rehearsal::{Rehearsed, rehearse};
 use std::collections::BTreeMap;
-use talk::Talk;
+use talk::{Setting, Talk};
 
 /// What the model is told with the picture of what would come of its answer.
 const PREDICTED: &str = "The picture shows how the cloth would lie after this action, as a simulation predicts it. Answer once more, in the same format: with the same action if the cloth would lie as it should, otherwise with a better one.";
@@ -45,23 +45,14 @@ impl<'m> Prompted<'m> {
         }
     }
 
-    /// Asks a stage for an answer of its own.
-    ///
-    /// - `[candidate, asked]`: which one, from 0, and how many questions of the stage were asked before in the step.
-    fn ask(
-        &self,
-        step: &StepView<'_>,
-        stage: usize,
-        numbers: [u32; 2],
-        exchange: &mut Exchange<'_, '_>,
-    ) -> Result<(Talk, Settled), PolicyError> {
-        let model = self.models.of(step.program.stages[stage].model);
-        let texts = &self.texts;
-        let lowering = model.lowering();
-        let mut talk = Talk::begin(*step, stage, texts, lowering, Values::Known, numbers)?;
-        let attempts = step.program.verify.attempts;
-        let settled = talk.settle(*step, attempts, texts, model, exchange)?;
-        Ok((talk, settled))
+    fn setting<'a>(&'a self, step: &StepView<'a>, stage: usize) -> Setting<'a> {
+        let stage = &step.program.stages[stage];
+        Setting {
+            view: *step,
+            stage,
+            texts: &self.texts,
+            model: self.models.of(stage.model),
+        }
     }
 }
 
@@ -101,7 +92,9 @@ impl Policy for Prompted<'_> {
         self.texts.clear();
         let mut decision = step.without_answer(Outcome::MalformedReply);
         for (index, stage) in step.program.stages.iter().enumerate() {
-            let (talk, settled) = self.ask(step, index, [0, 0], exchange)?;
+            let at = self.setting(step, index);
+            let mut talk = Talk::begin(at, Values::Known, [0, 0])?;
+            let settled = talk.settle(at, step.program.verify.attempts, exchange)?;
             if stage.read == Read::Action {
                 self.acting = (index, vec![talk]);
             }
@@ -123,26 +116,28 @@ impl Policy for Prompted<'_> {
         exchange: &mut Exchange<'_, '_>,
         again: Again<'_>,
     ) -> Result<Option<Decision>, PolicyError> {
-        let (stage, talks) = &mut self.acting;
+        let (stage, mut talks) = std::mem::take(&mut self.acting);
+        let at = self.setting(step, stage);
         let asked = talks.iter().map(|talk| talk.asked).max().unwrap_or(0);
         let settled = match again {
             Again::Independent => {
-                let (stage, candidate) = (*stage, talks.len() as u32);
-                let (talk, settled) = self.ask(step, stage, [candidate, asked], exchange)?;
-                self.acting.1.push(talk);
+                let numbers = [talks.len() as u32, asked];
+                let mut talk = Talk::begin(at, Values::Known, numbers)?;
+                let settled = talk.settle(at, step.program.verify.attempts, exchange)?;
+                talks.push(talk);
                 settled
             }
             Again::Revised { answer, predicted } => {
                 let Some(talk) = talks.get_mut(answer) else {
                     return Ok(None);
                 };
-                let model = self.models.of(step.program.stages[*stage].model);
-                let predicted = Png::new(png::encode(&model.lowering().resized(predicted)));
-                talk.show_prediction(PREDICTED, predicted);
+                let sent = at.model.lowering().resized(predicted).into_owned();
+                talk.show_prediction(PREDICTED, Png::new(png::encode(&sent)));
                 talk.asked = asked;
-                talk.settle(*step, 1, &self.texts, model, exchange)?
+                talk.settle(at, 1, exchange)?
             }
         };
+        self.acting = (stage, talks);
         Ok(Some(match settled {
             Settled::Action(proposal, accepted) => Decision::act(proposal, accepted),
             Settled::Failed {

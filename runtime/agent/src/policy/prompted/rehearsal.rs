@@ -5,7 +5,7 @@
 //! model's texts.
 
 use super::StageMessage;
-use super::talk::Talk;
+use super::talk::{Setting, Talk};
 use crate::policy::proposing::Settled;
 use crate::policy::{Asking, Exchange, Exchanged, Finding, PolicyError, StepView};
 use fab_base::interrupt::Interrupt;
@@ -57,7 +57,7 @@ impl Model for Given {
 
 /// Runs stages of a step as a rollout does, with given answers instead of a model.
 ///
-/// - `stages`: the stages of the view's program to go through, in its order.
+/// - `stages`: the stages to go through, in the program's order.
 /// - `lowering`: that of the model which would answer.
 /// - `answers`: in the order of the questions; each stage takes as many as it asks for.
 ///
@@ -72,11 +72,14 @@ pub fn rehearse(
     let given = Given { lowering, answers };
     let mut texts = BTreeMap::new();
     let mut rehearsed = Vec::with_capacity(stages.len());
-    for (index, stage) in view.program.stages.iter().enumerate() {
-        if !stages.iter().any(|it| it.name == stage.name) {
-            continue;
-        }
-        let mut talk = Talk::begin(view, index, &texts, lowering, Values::Partly, [0, 0])?;
+    for stage in stages {
+        let at = Setting {
+            view,
+            stage,
+            texts: &texts,
+            model: &given,
+        };
+        let mut talk = Talk::begin(at, Values::Partly, [0, 0])?;
         let n_asked_first = talk.messages.len();
         let mut findings = Vec::new();
         let mut exchange = Exchange {
@@ -91,13 +94,7 @@ pub fn rehearse(
             },
             interrupt: &Interrupt::default(),
         };
-        let settled = talk.settle(
-            view,
-            view.program.verify.attempts,
-            &texts,
-            &given,
-            &mut exchange,
-        )?;
+        let settled = talk.settle(at, view.program.verify.attempts, &mut exchange)?;
         rehearsed.push(Rehearsed {
             stage: stage.name.clone(),
             n_asked_first,

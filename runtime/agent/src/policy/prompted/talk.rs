@@ -8,24 +8,37 @@ use crate::policy::judge::judge;
 use crate::policy::proposing::{Refusal, Settled, settle};
 use crate::policy::{Attempt, Exchange, Exchanged, Finding, PolicyError, Question, StepView};
 use fab_model::calls::CallRefused;
-use fab_model::{Lowering, Model, ModelError, Png, Request, Speaker};
+use fab_model::{Model, ModelError, Png, Request, Speaker};
 use fab_program::facts::Facts;
 use fab_program::pointing::Notation;
 use fab_program::render::{self, PromptText, REFUSED_ACTION, RenderError, SEPARATOR, Values};
-use fab_program::{Layers, ModelRole, OVERLAP, Picture, Program, Proposal, Stage, reply, space};
+use fab_program::{Layers, ModelRole, OVERLAP, Picture, Proposal, Stage, reply, space};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-/// The conversation of one stage in one step. All its calls get the view and the texts that it began with.
+/// Who is asked what: a stage in a step, with the texts that are known, and the model that answers.
+#[derive(Clone, Copy)]
+pub(super) struct Setting<'a> {
+    pub view: StepView<'a>,
+    pub stage: &'a Stage,
+    pub texts: &'a BTreeMap<String, String>,
+    pub model: &'a dyn Model,
+}
+
+impl<'a> Setting<'a> {
+    fn facts(&self) -> Facts<'a> {
+        let pointing = self.model.lowering().pointing(self.view.pictures.size());
+        self.view.facts(self.texts, pointing)
+    }
+}
+
+/// The conversation of one stage in one step. All its calls get the setting that it began with.
 #[derive(Clone, Debug)]
 pub(super) struct Talk {
-    /// The index of the stage in the program.
-    stage: usize,
-    lowering: Lowering,
+    pub messages: Vec<StageMessage>,
     /// The notation of the scene's points for the model.
     notation: Notation,
-    pub messages: Vec<StageMessage>,
     /// The schema of valid answers for this scene.
     schema: Value,
     /// Which of several answers to one question is asked for, from 0.
@@ -39,26 +52,20 @@ pub(super) struct Talk {
 impl Talk {
     /// Begins with the stage's messages.
     ///
-    /// - `stage`: its index in the program.
     /// - `known`: [`Values::Known`], or [`Values::Partly`] to show missing texts as words in angle brackets.
     /// - `candidate`: which of several answers is asked for, from 0.
     /// - `asked`: questions of this stage and step so far.
-    pub fn begin<'t>(
-        view: StepView<'t>,
-        stage: usize,
-        texts: &'t BTreeMap<String, String>,
-        lowering: Lowering,
-        known: fn(Facts<'t>) -> Values<'t>,
+    pub fn begin<'a>(
+        at: Setting<'a>,
+        known: fn(Facts<'a>) -> Values<'a>,
         [candidate, asked]: [u32; 2],
     ) -> Result<Talk, PromptError> {
-        let (program, pictures) = (view.program, view.pictures);
-        let declared = &program.stages[stage];
-        let facts = view.facts(texts, lowering.pointing(pictures.size()));
-        let values = known(facts);
-        let mut messages = conversation(program, declared, values, pictures, view.step, &lowering)?;
-        if let Some(remark) = remark(view, facts)? {
-            let question = messages.last_mut().into_iter();
-            question.for_each(|it| it.parts.push(MessagePart::Text(remark.clone())));
+        let (program, view, facts) = (at.view.program, at.view, at.facts());
+        let (values, lowering) = (known(facts), at.model.lowering());
+        let pictures = view.pictures;
+        let mut messages = conversation(program, at.stage, values, pictures, view.step, &lowering)?;
+        if let (Some(remark), Some(question)) = (remark(view, facts)?, messages.last_mut()) {
+            question.parts.push(MessagePart::Text(remark));
         }
         let notation = facts.notation(program);
         let fields = program.actions.iter();
@@ -66,10 +73,8 @@ impl Talk {
             .map(|field| (field.name.clone(), space::choices(field, view.scene)))
             .collect();
         Ok(Talk {
-            stage,
-            lowering,
             messages,
-            schema: reply::for_stage(program, declared, &notation, &offered),
+            schema: reply::for_stage(program, at.stage, &notation, &offered),
             notation,
             candidate,
             asked,
@@ -77,30 +82,23 @@ impl Talk {
         })
     }
 
-    fn stage<'p>(&self, program: &'p Program) -> &'p Stage {
-        &program.stages[self.stage]
-    }
-
     /// Asks at most so often, until the stage has its answer.
     pub fn settle(
         &mut self,
-        view: StepView<'_>,
+        at: Setting<'_>,
         attempts: u32,
-        texts: &BTreeMap<String, String>,
-        model: &dyn Model,
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Settled, PolicyError> {
-        let facts = view.facts(texts, self.lowering.pointing(view.pictures.size()));
         settle(
-            &view,
+            &at.view,
             attempts,
-            facts,
+            at.facts(),
             exchange,
             &mut |refusals, exchange| {
                 if let Some(refusal) = refusals.last() {
-                    self.correct(view, facts, refusal)?;
+                    self.correct(at, refusal)?;
                 }
-                self.ask(view, facts, model, exchange)
+                self.ask(at, exchange)
             },
         )
     }
@@ -123,12 +121,10 @@ impl Talk {
     /// Asks the next question, and judges the answer.
     fn ask(
         &mut self,
-        view: StepView<'_>,
-        facts: Facts<'_>,
-        model: &dyn Model,
+        at: Setting<'_>,
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Attempt, PolicyError> {
-        let stage = self.stage(view.program);
+        let Setting { view, stage, .. } = at;
         self.asked += 1;
         let request = Request {
             role: stage.model,
@@ -150,11 +146,11 @@ impl Talk {
             question: &question,
         })?;
         let begun = Instant::now();
-        let answered = exchange.asking.ask(model, &request);
+        let answered = exchange.asking.ask(at.model, &request);
         let took = begun.elapsed();
         let (reply, finding) = match answered {
             Ok(reply) => {
-                let finding = judge(view, stage, facts, &reply.text)?;
+                let finding = judge(view, stage, at.facts(), &reply.text)?;
                 (Some(reply), finding)
             }
             Err(ModelError::NotSent(
@@ -176,19 +172,15 @@ impl Talk {
     }
 
     /// Adds a refused answer, why it was refused and, if the task asks for that, a picture of its action.
-    fn correct(
-        &mut self,
-        view: StepView<'_>,
-        facts: Facts<'_>,
-        refusal: &Refusal,
-    ) -> Result<(), RenderError> {
+    fn correct(&mut self, at: Setting<'_>, refusal: &Refusal) -> Result<(), RenderError> {
         self.say_answer(refusal.answer.clone());
-        let program = view.program;
+        let program = at.view.program;
         // The message of a declared check says where in the source its texts stand.
         let mut checks = program.verify.checks.iter();
         let check = checks.find(|declared| declared.name == refusal.check);
         let declared = match (check, &refusal.proposal) {
             (Some(check), Some(proposal)) => {
+                let facts = at.facts();
                 let facts = facts.judging(proposal);
                 render::text(program, &check.message, Values::Known(facts))?
             }
@@ -197,7 +189,7 @@ impl Talk {
         let same = declared.filter(|said| said.text == refusal.why);
         let mut said = same.unwrap_or_else(|| PromptText::by_fabc(refusal.why.clone()));
         let action = refusal.proposal.as_ref();
-        let picture = action.and_then(|it| self.refused_action(view, it));
+        let picture = action.and_then(|it| self.refused_action(at, it));
         if picture.is_some() {
             said.push(SEPARATOR, PromptText::by_fabc(REFUSED_ACTION));
         }
@@ -212,9 +204,9 @@ impl Talk {
     /// Draws a refused action on the stage's picture, if the task asks for that.
     ///
     /// Also `None` if the answer leads nowhere, for example with a distance that was never offered.
-    fn refused_action(&self, view: StepView<'_>, proposal: &Proposal) -> Option<Png> {
+    fn refused_action(&self, at: Setting<'_>, proposal: &Proposal) -> Option<Png> {
+        let Setting { view, stage, .. } = at;
         let (program, pictures) = (view.program, view.pictures);
-        let stage = self.stage(program);
         if !program.verify.with_picture || stage.model == ModelRole::Text {
             return None;
         }
@@ -228,7 +220,7 @@ impl Talk {
             pictures.scene.clone()
         };
         fab_vision::draw_action(&mut drawn, action.pick_px, action.place_px).ok()?;
-        Some(scene_png(&drawn, &self.lowering, &self.notation))
+        Some(scene_png(&drawn, &at.model.lowering(), &self.notation))
     }
 }
 
