@@ -4,7 +4,7 @@ use super::pty::Session;
 use super::seen_coverage::Blind;
 use super::support::{Fabc, ProjectFiles, bring_library, fabc, finish};
 use fab_agent::action::Action;
-use fab_agent::best::{self, Choice, Found, Limits, Search, Stop};
+use fab_agent::best::{self, Aim, Choice, Found, Limits, Search, Stop};
 use fab_agent::scene::Scene;
 use fab_agent::subgoals::SubgoalSet;
 use fab_base::cache::Cache;
@@ -189,7 +189,7 @@ impl Asked<'_> {
                 }
             },
         };
-        best::search(&search).unwrap()
+        best::search(&search, &Aim::of(&search).unwrap()).unwrap()
     }
 }
 
@@ -521,7 +521,7 @@ fn a_world_without_copies_is_searched_with_equal_results_and_one_without_particl
     let program = compiled(folder.path(), TWICE);
     let simulated = || SimulatedWorld::of(&program);
     let search = |make_world: &MakeWorld<'_>| {
-        best::search(&Search {
+        let search = Search {
             program: &program,
             start: &Start::flat(&program.cloth),
             subgoals: &SubgoalSet::none(),
@@ -533,7 +533,8 @@ fn a_world_without_copies_is_searched_with_equal_results_and_one_without_particl
             hint: &[],
             interrupt: &Interrupt::default(),
             progress: &|_| {},
-        })
+        };
+        best::search(&search, &Aim::of(&search)?)
     };
     let copied = Asked::of(&program).found(folder.path());
     let again = search(&|| Ok(Box::new(Copyless(simulated()?)))).unwrap();

@@ -308,6 +308,18 @@ fn a_candidate_that_is_not_answered_leaves_the_choice_among_those_that_are() {
 }
 
 #[test]
+fn where_an_earlier_stage_has_no_answer_no_candidate_is_asked_for() {
+    let program = rehearsing();
+    let model = Scripted::new(&[""; 9]);
+    let played = play(&program, &model, plain, |_| {});
+    assert_eq!(played.report.outcome, Outcome::MalformedReply);
+    let asked = model.asked.into_inner().unwrap();
+    assert_eq!(asked.len() as u32, program.verify.attempts);
+    let line = played.line.unwrap();
+    assert_eq!((line.chosen, line.calls), (None, 0));
+}
+
+#[test]
 fn the_declared_measure_decides_which_candidate_is_taken() {
     // The first answer folds the cloth in half, the second a corner to the center; the third repeats the first.
     for (choose, chosen) in [

@@ -78,10 +78,6 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
     let program = setting::fitted(&arguments.task, &declared, &start, io)?;
     let make_world = || world_of(&program);
     let make_expert_world = || setting::world(&program);
-    let mut world = make_world()?;
-    world.reset(&start)?;
-    best::check_world(world.as_ref()).map_err(failure)?;
-    drop(world);
     let mut shown = make_expert_world()?;
     shown.reset(&start)?;
     let subgoals = setting::subgoals(&declared, &beside, shown.as_mut(), &interrupt)?;
@@ -116,9 +112,9 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
         hint: &hint,
         ..search
     };
-    let found = unless_stopped(best::search(&hinted));
+    let found = unless_stopped(best::search(&hinted, &aim)).map_err(failure)?;
     io.progress("");
-    let found = found.map_err(failure)?.ok_or_else(stopped)?;
+    let found = found.ok_or_else(stopped)?;
     let mut best = Row {
         name: "best",
         oracle: true,

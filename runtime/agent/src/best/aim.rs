@@ -27,8 +27,19 @@ pub struct Aim<'a> {
 impl<'a> Aim<'a> {
     /// Finds what is measured, and simulates the experts' states that are not cached yet.
     ///
-    /// Fails if the task says nowhere what is better, the start gives nothing to measure, or a fold cannot be executed.
+    /// Fails if the task says nowhere what is better, actions cannot be tried in the world, the start gives nothing to
+    /// measure, or a fold cannot be executed; on an interrupt, with [`WorldError::Interrupted`].
     pub fn of(search: &Search<'a>) -> Result<Aim<'a>, BestError> {
+        let mut world = (search.make_world)()?;
+        world.reset(search.start)?;
+        let unsearchable = |why| BestError::Unsearchable(world.name().to_owned(), why);
+        if !world.repeats() {
+            return Err(unsearchable("cannot lay a start again exactly"));
+        }
+        if world.particles().is_none() {
+            let why = "does not know where the cloth's particles are";
+            return Err(unsearchable(why));
+        }
         let goal = search.program.goal.as_ref();
         let metric = goal.map_or(Metric::ParticleDistance, |goal| goal.metric);
         let experts = match metric {

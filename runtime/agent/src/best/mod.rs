@@ -12,7 +12,7 @@
 //! inputs give equal results on any number of threads.
 //!
 //! It is a beam search with growing width: 1, 2, 4 and so on. It runs in any world that repeats and knows its particles;
-//! one without copies ([`World::fork`]) executes the actions again from the start.
+//! one without copies ([`fab_world::World::fork`]) executes the actions again from the start.
 
 mod aim;
 mod offers;
@@ -30,9 +30,9 @@ use fab_base::interrupt::Interrupt;
 use fab_program::facts::ExecutedAction;
 use fab_program::render::RenderError;
 use fab_program::{Metric, Program, Proposal, space};
+use fab_world::WorldError;
 use fab_world::expert::MakeWorld;
 use fab_world::start::Start;
-use fab_world::{World, WorldError};
 use serde::Serialize;
 use std::time::Instant;
 use tree::Tree;
@@ -241,25 +241,11 @@ pub fn unless_stopped<T>(result: Result<T, BestError>) -> Result<Option<T>, Best
     }
 }
 
-/// Fails if actions cannot be tried in a world, whose cloth was laid.
-pub fn check_world(world: &dyn World) -> Result<(), BestError> {
-    let why = if !world.repeats() {
-        "cannot lay a start again exactly"
-    } else if world.particles().is_none() {
-        "does not know where the cloth's particles are"
-    } else {
-        return Ok(());
-    };
-    Err(BestError::Unsearchable(world.name().to_owned(), why))
-}
-
-/// Searches the best actions.
+/// Searches the best actions. An interrupt ends it with what was found so far.
 ///
-/// Fails if the task has nothing to measure, or the world or the vision fails. An interrupt is a failure only before the
-/// first trial, while the experts' states are simulated.
-pub fn search(search: &Search<'_>) -> Result<Found, BestError> {
-    let aim = Aim::of(search)?;
-    let mut tree = Tree::at_start(search, &aim)?;
+/// Fails if the start gives nothing to choose from, or the world or the vision fails.
+pub fn search(search: &Search<'_>, aim: &Aim<'_>) -> Result<Found, BestError> {
+    let mut tree = Tree::at_start(search, aim)?;
     tree.follow(search.hint)?;
     tree.widen()?;
     Ok(tree.found())

@@ -5,7 +5,7 @@
 
 use super::aim::Aim;
 use super::offers::Offers;
-use super::{BestError, Choice, Found, Search, Stop, Taken, Untried, check_world, unless_stopped};
+use super::{BestError, Choice, Found, Search, Stop, Taken, Untried, unless_stopped};
 use crate::policy::Ground;
 use crate::result::StepResult;
 use crate::rollout::Tries;
@@ -66,11 +66,10 @@ impl Node {
 impl<'a> Tree<'a> {
     /// Begins at the start of a rollout.
     ///
-    /// Fails if actions cannot be tried in the world, or the start gives nothing to choose from.
+    /// Fails if the start gives nothing to choose from.
     pub fn at_start(search: &'a Search<'a>, aim: &'a Aim<'a>) -> Result<Tree<'a>, BestError> {
         let mut world = (search.make_world)()?;
         world.reset(search.start)?;
-        check_world(world.as_ref())?;
         let observation = world.observe()?;
         let mut tree = Tree {
             search,

@@ -90,6 +90,7 @@ impl Policy for Prompted<'_> {
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Decision, PolicyError> {
         self.texts.clear();
+        self.acting.1.clear();
         let mut decision = step.without_answer(Outcome::MalformedReply);
         for (index, stage) in step.program.stages.iter().enumerate() {
             let at = self.setting(step, index);
@@ -116,6 +117,10 @@ impl Policy for Prompted<'_> {
         exchange: &mut Exchange<'_, '_>,
         again: Again<'_>,
     ) -> Result<Option<Decision>, PolicyError> {
+        // An earlier stage may have had no answer, so that nothing was acted on.
+        if self.acting.1.is_empty() {
+            return Ok(None);
+        }
         let (stage, mut talks) = std::mem::take(&mut self.acting);
         let at = self.setting(step, stage);
         let asked = talks.iter().map(|talk| talk.asked).max().unwrap_or(0);

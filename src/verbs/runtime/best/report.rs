@@ -13,6 +13,8 @@ use std::path::Path;
 /// What was found.
 #[derive(Serialize)]
 pub struct BestReport<'a> {
+    #[serde(skip)]
+    title: String,
     task: &'a str,
     variant: Option<&'a str>,
     start: &'a str,
@@ -37,6 +39,7 @@ impl<'a> BestReport<'a> {
         let goal = program.goal.as_ref();
         let misses = |goal: &Goal| found.value.is_none_or(|value| !goal.is_met(value));
         BestReport {
+            title: program.title(),
             task: &program.task,
             variant: program.variant.as_deref(),
             start: &start.name,
@@ -105,11 +108,9 @@ impl<'a> BestReport<'a> {
 impl Report for BestReport<'_> {
     fn text(&self) -> String {
         let found = self.found;
-        let variant = self.variant.map(|variant| format!("/{variant}"));
         let mut lines = vec![format!(
-            "{}{}: start {}, {} (untouched: {})",
-            self.task,
-            variant.unwrap_or_default(),
+            "{}: start {}, {} (untouched: {})",
+            self.title,
             self.start,
             if found.exhausted {
                 format!("every action was tried, {} trials", found.trials)
