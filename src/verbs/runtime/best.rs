@@ -13,8 +13,9 @@ use crate::verbs::runtime::setting::worlds::{self, WorldChoice};
 use crate::verbs::runtime::setting::{self, StartArguments};
 use crate::verbs::runtime::sim::parallel::{ThreadArguments, threads};
 use clap::{Args, ValueHint};
-use fab_agent::best::{self, Aim, BestError, Limits, Search, unless_stopped};
+use fab_agent::best::{self, Aim, BestError, Limits, Search};
 use fab_agent::examples::Examples;
+use fab_world::WorldError;
 use report::BestReport;
 use rows::Row;
 use std::path::PathBuf;
@@ -104,17 +105,14 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
         interrupt: &interrupt,
         progress: &|trials| io.progress(&format!("{trials} of {} trials", arguments.trials)),
     };
-    let stopped = || Failure::interrupted();
-    let aim = unless_stopped(Aim::of(&search)).map_err(failure)?;
-    let aim = aim.ok_or_else(stopped)?;
+    let aim = Aim::of(&search).map_err(failure)?;
     let (policies, hint) = rows::play(&search, &aim, &examples, &out, io)?;
     let hinted = Search {
         hint: &hint,
         ..search
     };
-    let found = unless_stopped(best::search(&hinted, &aim)).map_err(failure)?;
+    let found = best::search(&hinted, &aim).map_err(failure)?;
     io.progress("");
-    let found = found.ok_or_else(stopped)?;
     let mut best = Row {
         name: "best",
         oracle: true,
@@ -139,6 +137,7 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
 fn failure(error: BestError) -> Failure {
     match error {
         BestError::Aimless(_) => Failure::usage(error.to_string()),
+        BestError::World(WorldError::Interrupted) => Failure::interrupted(),
         error => Failure::environment(error),
     }
 }

@@ -233,14 +233,6 @@ pub enum BestError {
     Threads(#[from] std::io::Error),
 }
 
-/// Returns a result that was reached; `None` if a requested stop prevented it.
-pub fn unless_stopped<T>(result: Result<T, BestError>) -> Result<Option<T>, BestError> {
-    match result {
-        Err(BestError::World(WorldError::Interrupted)) => Ok(None),
-        result => result.map(Some),
-    }
-}
-
 /// Searches the best actions. An interrupt ends it with what was found so far.
 ///
 /// Fails if the start gives nothing to choose from, or the world or the vision fails.

@@ -5,7 +5,7 @@
 
 use super::aim::Aim;
 use super::offers::Offers;
-use super::{BestError, Choice, Found, Search, Stop, Taken, Untried, unless_stopped};
+use super::{BestError, Choice, Found, Search, Stop, Taken, Untried};
 use crate::policy::Ground;
 use crate::result::StepResult;
 use crate::rollout::Tries;
@@ -16,7 +16,7 @@ use fab_picture::observation::Observation;
 use fab_program::Exhausted;
 use fab_program::facts::{ExecutedAction, Facts};
 use fab_program::pointing::Pointing;
-use fab_world::{Fork, World};
+use fab_world::{Fork, World, WorldError};
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
 
@@ -173,9 +173,14 @@ impl<'a> Tree<'a> {
         let reached = in_parallel(
             due.len(),
             self.search.limits.threads,
-            |index| match self.requested_stop() {
-                Some(_) => Ok(None),
-                None => unless_stopped(self.reach(due[index])),
+            |index| {
+                if self.requested_stop().is_some() {
+                    return Ok(None);
+                }
+                match self.reach(due[index]) {
+                    Err(BestError::World(WorldError::Interrupted)) => Ok(None),
+                    reached => reached.map(Some),
+                }
             },
             |done| (self.search.progress)(made + done as u32),
         )?;
