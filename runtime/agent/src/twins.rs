@@ -5,7 +5,6 @@
 //! for more: in particular no particles, no start and no true material. A cloth that does not lie flat in the first
 //! picture has no twins.
 
-use crate::policy::StepView;
 use crate::record::{RehearsedAnswer, RehearsedStep};
 use crate::result::{Alignment, overlap, silhouette};
 use crate::subgoals::SubgoalSet;
@@ -138,15 +137,21 @@ impl<'p> Twins<'p> {
     /// Compares the twins with the camera's picture at the beginning of an action.
     ///
     /// The first picture lays them; before later ones they do what the world has done.
+    ///
+    /// - `step`: of the task, from 1.
+    /// - `seen`: the camera's picture, and the pixels that show cloth.
+    /// - `executed`: what the world has done since.
     pub(crate) fn look(
         &mut self,
-        view: &StepView<'_>,
+        step: u32,
+        seen: (&Observation, Option<&Mask>),
+        executed: Option<&Motion>,
         interrupt: &Interrupt,
     ) -> Result<(), Interrupted> {
         let begun = Instant::now();
-        self.step = view.step;
+        self.step = step;
         self.line = RehearsedStep::default();
-        let compared = self.compare(view, interrupt);
+        let compared = self.compare(seen, executed, interrupt);
         self.tried.clear();
         self.took += begun.elapsed();
         match compared {
@@ -159,16 +164,20 @@ impl<'p> Twins<'p> {
         }
     }
 
-    fn compare(&mut self, view: &StepView<'_>, interrupt: &Interrupt) -> Result<(), Aside> {
+    fn compare(
+        &mut self,
+        (observation, cloth): (&Observation, Option<&Mask>),
+        executed: Option<&Motion>,
+        interrupt: &Interrupt,
+    ) -> Result<(), Aside> {
         if let Some((since, why)) = &self.without {
             let why = format!("there are no twins since step {since}: {why}");
             return Err(Aside::Because(why));
         }
-        let cloth = view.scene.cloth();
         let ready = if self.laid.is_empty() {
-            self.lay(view.observation, cloth)
+            self.lay(observation, cloth)
         } else {
-            self.follow(view.executed, interrupt)
+            self.follow(executed, interrupt)
         };
         if let Err(error) = ready {
             let why = match &error {
@@ -181,8 +190,8 @@ impl<'p> Twins<'p> {
         let cloth = cloth.ok_or(NO_CLOTH)?;
         let mut overlaps = Vec::new();
         for it in &mut self.laid {
-            let view_of_twin = it.twin.view().map_err(Aside::of(NOT_SEEN))?;
-            overlaps.push(view_of_twin.overlap_with(cloth, view.observation));
+            let view = it.twin.view().map_err(Aside::of(NOT_SEEN))?;
+            overlaps.push(view.overlap_with(cloth, observation));
         }
         let (overlap, trusted) = (mean(&overlaps), self.rehearsal.trust_above);
         self.line.overlap = Some(overlap);

@@ -13,6 +13,9 @@ use fab_world::{Grip, WorldError, WorldPoint};
 /// Where an expert would pick and place, and how far the cloth is from the expert's, metres.
 pub(super) type ExpertGrip = (f64, Grip);
 
+/// An expert sequence with the particles after 0, 1, … folds.
+type Expert<'a> = (&'a Sequence, Vec<Vec<[f32; 3]>>);
+
 /// The aim of one search.
 #[derive(Debug)]
 pub struct Aim<'a> {
@@ -20,8 +23,8 @@ pub struct Aim<'a> {
     pub metric: Metric,
     start: &'a Start,
     goal: Option<&'a Goal>,
-    /// Each expert sequence with the particles after 0, 1, … folds; none if the measure is another.
-    experts: Vec<(&'a Sequence, Vec<Vec<[f32; 3]>>)>,
+    /// None if the measure is another.
+    experts: Vec<Expert<'a>>,
 }
 
 impl<'a> Aim<'a> {
@@ -129,7 +132,7 @@ pub(super) fn off_m(experts: &[ExpertGrip], grip: &Grip) -> f64 {
 }
 
 /// Simulates the experts fold by fold.
-fn experts<'a>(search: &Search<'a>) -> Result<Vec<(&'a Sequence, Vec<Vec<[f32; 3]>>)>, WorldError> {
+fn experts<'a>(search: &Search<'a>) -> Result<Vec<Expert<'a>>, WorldError> {
     let sequences = &search.program.experts;
     let beginnings = sequences.iter().flat_map(|sequence| {
         (1..=sequence.folds.len()).map(|folds| Sequence {

@@ -202,7 +202,7 @@ fn failed(error: ChildError) -> (Outcome, String) {
     (outcome, error.to_string())
 }
 
-fn read(step: &StepView<'_>, line: &str) -> Result<Proposal, Finding> {
+fn read(step: &StepView<'_>, line: &str) -> Result<Proposal, Box<Finding>> {
     let wrong = |message: String| unreadable("grips", message);
     match serde_json::from_str(line) {
         Ok(Line {
@@ -230,16 +230,16 @@ fn read(step: &StepView<'_>, line: &str) -> Result<Proposal, Finding> {
     }
 }
 
-fn unreadable(field: &str, message: String) -> Finding {
-    Finding::Malformed {
+fn unreadable(field: &str, message: String) -> Box<Finding> {
+    Box::new(Finding::Malformed {
         field: field.to_owned(),
         message,
         stated: Vec::new(),
-    }
+    })
 }
 
 /// Reads a grip; fails with the wrong field and the reason.
-fn proposal(step: &StepView<'_>, grip: &Map<String, Json>) -> Result<Proposal, Finding> {
+fn proposal(step: &StepView<'_>, grip: &Map<String, Json>) -> Result<Proposal, Box<Finding>> {
     let declared = &step.program.actions;
     let names = quoted(declared.iter().map(|field| &field.name));
     if let Some(name) = grip.keys().find(|name| step.program.field(name).is_none()) {
@@ -269,7 +269,7 @@ fn proposal(step: &StepView<'_>, grip: &Map<String, Json>) -> Result<Proposal, F
         })?;
         Ok((name.clone(), value))
     });
-    let fields = fields.collect::<Result<_, _>>()?;
+    let fields = fields.collect::<Result<_, Box<Finding>>>()?;
     Ok(Proposal { fields })
 }
 

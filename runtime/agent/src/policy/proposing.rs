@@ -121,11 +121,11 @@ pub(super) struct Proposed {
     /// A note for people.
     pub note: Option<String>,
     /// An action for the only gripper, or why there is none.
-    pub answer: Result<Proposal, Finding>,
+    pub answer: Result<Proposal, Box<Finding>>,
 }
 
-impl From<Result<Proposal, Finding>> for Proposed {
-    fn from(answer: Result<Proposal, Finding>) -> Proposed {
+impl From<Result<Proposal, Box<Finding>>> for Proposed {
+    fn from(answer: Result<Proposal, Box<Finding>>) -> Proposed {
         Proposed {
             question: None,
             reply: None,
@@ -136,12 +136,12 @@ impl From<Result<Proposal, Finding>> for Proposed {
 }
 
 /// Proposes nothing, now or later.
-pub(super) fn stop<T>(outcome: Outcome, why: impl Into<String>) -> Result<T, Finding> {
-    Err(Finding::Failed {
+pub(super) fn stop<T>(outcome: Outcome, why: impl Into<String>) -> Result<T, Box<Finding>> {
+    Err(Box::new(Finding::Failed {
         outcome,
         fault: None,
         why: why.into(),
-    })
+    }))
 }
 
 /// Proposes an action, given the refusals so far.
@@ -167,7 +167,7 @@ pub(super) fn until_accepted(
             let proposed = propose(refusals, exchange)?;
             let took = begun.elapsed();
             let finding = match proposed.answer {
-                Err(finding) => finding,
+                Err(finding) => *finding,
                 Ok(proposal) => Finding::Action {
                     verdict: step.ground().verdict(facts, &proposal, Strictness::Full)?,
                     fields: proposal.fields,

@@ -239,7 +239,9 @@ impl Policy for Rehearsing<'_> {
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Decision, PolicyError> {
-        let looked = self.twins.look(step, exchange.interrupt);
+        let seen = (step.observation, step.scene.cloth());
+        let (executed, interrupt) = (step.executed, exchange.interrupt);
+        let looked = self.twins.look(step.step, seen, executed, interrupt);
         if let Err(Interrupted) = looked {
             return Ok(Decision::Stop {
                 outcome: Outcome::Interrupted,
