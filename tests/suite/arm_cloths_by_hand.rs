@@ -47,12 +47,10 @@ fn a_person_is_told_in_words_and_nothing_is_connected_for_an_estimate() {
         }))
     };
     let random = Random::seeded(5);
-    let prompted = Prompted {
-        models: Models {
-            vision: &random,
-            text: &random,
-        },
-    };
+    let prompted = Prompted::new(Models {
+        vision: &random,
+        text: &random,
+    });
     let folder = tempfile::tempdir().unwrap();
     let bench = Bench {
         suite: &suite,

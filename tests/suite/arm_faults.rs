@@ -203,7 +203,7 @@ fn run(trial: &Trial<'_>, trouble: &Trouble, folder: &Path) -> Ended {
         start: &trial.start,
         subgoals: &trial.subgoals,
         examples: &trial.examples,
-        make_policy: &Prompted { models },
+        make_policy: &Prompted::new(models),
         budget: &Budget::default(),
         make_world: &make_world,
         make_expert_world: &|| support::world(trial.program),

@@ -57,7 +57,7 @@ fn a_file_that_no_policy_can_play_is_refused_with_what_would_be_right() {
         ),
     ] {
         let error = Onnx::read(&fixture(name)).err();
-        let error = error.map(|error| error.to_string()).unwrap_or_default();
+        let error = error.unwrap_or_default();
         assert!(
             error.contains(name) && error.contains(expected),
             "{name}: {error}"
@@ -105,7 +105,6 @@ fn decided(mut policy: Onnx) -> Decision {
         asking: &mut Asking::unrecorded(),
         record: &mut |_| Ok(()),
         interrupt: &Interrupt::default(),
-        twins: None,
     };
     policy.decide(&view, &mut exchange).unwrap()
 }

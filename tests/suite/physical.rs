@@ -222,7 +222,7 @@ fn coverage_by_pictures_has_columns_of_its_own() {
         vision: &random,
         text: &random,
     };
-    let prompted = Prompted { models };
+    let prompted = Prompted::new(models);
     let failed = Judgement {
         reached: false,
         why: Some(Cause::Hardware),

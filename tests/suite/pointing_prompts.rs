@@ -37,7 +37,8 @@ fn demonstrations_are_told_in_the_frame_of_the_model() {
     let examples = Examples::load(&program, &support::root().join("tasks")).unwrap();
     let first_example = |lowering: Lowering| {
         let pointing = lowering.pointing([program.camera.image_px; 2]);
-        let answered = examples
+        let shown = examples.demonstrations.as_ref().unwrap();
+        let answered = shown
             .answered_examples(&program, "plan", 1, pointing)
             .unwrap();
         assert!(answered.len() > 3);

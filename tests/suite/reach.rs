@@ -148,12 +148,10 @@ fn with_job<T>(
             ..SubgoalSet::default()
         },
         examples: &Examples::default(),
-        make_policy: &Prompted {
-            models: Models {
-                vision: model,
-                text: model,
-            },
-        },
+        make_policy: &Prompted::new(Models {
+            vision: model,
+            text: model,
+        }),
         budget: &Budget::default(),
         make_world: &make_world,
         make_expert_world: &make_world,

@@ -154,7 +154,7 @@ fn play_in(
         vision: model,
         text: model,
     };
-    play_as(program, &Prompted { models }, make, prepare)
+    play_as(program, &Prompted::new(models), make, prepare)
 }
 
 /// Lets a policy play the first step in a world that is made for a run folder.
@@ -305,6 +305,18 @@ fn a_candidate_that_is_not_answered_leaves_the_choice_among_those_that_are() {
     let line = played.line.unwrap();
     assert_eq!((line.chosen, line.calls, line.shortfall), (None, 0, None));
     assert_eq!(played.report.outcome, Outcome::ModelFailed);
+}
+
+#[test]
+fn where_an_earlier_stage_has_no_answer_no_candidate_is_asked_for() {
+    let program = rehearsing();
+    let model = Scripted::new(&[""; 9]);
+    let played = play(&program, &model, plain, |_| {});
+    assert_eq!(played.report.outcome, Outcome::MalformedReply);
+    let asked = model.asked.into_inner().unwrap();
+    assert_eq!(asked.len() as u32, program.verify.attempts);
+    let line = played.line.unwrap();
+    assert_eq!((line.chosen, line.calls), (None, 0));
 }
 
 #[test]

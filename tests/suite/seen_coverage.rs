@@ -100,12 +100,10 @@ fn play_in(
             ..SubgoalSet::default()
         }),
         examples: &Examples::default(),
-        make_policy: &Prompted {
-            models: Models {
-                vision: &Geometric,
-                text: &Geometric,
-            },
-        },
+        make_policy: &Prompted::new(Models {
+            vision: &Geometric,
+            text: &Geometric,
+        }),
         budget: &Budget::default(),
         make_world,
         make_expert_world: make_world,

@@ -317,7 +317,7 @@ impl<'p> Trial<'p> {
         run: &Path,
         watch: &mut dyn FnMut(Event),
     ) -> Result<Ended, RunError> {
-        self.decided(&Prompted { models }, run, watch)
+        self.decided(&Prompted::new(models), run, watch)
     }
 
     /// Does the same with a policy that does not ask models.

@@ -344,12 +344,10 @@ fn a_panic_while_the_arm_moves_is_told_with_what_is_verified() {
             start: &Start::flat(&program.cloth),
             subgoals: &SubgoalSet::obtain(&program, &beside, drawn.as_mut(), &interrupt).unwrap(),
             examples: &Examples::load(&program, &beside).unwrap(),
-            make_policy: &Prompted {
-                models: Models {
-                    vision: &Geometric,
-                    text: &Geometric,
-                },
-            },
+            make_policy: &Prompted::new(Models {
+                vision: &Geometric,
+                text: &Geometric,
+            }),
             budget: &Budget::default(),
             make_world: &make_world,
             make_expert_world: &|| world(&program),

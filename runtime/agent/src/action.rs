@@ -57,6 +57,24 @@ impl Action {
     }
 }
 
+/// Returns every combination of these values of fields; those of the last field follow each other.
+pub(crate) fn combinations(
+    fields: &[(String, Vec<Value>)],
+) -> impl ExactSizeIterator<Item = Proposal> {
+    let counts = fields.iter().map(|(_, values)| values.len());
+    let numbers = 0..counts.fold(1, usize::saturating_mul);
+    numbers.map(|mut number| {
+        let chosen = fields.iter().rev().map(|(name, values)| {
+            let value = values[number % values.len()].clone();
+            number /= values.len();
+            (name.clone(), value)
+        });
+        let mut fields: Vec<_> = chosen.collect();
+        fields.reverse();
+        Proposal { fields }
+    })
+}
+
 /// Returns the table point of a field's pixel, as [`Action::lower`] computes it; `None` for a field that moves nothing,
 /// or if there is no such point.
 pub(crate) fn candidate(
@@ -107,26 +125,16 @@ fn carried(
     pick: WorldPoint,
     observation: &Observation,
 ) -> Option<(PixelPoint, WorldPoint)> {
-    let (Value::Direction { deg }, Value::Length { length }) =
-        (proposal.get("direction")?, proposal.get("distance")?)
-    else {
+    let Value::Direction { deg } = proposal.get("direction")? else {
         return None;
     };
-    let choices = |name: &str| program.field(name).map(|field| &field.choices);
-    let Some(Choices::Directions {
-        choices: directions,
-    }) = choices("direction")
-    else {
+    let Choices::Directions { choices } = &program.field("direction")?.choices else {
         return None;
     };
-    let Some(Choices::Lengths {
-        choices: lengths, ..
-    }) = choices("distance")
-    else {
-        return None;
-    };
-    let [right, down] = directions.iter().find(|choice| choice.deg == *deg)?.vector;
-    let length_m = lengths.iter().find(|choice| choice.value == *length)?.m;
+    let [right, down] = choices.iter().find(|choice| choice.deg == *deg)?.vector;
+    let length_m = program
+        .field("distance")?
+        .metres(proposal.get("distance")?)?;
     let camera = &observation.camera;
     let way = camera.table_direction(camera.pixel_from_world(pick)?, [right, down])?;
     let place = pick + way * length_m;

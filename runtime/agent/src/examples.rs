@@ -7,10 +7,8 @@ use crate::demos::{Demonstrations, DemosError};
 use crate::task_files::{self, FileError};
 use fab_model::Png;
 use fab_picture::png;
-use fab_program::pointing::Pointing;
 use fab_program::render::PromptText;
 use fab_program::{FileRef, Program};
-use fab_world::start::Start;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -29,7 +27,8 @@ pub struct Examples {
     pictures: BTreeMap<String, Png>,
     /// What was done to show the pictures as a viewer does.
     pub notes: Vec<String>,
-    demonstrations: Option<Demonstrations>,
+    /// The demonstrations, if the task shows any.
+    pub demonstrations: Option<Demonstrations>,
 }
 
 /// Why the examples of a task cannot be used.
@@ -68,37 +67,5 @@ impl Examples {
     /// Returns a picture; `None` for one that no example names.
     pub fn picture(&self, file: &FileRef) -> Option<&Png> {
         self.pictures.get(&file.path)
-    }
-
-    /// Writes the demonstrations of a stage in a step, which counts from 1, in a model's point convention.
-    ///
-    /// Fails as [`Demonstrations::answered_examples`] does.
-    pub fn answered_examples(
-        &self,
-        program: &Program,
-        stage: &str,
-        step: u32,
-        pointing: Pointing,
-    ) -> Result<Vec<AnsweredExample>, DemosError> {
-        match &self.demonstrations {
-            Some(demonstrations) => {
-                demonstrations.answered_examples(program, stage, step, pointing)
-            }
-            None => Ok(Vec::new()),
-        }
-    }
-
-    /// Returns the number of demonstrated actions, over all steps; the tables call it the data size.
-    pub fn data_size(&self) -> usize {
-        self.demonstrations
-            .as_ref()
-            .map_or(0, Demonstrations::data_size)
-    }
-
-    /// Returns the number, from 1, of the demonstration that begins at a rollout's start.
-    ///
-    /// A result from such a start would show what the model was told, not what it can do.
-    pub fn demonstrates(&self, start: &Start) -> Option<usize> {
-        self.demonstrations.as_ref()?.demonstrates(start)
     }
 }

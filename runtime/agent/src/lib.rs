@@ -85,7 +85,7 @@
 //!     start: &Start::flat(&program.cloth),
 //!     subgoals: &subgoals,
 //!     examples: &Examples::default(),
-//!     make_policy: &Prompted { models: Models { vision: &Geometric, text: &Geometric } },
+//!     make_policy: &Prompted::new(Models { vision: &Geometric, text: &Geometric }),
 //!     budget: &Budget::default(), // no cap
 //!     make_world: &make_world,
 //!     make_expert_world: &make_world,

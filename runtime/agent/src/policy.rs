@@ -14,21 +14,19 @@ mod prompted;
 mod proposing;
 pub mod protocol;
 mod random;
-mod reach;
 mod rehearsing;
 
 pub use asking::{Asking, StepKind};
 pub use expert::Expert;
 pub use external::{External, Sight};
-pub use onnx::{Onnx, OnnxError};
+pub use onnx::Onnx;
 pub use prompted::{
-    Conversation, MessagePart, PromptError, Prompted, Rehearsed, UndrawnMessage, conversation,
-    opening, rehearse,
+    MessagePart, PromptError, Prompted, Rehearsed, StageMessage, conversation, opening, rehearse,
 };
 pub use random::Random;
 pub use rehearsing::Rehearsing;
 
-pub(crate) use judge::is_accepted;
+pub(crate) use judge::{Ground, is_accepted};
 
 use crate::journal::JournalError;
 use crate::outcome::Outcome;
@@ -36,7 +34,6 @@ use crate::pictures::Pictures;
 use crate::record::RehearsedStep;
 use crate::result::StepResult;
 use crate::scene::Scene;
-use crate::twins::Twins;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{CallRefused, Fault};
 use fab_model::{Description as ModelDescription, Lowering, ModelKind, Reply, Request};
@@ -49,6 +46,7 @@ use fab_program::verify::Verdict;
 use fab_program::{Exhausted, Program, Proposal, Value};
 use fab_world::start::Start;
 use fab_world::{Motion, Reach, Refuses};
+use image::RgbImage;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -79,6 +77,35 @@ pub trait Policy {
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Decision, PolicyError>;
+
+    /// Returns whether its answers are tried on twins where the task rehearses: [`Policy::again`] gives further ones.
+    fn rehearses(&self) -> bool {
+        false
+    }
+
+    /// Gives another answer to the step that was decided last; `None` if there is none.
+    fn again(
+        &mut self,
+        _step: &StepView<'_>,
+        _exchange: &mut Exchange<'_, '_>,
+        _again: Again<'_>,
+    ) -> Result<Option<Decision>, PolicyError> {
+        Ok(None)
+    }
+}
+
+/// Which further answer to a step is asked for.
+#[derive(Clone, Copy, Debug)]
+pub enum Again<'p> {
+    /// One that does not depend on the others.
+    Independent,
+    /// A revision of an earlier one.
+    Revised {
+        /// Which one: 0 is the first, and each independent one counts.
+        answer: usize,
+        /// How the cloth would lie after it.
+        predicted: &'p RgbImage,
+    },
 }
 
 /// Makes the policy of one rollout; all policies that it makes are equal.
@@ -137,23 +164,20 @@ pub struct RoleModels {
 impl Description {
     /// Returns whether a stand-in answers in place of a vision-language model.
     pub fn is_stand_in(&self) -> bool {
-        let models = self.models.iter();
-        let mut natures = models.flat_map(|models| [models.vision.nature, models.text.nature]);
-        natures.any(|nature| nature == ModelKind::StandIn)
+        let mut asked = self.models.iter().flat_map(|it| [&it.vision, &it.text]);
+        asked.any(|model| model.nature == ModelKind::StandIn)
     }
 
     /// Returns the name, with the caveats that a reader of the figures must know.
     pub fn title(&self) -> String {
-        let stand_in = if self.is_stand_in() {
-            " (stand-in)"
-        } else {
-            ""
-        };
-        let sight = match self.sees_particles {
-            true => " (oracle: sees true particles)",
-            false => "",
-        };
-        format!("{}{stand_in}{sight}", self.name)
+        let mut title = self.name.clone();
+        if self.is_stand_in() {
+            title += " (stand-in)";
+        }
+        if self.sees_particles {
+            title += " (oracle: sees true particles)";
+        }
+        title
     }
 }
 
@@ -250,6 +274,17 @@ impl<'a> StepView<'a> {
         }
     }
 
+    /// Returns what its actions are judged by, besides the facts of a prompt.
+    fn ground(&self) -> Ground<'a> {
+        Ground {
+            program: self.program,
+            scene: self.scene,
+            observation: self.observation,
+            reach: self.reach,
+            refuses: self.refuses,
+        }
+    }
+
     /// Returns the notation of points as whole pixels of the camera's picture.
     fn pixels(&self) -> Pointing {
         Lowering::PIXELS.pointing(self.pictures.size())
@@ -257,19 +292,16 @@ impl<'a> StepView<'a> {
 
     /// Decides about a step without an answer: only faults of the policy are ever skipped.
     fn without_answer(&self, outcome: Outcome) -> Decision {
-        match (self.program.verify.exhausted, outcome) {
-            (Exhausted::Skips, Outcome::AttemptsExhausted | Outcome::MalformedReply) => {
-                Decision::Skip(outcome)
-            }
-            (_, Outcome::Interrupted) => Decision::Stop {
-                outcome,
-                why: "it was interrupted before it had decided".to_owned(),
-            },
-            _ => Decision::Stop {
-                outcome,
-                why: "no answer could be executed; the attempts say why".to_owned(),
-            },
+        let why = match outcome {
+            Outcome::Interrupted => "it was interrupted before it had decided",
+            _ => "no answer could be executed; the attempts say why",
+        };
+        let why = why.to_owned();
+        let stop = Decision::Stop { outcome, why };
+        if self.program.verify.exhausted == Exhausted::Skips && stop.is_exhausted() {
+            return Decision::Skip(outcome);
         }
+        stop
     }
 }
 
@@ -281,8 +313,6 @@ pub struct Exchange<'e, 'j> {
     pub record: &'e mut dyn FnMut(Exchanged<'_>) -> Result<(), JournalError>,
     /// A request to stop early.
     pub interrupt: &'e Interrupt,
-    /// The twins on which actions can be tried, if the task rehearses.
-    pub twins: Option<&'e mut Twins>,
 }
 
 /// What a policy tells while it decides.
@@ -417,6 +447,27 @@ pub enum Decision {
         /// Why, in words.
         why: String,
     },
+}
+
+impl Decision {
+    /// Executes an action with the only gripper.
+    fn act(proposal: Proposal, accepted: Accepted) -> Decision {
+        Decision::Act {
+            grips: vec![proposal],
+            accepted,
+        }
+    }
+
+    /// Returns whether every permitted answer was refused or unreadable.
+    fn is_exhausted(&self) -> bool {
+        let (Decision::Skip(outcome) | Decision::Stop { outcome, .. }) = self else {
+            return false;
+        };
+        matches!(
+            outcome,
+            Outcome::AttemptsExhausted | Outcome::MalformedReply
+        )
+    }
 }
 
 /// The answer that was taken in the end.

@@ -17,7 +17,7 @@ use crate::examples::Examples;
 use crate::journal::{JournalError, RunFolder};
 use crate::operator::Operator;
 use crate::outcome::Outcome;
-use crate::policy::{Asking, Kind, MakePolicy, PolicyError, PromptError, Rehearsing, StepKind};
+use crate::policy::{Asking, MakePolicy, PolicyError, PromptError, Rehearsing, StepKind};
 use crate::record::{Report, RunCosts};
 use crate::scene::SceneError;
 use crate::subgoals::SubgoalSet;
@@ -190,8 +190,8 @@ pub fn run(
     let asking = asking.map_err(JournalError::from)?;
     let mut keeper =
         RolloutWriter::open(job, folder, asking, who.clone(), world.as_ref(), progress)?;
-    // A policy that asks no model has nothing to rehearse; but where something real could move, its twins must be trusted too.
-    if who.kind == Kind::Prompted || !world.is_simulated() {
+    // Some policies have nothing to rehearse; but where something real could move, their twins must be trusted too.
+    if policy.rehearses() || !world.is_simulated() {
         let draws = format!("{} {}", job.start_number.unwrap_or(0), job.repetition);
         let twins = Twins::of(job.program, job.subgoals, &draws, world.is_simulated());
         if let Some(twins) = twins {
@@ -207,11 +207,11 @@ pub fn run(
     let mut tries = Tries::default();
     while let (None, Some(step)) = (ended, tries.step(job.horizon())) {
         tries.number += 1;
-        keeper.asking.begin(if keeper.folder.repeats() {
+        keeper.asking.step_kind = if keeper.folder.repeats() {
             StepKind::Repeated
         } else {
             StepKind::New
-        });
+        };
         let action = tries.number;
         let mut turn = Turn::new(job, At { action, step }, tries.before);
         let world = world.as_mut();

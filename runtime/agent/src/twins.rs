@@ -11,7 +11,7 @@ use crate::subgoals::SubgoalSet;
 use fab_base::interrupt::Interrupt;
 use fab_picture::Mask;
 use fab_picture::observation::Observation;
-use fab_program::{Camera, Cloth, Distrusted, Picker, Program, Rehearsal, RehearsalMeasure};
+use fab_program::{Distrusted, Program, Rehearsal, RehearsalMeasure};
 use fab_vision::{Rectangle, VisionError};
 use fab_world::twin::{Drawn, Kind, Sighting, Twin, TwinView};
 use fab_world::{Motion, WorldError};
@@ -27,11 +27,9 @@ const RAISED_M: f64 = 0.008;
 const HIGHEST: f64 = 0.1;
 
 /// The twins of one rollout.
-pub struct Twins {
-    rehearsal: Rehearsal,
-    camera: Camera,
-    picker: Picker,
-    cloth: Cloth,
+pub struct Twins<'p> {
+    program: &'p Program,
+    pub(crate) rehearsal: &'p Rehearsal,
     /// Distinguishes the draws of rollouts.
     seed: String,
     /// Whether nothing real can move.
@@ -40,23 +38,16 @@ pub struct Twins {
     subgoals: Vec<Mask>,
     /// The current step, from 1.
     step: u32,
-    table: Table,
-    /// What the world has done and the twins have not.
-    behind: Option<Motion>,
+    /// The twins; none before the first picture.
+    laid: Vec<Laid>,
+    /// Since which step there are none, and why.
+    without: Option<(u32, String)>,
     /// The results of this step's answers.
     tried: Vec<Tried>,
-    line: RehearsedStep,
-    took: Duration,
-}
-
-/// What lies on the twins' table.
-enum Table {
-    /// Nothing: no picture has been seen.
-    Bare,
-    /// The twins, at least one.
-    Twins(Vec<Laid>),
-    /// Nothing from this step on.
-    Without { since: u32, why: String },
+    /// The step's entry of the run record.
+    pub(crate) line: RehearsedStep,
+    /// The time spent on twins in this step.
+    pub(crate) took: Duration,
 }
 
 /// A twin on the table.
@@ -68,10 +59,9 @@ struct Laid {
     alignment: Option<Alignment>,
 }
 
-/// What came of a motion.
+/// What came of a motion on each twin, in their order.
 struct Tried {
     motion: Motion,
-    /// On each twin, in their order.
     results: Vec<Folded>,
 }
 
@@ -88,66 +78,56 @@ struct Folded {
 #[derive(Clone, Copy, Debug)]
 pub struct Interrupted;
 
-/// Why an action could not be tried.
-#[derive(Debug)]
-pub enum Untried {
-    /// A stop was requested.
-    Interrupted,
-    /// A twin failed; the step's line says why.
-    Failed,
-}
-
 /// Why a step is not rehearsed.
-#[derive(Debug, thiserror::Error)]
 enum Aside {
-    #[error("a stop was requested")]
     Interrupted,
-    #[error("the picture shows no cloth")]
-    NoCloth,
-    #[error(
-        "the cloth does not lie flat at first: more than a tenth of it is {raised_mm:.0} mm above the table, and a flat cloth {flat_mm:.1} mm"
-    )]
-    NotFlat { raised_mm: f64, flat_mm: f64 },
-    #[error("the camera does not tell where on the table the cloth lies")]
-    OffTable,
-    #[error("the picture cannot be read: {0}")]
-    Picture(#[from] VisionError),
-    #[error("a twin cannot be laid: {0}")]
-    NotLaid(WorldError),
-    #[error("a twin cannot be seen: {0}")]
-    NotSeen(WorldError),
-    #[error("a twin could not follow the last action: {0}")]
-    NotFollowed(WorldError),
-    #[error("there are no twins since step {since}: {why}")]
-    Without { since: u32, why: String },
-    #[error("no result of step {step} can be compared: a subgoal picture shows no cloth")]
-    NoSubgoal { step: u32 },
-    #[error("twins and camera overlap by {overlap:.3}, and the task trusts more than {trusted}")]
-    Disagree { overlap: f64, trusted: f64 },
+    Because(String),
 }
 
-impl Twins {
+impl Aside {
+    fn of(what: &str) -> impl Fn(WorldError) -> Aside {
+        move |error| match error {
+            WorldError::Interrupted => Aside::Interrupted,
+            error => Aside::Because(format!("{what}: {error}")),
+        }
+    }
+}
+
+impl From<VisionError> for Aside {
+    fn from(error: VisionError) -> Aside {
+        Aside::Because(format!("the picture cannot be read: {error}"))
+    }
+}
+
+impl From<&str> for Aside {
+    fn from(why: &str) -> Aside {
+        Aside::Because(why.to_owned())
+    }
+}
+
+const NO_CLOTH: &str = "the picture shows no cloth";
+const NOT_SEEN: &str = "a twin cannot be seen";
+
+impl<'p> Twins<'p> {
     /// Prepares the twins of a rollout; `None` if the task does not rehearse.
     ///
     /// - `draws`: distinguishes the draws of rollouts; equal ones give equal twins.
     /// - `is_simulated`: whether nothing real can move; [`fab_world::World::is_simulated`] of the rollout's world.
     pub fn of(
-        program: &Program,
+        program: &'p Program,
         subgoals: &SubgoalSet,
         draws: &str,
         is_simulated: bool,
-    ) -> Option<Twins> {
+    ) -> Option<Twins<'p>> {
         Some(Twins {
-            rehearsal: program.rehearsal.clone()?,
-            camera: program.camera.clone(),
-            picker: program.picker,
-            cloth: program.cloth.clone(),
+            program,
+            rehearsal: program.rehearsal.as_ref()?,
             seed: format!("twin {draws}"),
             is_simulated,
             subgoals: subgoals.pictures.iter().map(silhouette).collect(),
             step: 1,
-            table: Table::Bare,
-            behind: None,
+            laid: Vec::new(),
+            without: None,
             tried: Vec::new(),
             line: RehearsedStep::default(),
             took: Duration::ZERO,
@@ -159,25 +139,26 @@ impl Twins {
     /// The first picture lays them; before later ones they do what the world has done.
     ///
     /// - `step`: of the task, from 1.
-    /// - `cloth`: the pixels that show cloth.
-    pub fn look(
+    /// - `seen`: the camera's picture, and the pixels that show cloth.
+    /// - `executed`: what the world has done since.
+    pub(crate) fn look(
         &mut self,
         step: u32,
-        observation: &Observation,
-        cloth: Option<&Mask>,
+        seen: (&Observation, Option<&Mask>),
+        executed: Option<&Motion>,
         interrupt: &Interrupt,
     ) -> Result<(), Interrupted> {
         let begun = Instant::now();
         self.step = step;
         self.line = RehearsedStep::default();
-        let compared = self.compare(observation, cloth, interrupt);
+        let compared = self.compare(seen, executed, interrupt);
         self.tried.clear();
         self.took += begun.elapsed();
         match compared {
             Ok(()) => Ok(()),
             Err(Aside::Interrupted) => Err(Interrupted),
-            Err(why) => {
-                self.line.aside = Some(why.to_string());
+            Err(Aside::Because(why)) => {
+                self.line.aside = Some(why);
                 Ok(())
             }
         }
@@ -185,91 +166,79 @@ impl Twins {
 
     fn compare(
         &mut self,
-        observation: &Observation,
-        cloth: Option<&Mask>,
+        (observation, cloth): (&Observation, Option<&Mask>),
+        executed: Option<&Motion>,
         interrupt: &Interrupt,
     ) -> Result<(), Aside> {
-        let ready = match &self.table {
-            Table::Bare => self.lay(observation, cloth).map(Table::Twins),
-            Table::Twins(_) => self.catch_up(interrupt).map(Table::Twins),
-            Table::Without { since, why } => {
-                let (since, why) = (*since, why.clone());
-                return Err(Aside::Without { since, why });
-            }
+        if let Some((since, why)) = &self.without {
+            let why = format!("there are no twins since step {since}: {why}");
+            return Err(Aside::Because(why));
+        }
+        let ready = if self.laid.is_empty() {
+            self.lay(observation, cloth)
+        } else {
+            self.follow(executed, interrupt)
         };
-        self.table = match ready {
-            Ok(table) => table,
-            Err(why) => {
-                self.table = Table::Without {
-                    since: self.step,
-                    why: why.to_string(),
-                };
-                return Err(why);
-            }
-        };
-        let cloth = cloth.ok_or(Aside::NoCloth)?;
+        if let Err(error) = ready {
+            let why = match &error {
+                Aside::Interrupted => "a stop was requested".to_owned(),
+                Aside::Because(why) => why.clone(),
+            };
+            self.without = Some((self.step, why));
+            return Err(error);
+        }
+        let cloth = cloth.ok_or(NO_CLOTH)?;
         let mut overlaps = Vec::new();
-        for it in self.laid_mut() {
-            let view = it.twin.view().map_err(Aside::NotSeen)?;
+        for it in &mut self.laid {
+            let view = it.twin.view().map_err(Aside::of(NOT_SEEN))?;
             overlaps.push(view.overlap_with(cloth, observation));
         }
         let (overlap, trusted) = (mean(&overlaps), self.rehearsal.trust_above);
         self.line.overlap = Some(overlap);
         if overlap <= trusted {
-            return Err(Aside::Disagree { overlap, trusted });
+            return Err(Aside::Because(format!(
+                "twins and camera overlap by {overlap:.3}, and the task trusts more than {trusted}"
+            )));
         }
-        match self.rehearsal.choose {
-            Some(RehearsalMeasure::Overlap) if !self.has_subgoal() => {
-                Err(Aside::NoSubgoal { step: self.step })
-            }
-            _ => Ok(()),
-        }
-    }
-
-    /// Returns whether the result of the step can be compared with a subgoal picture.
-    fn has_subgoal(&self) -> bool {
         let goal = self.subgoals.get(self.step as usize);
-        goal.is_some_and(|goal| goal.area_px() > 0)
-            && self.laid().iter().all(|it| it.alignment.is_some())
-    }
-
-    fn laid(&self) -> &[Laid] {
-        match &self.table {
-            Table::Twins(laid) => laid,
-            Table::Bare | Table::Without { .. } => &[],
+        let has_subgoal = goal.is_some_and(|goal| goal.area_px() > 0)
+            && self.laid.iter().all(|it| it.alignment.is_some());
+        if self.rehearsal.choose == Some(RehearsalMeasure::Overlap) && !has_subgoal {
+            return Err(Aside::Because(format!(
+                "no result of step {} can be compared: a subgoal picture shows no cloth",
+                self.step
+            )));
         }
-    }
-
-    fn laid_mut(&mut self) -> &mut [Laid] {
-        match &mut self.table {
-            Table::Twins(laid) => laid,
-            Table::Bare | Table::Without { .. } => &mut [],
-        }
+        Ok(())
     }
 
     /// Lays the twins where the camera sees the cloth.
-    fn lay(&self, observation: &Observation, cloth: Option<&Mask>) -> Result<Vec<Laid>, Aside> {
-        let cloth = cloth.ok_or(Aside::NoCloth)?;
+    fn lay(&mut self, observation: &Observation, cloth: Option<&Mask>) -> Result<(), Aside> {
+        let cloth = cloth.ok_or(NO_CLOTH)?;
+        let flat_m = self.program.cloth.rest_height_m();
         if let Some(raised_m) = raised_m(observation, cloth)
-            && raised_m > self.cloth.rest_height_m() + RAISED_M
+            && raised_m > flat_m + RAISED_M
         {
-            return Err(Aside::NotFlat {
-                raised_mm: raised_m * 1000.0,
-                flat_mm: self.cloth.rest_height_m() * 1000.0,
-            });
+            return Err(Aside::Because(format!(
+                "the cloth does not lie flat at first: more than a tenth of it is {:.0} mm above the table, and a flat cloth {:.1} mm",
+                raised_m * 1000.0,
+                flat_m * 1000.0
+            )));
         }
-        let rectangle = fab_vision::rectangle_around(cloth)?.ok_or(Aside::NoCloth)?;
-        let seen = Sighting::of(observation, corners_px(&rectangle)).ok_or(Aside::OffTable)?;
+        let rectangle = fab_vision::rectangle_around(cloth)?.ok_or(NO_CLOTH)?;
+        let seen = Sighting::of(observation, corners_px(&rectangle))
+            .ok_or("the camera does not tell where on the table the cloth lies")?;
         let kind = Kind {
-            camera: &self.camera,
-            picker: self.picker,
+            camera: &self.program.camera,
+            picker: self.program.picker,
             ranges: &self.rehearsal.twin,
-            cloth: &self.cloth,
+            cloth: &self.program.cloth,
         };
         let twins = (1..=self.rehearsal.twin.draws).map(|draw| {
             let drawn = Drawn::by(kind.ranges, &format!("{} {draw}", self.seed));
-            let mut twin = Twin::lay(&seen, &kind, drawn).map_err(Aside::NotLaid)?;
-            let flat = twin.view().map_err(Aside::NotSeen)?.silhouette;
+            let twin = Twin::lay(&seen, &kind, drawn);
+            let mut twin = twin.map_err(Aside::of("a twin cannot be laid"))?;
+            let flat = twin.view().map_err(Aside::of(NOT_SEEN))?.silhouette;
             let shown = self.subgoals.first();
             let alignment = shown.map(|shown| Alignment::of(&flat, shown)).transpose()?;
             Ok(Laid {
@@ -278,90 +247,75 @@ impl Twins {
                 alignment: alignment.flatten(),
             })
         });
-        twins.collect()
+        self.laid = twins.collect::<Result<_, Aside>>()?;
+        Ok(())
     }
 
     /// Does on the twins what the world has done since they were last compared.
-    fn catch_up(&mut self, interrupt: &Interrupt) -> Result<Vec<Laid>, Aside> {
-        let Table::Twins(mut laid) = std::mem::replace(&mut self.table, Table::Bare) else {
-            return Ok(Vec::new());
+    fn follow(&mut self, executed: Option<&Motion>, interrupt: &Interrupt) -> Result<(), Aside> {
+        let Some(executed) = executed else {
+            return Ok(());
         };
-        let Some(executed) = self.behind.take() else {
-            return Ok(laid);
-        };
-        let mut tried = self.tried.drain(..);
-        if let Some(known) = tried.find(|it| it.motion == executed) {
-            for (it, folded) in laid.iter_mut().zip(known.results) {
+        let known = self.tried.iter().position(|it| it.motion == *executed);
+        if let Some(known) = known {
+            let results = self.tried.swap_remove(known).results;
+            for (it, folded) in self.laid.iter_mut().zip(results) {
                 it.twin = folded.twin;
             }
-            return Ok(laid);
+            return Ok(());
         }
-        for it in &mut laid {
-            let followed = it.twin.fold(&executed, interrupt);
-            followed.map_err(|error| match error {
-                WorldError::Interrupted => Aside::Interrupted,
-                other => Aside::NotFollowed(other),
-            })?;
+        for it in &mut self.laid {
+            let followed = it.twin.fold(executed, interrupt);
+            followed.map_err(Aside::of("a twin could not follow the last action"))?;
         }
-        Ok(laid)
-    }
-
-    /// Returns why the step is not rehearsed; `None` if it is.
-    pub fn aside(&self) -> Option<&str> {
-        self.line.aside.as_deref()
+        Ok(())
     }
 
     /// Returns why nothing may move, if something real would, or the task refuses to move without twins.
-    pub fn refusal(&self) -> Option<String> {
-        let why = self.aside()?;
+    pub(crate) fn refusal(&self) -> Option<String> {
+        let why = self.line.aside.as_deref()?;
         let refuses = self.rehearsal.distrusted == Distrusted::Refuses || !self.is_simulated;
         refuses.then(|| format!("the rehearsal refused to move: {why}"))
     }
 
-    /// Folds an action on the twins, and records the result.
+    /// Executes a motion on the twins, and records the result.
     ///
     /// - `attempt`: the number of its question among those of the stage.
     ///
-    /// Returns the mean of the declared measure; `None` if none is declared.
-    pub fn try_action(
+    /// Returns the mean of the declared measure; `None` if none is declared, or a twin failed.
+    pub(crate) fn try_motion(
         &mut self,
         attempt: u32,
         motion: &Motion,
         interrupt: &Interrupt,
-    ) -> Result<Option<f64>, Untried> {
+    ) -> Result<Option<f64>, Interrupted> {
         let begun = Instant::now();
-        let tried = match self.tried.iter().position(|it| it.motion == *motion) {
-            Some(known) => Ok(known),
-            None => self.fold(motion, interrupt).map(|tried| {
-                self.tried.push(tried);
-                self.tried.len() - 1
-            }),
-        };
-        self.took += begun.elapsed();
-        let (twins, failed) = match tried {
-            Ok(tried) => {
-                let results = self.tried[tried].results.iter();
-                (results.filter_map(|it| it.measure).collect(), None)
+        let mut failed = None;
+        if !self.tried.iter().any(|it| it.motion == *motion) {
+            match self.fold(motion, interrupt) {
+                Ok(tried) => self.tried.push(tried),
+                Err(error) => failed = Some(error),
             }
-            Err(WorldError::Interrupted) => return Err(Untried::Interrupted),
-            Err(why) => (Vec::new(), Some(why.to_string())),
-        };
+        }
+        self.took += begun.elapsed();
+        if let Some(WorldError::Interrupted) = failed {
+            return Err(Interrupted);
+        }
+        let tried = self.tried.iter().filter(|it| it.motion == *motion);
+        let results = tried.flat_map(|it| &it.results);
+        let twins: Vec<f64> = results.filter_map(|it| it.measure).collect();
         let measure = (!twins.is_empty()).then(|| mean(&twins));
-        let result = match failed {
-            None => Ok(measure),
-            Some(_) => Err(Untried::Failed),
-        };
         self.line.candidates.push(RehearsedAnswer {
             attempt,
             measure,
             twins,
-            failed,
+            failed: failed.map(|error| error.to_string()),
         });
-        result
+        Ok(measure)
     }
 
     fn fold(&self, motion: &Motion, interrupt: &Interrupt) -> Result<Tried, WorldError> {
-        let results = self.laid().iter().map(|it| {
+        let results = self.laid.iter().map(|it| {
             let mut twin = it.twin.clone();
             twin.fold(motion, interrupt)?;
             let view = twin.view()?;
@@ -391,34 +345,9 @@ impl Twins {
     }
 
     /// Returns what the camera would see of the first twin after a motion that was tried.
-    pub fn picture(&self, motion: &Motion) -> Option<&RgbImage> {
-        let tried = self.tried.iter().find(|it| it.motion == *motion)?;
+    pub(crate) fn picture(&self, motion: Option<&Motion>) -> Option<&RgbImage> {
+        let tried = self.tried.iter().find(|it| Some(&it.motion) == motion)?;
         tried.results.first().map(|it| &it.picture)
-    }
-
-    /// Records which answer is taken, and how many questions were asked beyond those without rehearsal.
-    pub fn record_choice(&mut self, chosen: Option<u32>, calls: u32) {
-        (self.line.chosen, self.line.calls) = (chosen, calls);
-    }
-
-    /// Records why fewer answers were asked for than the task declares.
-    pub fn record_shortfall(&mut self, why: String) {
-        self.line.shortfall.get_or_insert(why);
-    }
-
-    /// Returns the step's entry of the run record.
-    pub fn line(&self) -> &RehearsedStep {
-        &self.line
-    }
-
-    /// Notes what the world has done; the next [`Twins::look`] does it on the twins.
-    pub fn follow(&mut self, executed: Motion) {
-        self.behind = Some(executed);
-    }
-
-    /// Returns the time spent on twins since the last call.
-    pub fn take_time(&mut self) -> Duration {
-        std::mem::take(&mut self.took)
     }
 }
 

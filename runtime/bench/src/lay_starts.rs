@@ -101,7 +101,8 @@ pub(super) fn refuse_examples(bench: &Bench<'_>, laid: &LaidStarts) -> Result<()
     }
     for (entry, starts) in bench.entries.iter().zip(laid) {
         for start in starts {
-            if let Some(demonstration) = entry.examples.demonstrates(start) {
+            let shown = entry.examples.demonstrations.as_ref();
+            if let Some(demonstration) = shown.and_then(|it| it.demonstrates(start)) {
                 return Err(BenchError::Demonstrated {
                     task: bench.tasks[entry.task].name.clone(),
                     method: entry.method.name.clone(),

@@ -25,6 +25,7 @@ mod lay_starts;
 
 pub use first_questions::first_questions_of;
 
+use fab_agent::demos::Demonstrations;
 use fab_agent::examples::Examples;
 use fab_agent::operator::Operator;
 use fab_agent::policy::{self, MakePolicy};
@@ -254,6 +255,7 @@ impl Entry<'_> {
         let program = self.programs.values().next();
         let stages = program.map_or(&[][..], |program| &program.stages);
         let written: usize = stages.iter().map(|stage| stage.examples.len()).sum();
-        self.examples.data_size() + written
+        let shown = self.examples.demonstrations.as_ref();
+        shown.map_or(0, Demonstrations::data_size) + written
     }
 }

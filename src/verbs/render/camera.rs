@@ -14,10 +14,9 @@ use crate::verbs::runtime::step_scene::{StepScene, scene_at_step};
 use clap::Args;
 use fab_agent::examples::Examples;
 use fab_agent::pictures::Pictures;
-use fab_agent::policy::{self, Conversation, Finding, MessagePart, StepView, UndrawnMessage};
+use fab_agent::policy::{self, Finding, MessagePart, StageMessage, StepView};
 use fab_agent::subgoals::SubgoalSet;
 use fab_base::interrupt::Interrupt;
-use fab_model::{Message, Part};
 use fab_program::facts::Facts;
 use fab_program::render::Values;
 use fab_program::reply::Stated;
@@ -124,8 +123,7 @@ pub fn rendered(
     });
     let view =
         StepView::without_rollout(program, scene, observation, step, last.as_ref(), pictures);
-    let lowering = |_| target.lowering;
-    let (rehearsed, left) = policy::rehearse(view, &stages, &lowering, replies.clone())?;
+    let (rehearsed, left) = policy::rehearse(view, &stages, target.lowering, replies.clone())?;
     if !left.is_empty() {
         let n_left = left.len();
         return Err(Failure::usage(format!(
@@ -134,9 +132,8 @@ pub fn rendered(
     }
     let mut shown = Vec::with_capacity(rehearsed.len());
     for (rehearsed, stage) in rehearsed.into_iter().zip(stages) {
-        let Conversation { spoken, messages } = &rehearsed.conversation;
-        let messages = spoken.iter().zip(messages);
-        let messages = messages.map(|(spoken, sent)| displayed(spoken, Some(sent), step));
+        let messages = rehearsed.conversation.iter();
+        let messages = messages.map(|message| displayed(message, step));
         let findings = rehearsed.findings.iter();
         shown.push(ShownStage {
             n_asked_first: rehearsed.n_asked_first,
@@ -220,23 +217,20 @@ fn source(stated: &Stated) -> String {
     format!("\n  `{field}` from `{text}` at byte {at}{repairs}")
 }
 
-/// Returns a message for display, with the pictures of the request that is sent, if it was drawn.
-pub fn displayed(spoken: &UndrawnMessage, sent: Option<&Message>, step: u32) -> DisplayMessage {
-    let part = |(number, part): (usize, &MessagePart)| {
-        let title = match part {
+/// Returns a message for display, with the pictures that are drawn.
+pub fn displayed(message: &StageMessage, step: u32) -> DisplayMessage {
+    let part = |part: &MessagePart| {
+        let (title, png) = match part {
             MessagePart::Text(said) => return DisplayPart::Text { said: said.clone() },
-            MessagePart::Picture(picture) => title(picture, step),
-            MessagePart::RefusedAction => "the refused action".to_owned(),
-            MessagePart::Prediction => "what would come of the answer".to_owned(),
+            MessagePart::Picture(picture, png) => (title(picture, step), png.as_ref()),
+            MessagePart::RefusedAction(png) => ("the refused action".to_owned(), Some(png)),
+            MessagePart::Prediction(png) => ("what would come of the answer".to_owned(), Some(png)),
         };
-        let png = match sent.and_then(|sent| sent.parts.get(number)) {
-            Some(Part::Image(png)) => Some(png.bytes().to_vec()),
-            Some(Part::Text(_)) | None => None,
-        };
+        let png = png.map(|png| png.bytes().to_vec());
         DisplayPart::Image { title, png }
     };
     DisplayMessage {
-        role: format!("{:?}", spoken.speaker).to_lowercase(),
-        parts: spoken.parts.iter().enumerate().map(part).collect(),
+        role: format!("{:?}", message.speaker).to_lowercase(),
+        parts: message.parts.iter().map(part).collect(),
     }
 }

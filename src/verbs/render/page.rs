@@ -84,9 +84,7 @@ fn messages(
 ) -> Result<Vec<DisplayMessage>, Failure> {
     let examples = fab_agent::examples::Examples::load(program, folder)?;
     let spoken = fab_agent::policy::opening(program, stage, values, &examples, step)?;
-    let displayed = spoken
-        .iter()
-        .map(|it| super::camera::displayed(it, None, step));
+    let displayed = spoken.iter().map(|it| super::camera::displayed(it, step));
     Ok(displayed.collect())
 }
 

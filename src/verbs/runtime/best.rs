@@ -13,10 +13,11 @@ use crate::verbs::runtime::setting::worlds::{self, WorldChoice};
 use crate::verbs::runtime::setting::{self, StartArguments};
 use crate::verbs::runtime::sim::{ThreadArguments, threads};
 use clap::{Args, ValueHint};
-use fab_agent::best::{self, Aim, BestError, Limits, Measure, Search, unless_stopped};
+use fab_agent::best::{self, Aim, BestError, Limits, Search};
 use fab_agent::examples::Examples;
+use fab_world::WorldError;
 use report::BestReport;
-use rows::{End, Playing, Row};
+use rows::Row;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -59,7 +60,6 @@ pub struct BestArguments {
 pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
     let until = Instant::now().checked_add(Duration::from_secs(arguments.seconds.into()));
     let declared = sources::compile_task(&arguments.task, io)?;
-    Measure::of(&declared).map_err(failure)?;
     let beside = sources::folder_of(&arguments.task.file);
     let examples = Examples::load(&declared, &beside)?;
     let interrupt = io.interrupt()?;
@@ -79,10 +79,6 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
     let program = setting::fitted(&arguments.task, &declared, &start, io)?;
     let make_world = || world_of(&program);
     let make_expert_world = || setting::world(&program);
-    let mut world = make_world()?;
-    world.reset(&start)?;
-    best::check_world(world.as_ref()).map_err(failure)?;
-    drop(world);
     let mut shown = make_expert_world()?;
     shown.reset(&start)?;
     let subgoals = setting::subgoals(&declared, &beside, shown.as_mut(), &interrupt)?;
@@ -109,29 +105,23 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
         interrupt: &interrupt,
         progress: &|trials| io.progress(&format!("{trials} of {} trials", arguments.trials)),
     };
-    let stopped = || Failure::interrupted();
-    let aim = unless_stopped(Aim::of(&search)).map_err(failure)?;
-    let playing = Playing {
-        search: &search,
-        examples: &examples,
-        folder: &out,
-        io,
-    };
-    let (policies, hint) = playing.policies(&aim.ok_or_else(stopped)?)?;
+    let aim = Aim::of(&search).map_err(failure)?;
+    let (policies, hint) = rows::play(&search, &aim, &examples, &out, io)?;
     let hinted = Search {
         hint: &hint,
         ..search
     };
-    let found = unless_stopped(best::search(&hinted));
+    let found = best::search(&hinted, &aim).map_err(failure)?;
     io.progress("");
-    let found = found.map_err(failure)?.ok_or_else(stopped)?;
-    let end = found.value().map(|value| End {
-        value,
-        unscored: None,
-        actions: Vec::new(),
-    });
-    let goal = program.goal.as_ref();
-    let mut rows = vec![Row::of("best", true, end.as_slice(), goal)];
+    let mut best = Row {
+        name: "best",
+        oracle: true,
+        ..Row::default()
+    };
+    if let Some(value) = found.value {
+        best.add(value, None, program.goal.as_ref());
+    }
+    let mut rows = vec![best];
     rows.extend(policies);
     let report = BestReport::new(&program, &start, &found, &rows, &out);
     io.result(arguments.json, &report);
@@ -146,7 +136,8 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
 
 fn failure(error: BestError) -> Failure {
     match error {
-        BestError::Aimless { .. } => Failure::usage(error.to_string()),
+        BestError::Aimless(_) => Failure::usage(error.to_string()),
+        BestError::World(WorldError::Interrupted) => Failure::interrupted(),
         error => Failure::environment(error),
     }
 }

@@ -144,7 +144,8 @@ pub fn play(
     };
     // A world that is a program is started again for the rollout, since a robot exists only once.
     drop(first);
-    if let Some(number) = examples.demonstrates(&start) {
+    let shown = examples.demonstrations.as_ref();
+    if let Some(number) = shown.and_then(|it| it.demonstrates(&start)) {
         return Err(Failure::environment(format!(
             "the start `{}` is that of demonstration {number}, which the model is shown: a result from it would not be a test; choose another start",
             start.name

@@ -121,9 +121,8 @@ fn stand_in_action(
         asking: &mut Asking::unrecorded(),
         record: &mut |_| Ok(()),
         interrupt: &Interrupt::default(),
-        twins: None,
     };
-    let decision = Prompted { models }.decide(&view, &mut exchange)?;
+    let decision = Prompted::new(models).decide(&view, &mut exchange)?;
     let proposal = match decision {
         Decision::Act { mut grips, .. } => grips.pop(),
         Decision::Skip(_) | Decision::Stop { .. } => None,

@@ -12,13 +12,13 @@
 //! inputs give equal results on any number of threads.
 //!
 //! It is a beam search with growing width: 1, 2, 4 and so on. It runs in any world that repeats and knows its particles;
-//! one without copies ([`World::fork`]) executes the actions again from the start.
+//! one without copies ([`fab_world::World::fork`]) executes the actions again from the start.
 
 mod aim;
 mod offers;
 mod tree;
 
-pub use aim::{Aim, Measure};
+pub use aim::Aim;
 
 use crate::action::Action;
 use crate::policy::Finding;
@@ -27,11 +27,12 @@ use crate::scene::SceneError;
 use crate::subgoals::SubgoalSet;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
+use fab_program::facts::ExecutedAction;
 use fab_program::render::RenderError;
-use fab_program::{Program, Proposal};
+use fab_program::{Metric, Program, Proposal, space};
+use fab_world::WorldError;
 use fab_world::expert::MakeWorld;
 use fab_world::start::Start;
-use fab_world::{World, WorldError};
 use serde::Serialize;
 use std::time::Instant;
 use tree::Tree;
@@ -88,22 +89,28 @@ pub struct Choice {
 }
 
 impl Choice {
+    fn executed(&self) -> ExecutedAction {
+        ExecutedAction {
+            proposal: self.proposal.clone(),
+            pick: self.action.pick_on_cloth_px,
+            place: self.action.place_px,
+        }
+    }
+
     /// Returns the action of a step of a record; `None` if it executed none.
     pub fn of(step: &record::Step) -> Option<Choice> {
         step.executed.as_ref()?;
         let (accepted, [action]) = (step.accepted.as_ref()?, step.action.as_deref()?) else {
             return None;
         };
-        let mut asked = step.attempts.iter();
-        let taken = asked
-            .find(|asked| asked.stage == accepted.stage && asked.attempt == accepted.attempt)?;
-        let Finding::Action { fields, .. } = &taken.result else {
+        let is_taken =
+            |it: &&record::Asked| it.stage == accepted.stage && it.attempt == accepted.attempt;
+        let Finding::Action { fields, .. } = &step.attempts.iter().find(is_taken)?.result else {
             return None;
         };
+        let fields = fields.clone();
         Some(Choice {
-            proposal: Proposal {
-                fields: fields.clone(),
-            },
+            proposal: Proposal { fields },
             action: action.clone(),
             without: accepted.without.clone(),
         })
@@ -111,17 +118,43 @@ impl Choice {
 }
 
 /// One step on the path to a result.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Taken {
     /// The task's step, from 1; a retried step comes twice.
     pub step: u32,
-    /// What was chosen; `None` if the step is skipped.
-    pub choice: Option<Choice>,
+    /// The action as an answer states it, on one line; `None` if the step is skipped.
+    pub answer: Option<String>,
+    /// The checks that refuse it, which the task drops in the end.
+    pub without: Vec<String>,
     /// The measure of the cloth afterwards.
     pub value: f64,
     /// How far the cloth then is from where the experts have it after this step, metres; without experts `value`, negated
     /// where more is better.
     pub behind: f64,
+    /// What was chosen; `None` if the step is skipped.
+    #[serde(skip)]
+    pub choice: Option<Choice>,
+}
+
+impl Taken {
+    fn of(program: &Program, step: u32, choice: Option<Choice>, measured: [f64; 2]) -> Taken {
+        let answer = choice.as_ref().map(|choice| {
+            let fields = choice.proposal.fields.iter().filter_map(|(name, value)| {
+                let field = program.field(name)?;
+                Some(space::statement(field, &space::text(field, value)))
+            });
+            fields.collect::<Vec<_>>().join(", ")
+        });
+        let without = choice.as_ref().map(|choice| choice.without.clone());
+        Taken {
+            step,
+            answer,
+            without: without.unwrap_or_default(),
+            value: measured[0],
+            behind: measured[1],
+            choice,
+        }
+    }
 }
 
 /// Why a search ended before everything was tried.
@@ -140,18 +173,19 @@ pub enum Stop {
 #[derive(Clone, Debug, Serialize)]
 pub struct Found {
     /// What is measured.
-    #[serde(skip)]
-    pub measure: Measure,
+    pub metric: Metric,
     /// The measure of the untouched cloth.
     pub untouched: f64,
+    /// The measure at the end of the best actions; `None` if no rollout has ended.
+    pub value: Option<f64>,
     /// The best actions, in order; the most promising ones if no rollout has ended yet.
-    #[serde(skip)]
     pub best: Vec<Taken>,
-    /// Whether a rollout ends with the best actions.
-    #[serde(skip)]
-    pub has_ended: bool,
+    /// The index of the step of the best actions that limits: it loses most against the experts, or gains least.
+    pub limiting: Option<usize>,
     /// Actions that were tried.
     pub trials: u32,
+    /// Whether every action of every reached state was tried.
+    pub exhausted: bool,
     /// What remains untried.
     pub left: Untried,
     /// Why something is left; `None` if nothing is.
@@ -161,44 +195,10 @@ pub struct Found {
 /// What a search has not tried.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Untried {
-    /// Actions of the states whose actions were listed.
+    /// Listed actions of the reached states.
     pub actions: usize,
-    /// Reached states whose actions were not listed.
-    pub states: usize,
     /// The masks of which only some pixels were listed, and fields whose combinations were too many.
     pub sampled: Vec<String>,
-}
-
-impl Found {
-    /// Returns the measure at the end of the best actions; `None` if no rollout has ended.
-    pub fn value(&self) -> Option<f64> {
-        let last = self.best.last().filter(|_| self.has_ended);
-        last.map(|last| last.value)
-    }
-
-    /// Returns whether every action of every reached state was tried.
-    pub fn is_exhausted(&self) -> bool {
-        self.left == Untried::default()
-    }
-
-    /// Returns the index of the step of the best actions after which the cloth lags behind most: the one that loses most
-    /// against the experts, or gains least. A skipped step limits nothing.
-    pub fn limiting(&self) -> Option<usize> {
-        let mut before = if self.measure.experts_lead() {
-            0.0
-        } else {
-            self.measure.loss(self.untouched)
-        };
-        let mut worst: Option<(usize, f64)> = None;
-        for (index, taken) in self.best.iter().enumerate().filter(|_| self.has_ended) {
-            let lost = taken.behind - before;
-            before = taken.behind;
-            if taken.choice.is_some() && worst.is_none_or(|(_, most)| lost > most) {
-                worst = Some((index, lost));
-            }
-        }
-        worst.map(|(index, _)| index)
-    }
 }
 
 /// Why there is no result.
@@ -206,30 +206,19 @@ impl Found {
 pub enum BestError {
     /// The task does not say what is better.
     #[error(
-        "`{task}` declares no `goal`, no `experts` and no demonstration, so no result is better than another: declare one of them"
+        "`{0}` declares no `goal`, no `experts` and no demonstration, so no result is better than another: declare one of them"
     )]
-    Aimless {
-        /// The task.
-        task: String,
-    },
+    Aimless(String),
     /// The start gives nothing to measure.
-    #[error("the start `{start}` cannot be measured: {why}")]
-    Unmeasured {
-        /// The start.
-        start: String,
-        /// What is wrong.
-        why: &'static str,
-    },
+    #[error(
+        "the start `{0}` cannot be measured: it covers as much as the flat cloth, or its particles are not those of the experts"
+    )]
+    Unmeasured(String),
     /// The world cannot take an action back, or does not show what became of the cloth.
     #[error(
-        "the world `{world}` {why}, so actions cannot be tried in it: search in `sim`, or in a program that repeats and knows its particles"
+        "the world `{0}` {1}, so actions cannot be tried in it: search in `sim`, or in a program that repeats and knows its particles"
     )]
-    Unsearchable {
-        /// The world's name.
-        world: String,
-        /// What it cannot do.
-        why: &'static str,
-    },
+    Unsearchable(String, &'static str),
     /// The world failed.
     #[error(transparent)]
     World(#[from] WorldError),
@@ -244,36 +233,11 @@ pub enum BestError {
     Threads(#[from] std::io::Error),
 }
 
-/// Returns a result that was reached; `None` if a requested stop prevented it.
-pub fn unless_stopped<T>(result: Result<T, BestError>) -> Result<Option<T>, BestError> {
-    match result {
-        Err(BestError::World(WorldError::Interrupted)) => Ok(None),
-        result => result.map(Some),
-    }
-}
-
-/// Fails if actions cannot be tried in a world, whose cloth was laid.
-pub fn check_world(world: &dyn World) -> Result<(), BestError> {
-    let why = if !world.repeats() {
-        "cannot lay a start again exactly"
-    } else if world.particles().is_none() {
-        "does not know where the cloth's particles are"
-    } else {
-        return Ok(());
-    };
-    Err(BestError::Unsearchable {
-        world: world.name().to_owned(),
-        why,
-    })
-}
-
-/// Searches the best actions.
+/// Searches the best actions. An interrupt ends it with what was found so far.
 ///
-/// Fails if the task has nothing to measure, or the world or the vision fails. An interrupt is a failure only before the
-/// first trial, while the experts' states are simulated.
-pub fn search(search: &Search<'_>) -> Result<Found, BestError> {
-    let aim = Aim::of(search)?;
-    let mut tree = Tree::at_start(search, &aim)?;
+/// Fails if the start gives nothing to choose from, or the world or the vision fails.
+pub fn search(search: &Search<'_>, aim: &Aim<'_>) -> Result<Found, BestError> {
+    let mut tree = Tree::at_start(search, aim)?;
     tree.follow(search.hint)?;
     tree.widen()?;
     Ok(tree.found())

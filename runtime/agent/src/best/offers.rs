@@ -4,23 +4,22 @@
 //! alike are offered once.
 
 use super::aim::{ExpertGrip, off_m};
-use super::{BestError, Choice, Search};
-use crate::action::Action;
-use crate::scene::Scene;
+use super::{BestError, Choice};
+use crate::action::{Action, combinations};
+use crate::policy::Ground;
 use fab_base::chance::Chance;
-use fab_picture::observation::Observation;
+use fab_base::interrupt::Interrupt;
 use fab_program::facts::Facts;
-use fab_program::scene::SceneView;
-use fab_program::verify::{self, Strictness, Verdict};
-use fab_program::{ActionField, Choices, Proposal, Value, space};
-use fab_world::{World, WorldError};
+use fab_program::verify::{Strictness, Verdict};
+use fab_program::{Choices, Proposal, space};
+use fab_world::WorldError;
 use std::collections::BTreeSet;
 
-/// The most combinations of a step's choices that are listed; of more, as many are drawn.
-const MOST_COMBINATIONS: u64 = 20_000;
+/// The most combinations of a step's choices that are listed.
+const MOST_COMBINATIONS: usize = 20_000;
 
-/// How many pixels of a mask are drawn.
-const MOST_PIXELS: usize = 64;
+/// How many of more combinations are drawn.
+const DRAWN: usize = 2_000;
 
 /// What can be done in a state.
 #[derive(Debug, Default)]
@@ -31,15 +30,6 @@ pub(super) struct Offers {
     pub sampled: Vec<String>,
 }
 
-/// A state before an action.
-pub(super) struct Situation<'a> {
-    pub search: &'a Search<'a>,
-    pub world: &'a dyn World,
-    pub observation: &'a Observation,
-    pub facts: Facts<'a>,
-    pub scene: &'a Scene,
-}
-
 impl Offers {
     /// Lists what can be done in a state.
     ///
@@ -47,31 +37,42 @@ impl Offers {
     ///
     /// Fails if a check cannot be evaluated, and on an interrupt.
     pub fn of(
-        at: &Situation<'_>,
+        at: Ground<'_>,
+        facts: Facts<'_>,
         experts: &[ExpertGrip],
         mut chance: Chance,
+        interrupt: &Interrupt,
     ) -> Result<Offers, BestError> {
+        let relaxed = &at.program.verify.relaxed;
         let mut sampled = Vec::new();
         let mut seen = BTreeSet::new();
         let mut ranked = Vec::new();
         for proposal in proposals(at, &mut chance, &mut sampled) {
-            if at.search.interrupt.is_raised() {
+            if interrupt.is_raised() {
                 return Err(WorldError::Interrupted.into());
             }
-            let Some(without) = at.accepts(&proposal)? else {
+            let is_accepted = |strictness| {
+                let verdict = at.verdict(facts, &proposal, strictness);
+                verdict.map(|verdict| verdict == Verdict::Accept)
+            };
+            let without = if is_accepted(Strictness::Full)? {
+                Vec::new()
+            } else if !relaxed.is_empty() && is_accepted(Strictness::Relaxed)? {
+                relaxed.clone()
+            } else {
                 continue;
             };
-            let Some(action) = at.executable(&proposal) else {
+            let action = Action::lower(at.program, &proposal, at.scene, at.observation);
+            let Some(action) = action else {
                 continue;
             };
             if seen.insert(format!("{:?}", action.grip)) {
-                let off_m = off_m(experts, &action.grip);
                 let choice = Choice {
                     proposal,
                     without,
                     action,
                 };
-                ranked.push((off_m, choice));
+                ranked.push((off_m(experts, &choice.action.grip), choice));
             }
         }
         if experts.is_empty() {
@@ -89,84 +90,26 @@ impl Offers {
     }
 }
 
-impl Situation<'_> {
-    /// Returns the checks that must be dropped to accept an action; `None` if it is refused for good.
-    fn accepts(&self, proposal: &Proposal) -> Result<Option<Vec<String>>, BestError> {
-        let program = self.search.program;
-        let judge = |strictness| verify::verdict(program, self.facts, proposal, strictness);
-        let relaxed = &program.verify.relaxed;
-        if judge(Strictness::Full)? == Verdict::Accept {
-            Ok(Some(Vec::new()))
-        } else if !relaxed.is_empty() && judge(Strictness::Relaxed)? == Verdict::Accept {
-            Ok(Some(relaxed.clone()))
-        } else {
-            Ok(None)
+/// Combines the choices of all fields; of too many combinations, or of the pixels of a mask, some are drawn.
+fn proposals(at: Ground<'_>, chance: &mut Chance, sampled: &mut Vec<String>) -> Vec<Proposal> {
+    let fields = at.program.actions.iter();
+    let masks = fields.clone().filter_map(|field| match &field.choices {
+        Choices::Region { mask } => Some(space::any_of(mask)),
+        _ => None,
+    });
+    sampled.extend(masks);
+    if sampled.is_empty() {
+        let listed = fields.map(|field| (field.name.clone(), space::choices(field, at.scene)));
+        let listed: Vec<_> = listed.collect();
+        let all = combinations(&listed);
+        if all.len() <= MOST_COMBINATIONS {
+            return all.collect();
         }
-    }
-
-    /// Returns what an action means on the table; `None` if the world cannot execute it.
-    fn executable(&self, proposal: &Proposal) -> Option<Action> {
-        let program = self.search.program;
-        let action = Action::lower(program, proposal, self.scene, self.observation)?;
-        let grip = action.grip;
-        let ends = [&grip.pick, &grip.place];
-        let is_beyond = |point| self.world.out_of_reach(point).is_some();
-        let is_refused =
-            ends.into_iter().any(is_beyond) || self.world.refuses(&grip.into()).is_some();
-        (!is_refused).then_some(action)
-    }
-}
-
-/// Combines the choices of all fields.
-fn proposals(at: &Situation<'_>, chance: &mut Chance, sampled: &mut Vec<String>) -> Vec<Proposal> {
-    let fields = &at.search.program.actions;
-    let values = fields.iter();
-    let values = values.map(|field| values_of(field, at.scene, chance, sampled));
-    let values: Vec<Vec<Value>> = values.collect();
-    let counts = values.iter().map(|values| values.len() as u64);
-    let all = counts.fold(1u64, u64::saturating_mul);
-    let numbers: Vec<u64> = if all > MOST_COMBINATIONS {
-        let names: Vec<&str> = fields.iter().map(|field| field.name.as_str()).collect();
+        let names: Vec<&str> = listed.iter().map(|(name, _)| name.as_str()).collect();
         sampled.push(names.join(" x "));
-        // Twice the same is no loss: equal grips are offered once.
-        let draw = |_| (chance.fraction() * all as f64) as u64;
-        (0..MOST_COMBINATIONS).map(draw).collect()
-    } else {
-        (0..all).collect()
-    };
-    let proposal = |mut number: u64| {
-        let chosen = fields.iter().zip(&values).map(|(field, values)| {
-            let count = values.len() as u64;
-            let value = values[(number % count) as usize].clone();
-            number /= count;
-            (field.name.clone(), value)
-        });
-        Proposal {
-            fields: chosen.collect(),
-        }
-    };
-    numbers.into_iter().map(proposal).collect()
-}
-
-/// Returns the choices of a field; of a mask, some pixels.
-fn values_of(
-    field: &ActionField,
-    scene: &Scene,
-    chance: &mut Chance,
-    sampled: &mut Vec<String>,
-) -> Vec<Value> {
-    let Choices::Region { mask } = &field.choices else {
-        return space::choices(field, scene);
-    };
-    // An area is a whole number far below 2^53.
-    let n_pixels = scene.area_px(mask).unwrap_or_default() as usize;
-    let numbers: BTreeSet<usize> = if n_pixels > MOST_PIXELS {
-        sampled.push(space::any_of(mask));
-        (0..MOST_PIXELS).map(|_| chance.below(n_pixels)).collect()
-    } else {
-        (0..n_pixels).collect()
-    };
-    let pixels = numbers.into_iter();
-    let pixels = pixels.filter_map(|number| scene.region_pixel(mask, number as u64));
-    pixels.map(Value::Point).collect()
+    }
+    // A number below an in-memory count fits in `usize`. Equal grips are offered once.
+    let mut below = |count: u64| chance.below(count as usize) as u64;
+    let drawn = (0..DRAWN).filter_map(|_| space::sample(at.program, at.scene, &mut below));
+    drawn.collect()
 }

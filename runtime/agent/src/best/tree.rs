@@ -1,24 +1,26 @@
 //! The states that a search has reached, and the order in which it tries their actions.
 //!
-//! In: a search. Out: states by depth, each with the action that led to it. A pass with a width goes through all depths:
+//! In: a search. Out: states by depth, each with the actions that led to it. A pass with a width goes through all depths:
 //! the most promising states of each are expanded, and share the remaining trials with the depths that follow.
 
 use super::aim::Aim;
-use super::offers::{Offers, Situation};
-use super::{BestError, Choice, Found, Search, Stop, Taken, Untried, check_world, unless_stopped};
+use super::offers::Offers;
+use super::{BestError, Choice, Found, Search, Stop, Taken, Untried};
+use crate::policy::Ground;
 use crate::result::StepResult;
 use crate::rollout::Tries;
 use crate::scene::{Scene, SceneError};
 use fab_base::chance::Chance;
 use fab_base::parallel::in_parallel;
+use fab_picture::observation::Observation;
 use fab_program::Exhausted;
 use fab_program::facts::{ExecutedAction, Facts};
 use fab_program::pointing::Pointing;
-use fab_world::{Fork, World};
-use std::collections::BTreeMap;
+use fab_world::{Fork, World, WorldError};
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
 
-/// States of one depth whose worlds are kept; any other state is reached again from the last kept one before it.
+/// States of one depth whose worlds are kept; any other state is reached again from the start.
 const KEPT_WORLDS: usize = 64;
 
 /// A tree of states; the first one is the start.
@@ -33,81 +35,77 @@ pub(super) struct Tree<'a> {
 
 /// A state.
 struct Node {
-    /// The state before, and the action that led here; `None` at the start.
-    came_from: Option<(usize, Choice)>,
+    /// The steps from the start to here.
+    path: Vec<Taken>,
     tries: Tries,
-    last: Option<ExecutedAction>,
     world: Option<Fork>,
     value: f64,
     behind: f64,
-    /// Whether the rollout ends here with a score.
-    has_ended: bool,
-    /// Whether the camera shows nothing to choose from, so that the rollout ends here without a score.
-    is_lost: bool,
-    /// What can be done here; `None` until it is listed.
-    offers: Option<Offers>,
+    end: End,
+    /// What can be done here; nothing where a rollout ends.
+    offers: Offers,
     /// How many of these were tried, from the first on.
     tried: usize,
 }
 
-/// A trial to be made: the index of a state, and that of one of its choices.
-type Due = (usize, usize);
+/// Whether a rollout ends in a state.
+#[derive(Clone, Copy, PartialEq)]
+enum End {
+    Open,
+    Scored,
+    /// Without a score: the camera shows nothing to choose from.
+    Lost,
+}
+
+impl Node {
+    fn is_tried_out(&self) -> bool {
+        self.tried == self.offers.choices.len()
+    }
+}
 
 impl<'a> Tree<'a> {
     /// Begins at the start of a rollout.
     ///
-    /// Fails if actions cannot be tried in the world, or the start gives nothing to choose from.
+    /// Fails if the start gives nothing to choose from.
     pub fn at_start(search: &'a Search<'a>, aim: &'a Aim<'a>) -> Result<Tree<'a>, BestError> {
         let mut world = (search.make_world)()?;
         world.reset(search.start)?;
-        check_world(world.as_ref())?;
+        let observation = world.observe()?;
+        let mut tree = Tree {
+            search,
+            aim,
+            first: Scene::of(search.program, &observation, None)?,
+            nodes: Vec::new(),
+            stop: None,
+        };
+        let first = tree.first.clone();
+        let offers = tree.offers(world.as_ref(), &observation, &first, (1, None), "the start")?;
         let positions = &search.start.positions;
-        let root = Node {
-            came_from: None,
+        tree.nodes.push(Node {
+            path: Vec::new(),
             tries: Tries::default(),
-            last: None,
             world: world.fork(),
             value: aim.value(positions)?,
             behind: aim.behind(positions, 0)?,
-            has_ended: false,
-            is_lost: false,
-            offers: None,
+            end: End::Open,
+            offers,
             tried: 0,
-        };
-        Ok(Tree {
-            search,
-            aim,
-            first: Scene::of(search.program, &world.observe()?, None)?,
-            nodes: vec![root],
-            stop: None,
-        })
+        });
+        Ok(tree)
     }
 
     /// Tries the actions of another rollout, as far as there are trials left.
     pub fn follow(&mut self, hint: &[Choice]) -> Result<(), BestError> {
-        let mut node = 0;
         for choice in hint {
-            if !self.is_open(node) || self.trials_left() == 0 {
+            let node = self.nodes.len() - 1;
+            if self.nodes[node].end != End::Open || self.stop.is_some() || self.trials_left() == 0 {
                 break;
             }
-            self.list(&[node])?;
-            let it = &mut self.nodes[node];
-            let Some(offers) = &mut it.offers else {
-                break;
-            };
-            let is_same = |offered: &Choice| offered.action.grip == choice.action.grip;
-            let place = offers.choices.iter().position(is_same);
-            let choice = match place {
-                Some(place) => offers.choices.remove(place),
-                // A pixel of a mask that was not drawn.
-                None => choice.clone(),
-            };
-            offers.choices.insert(0, choice);
+            // A pixel of a mask may not have been drawn.
+            let (grip, choices) = (choice.action.grip, &mut self.nodes[node].offers.choices);
+            choices.retain(|offered| offered.action.grip != grip);
+            choices.insert(0, choice.clone());
             self.make(&[(node, 0)])?;
-            if self.stop.is_some() {
-                break;
-            }
-            node = self.nodes.len() - 1;
         }
         Ok(())
     }
@@ -115,7 +113,7 @@ impl<'a> Tree<'a> {
     /// Goes through all depths with more and more states, until everything was tried or a limit is reached.
     pub fn widen(&mut self) -> Result<(), BestError> {
         let mut width = 1;
-        while self.stop.is_none() && !(0..self.nodes.len()).all(|node| self.is_tried_out(node)) {
+        while self.stop.is_none() && !self.nodes.iter().all(Node::is_tried_out) {
             if self.trials_left() == 0 {
                 self.stop = Some(Stop::Trials);
                 break;
@@ -132,14 +130,16 @@ impl<'a> Tree<'a> {
         for depth in 0..depths {
             // The remaining trials are shared with the depths that follow.
             let share = self.trials_left().div_ceil(depths - depth) as usize;
-            let mut beam = self.ranked(depth);
-            beam.retain(|&node| self.is_open(node));
-            beam.truncate(width);
-            beam.retain(|&node| !self.is_tried_out(node));
-            // No more actions are listed than can be tried.
-            beam.truncate(share);
-            self.list(&beam)?;
-            let due = self.due(&beam, share);
+            let open = self.ranked(depth).into_iter();
+            let beam = open.filter(|&node| self.nodes[node].end == End::Open);
+            // The first choice of each state, then the second, and so on.
+            let untried = beam.take(width).flat_map(|node| {
+                let it = &self.nodes[node];
+                (it.tried..it.offers.choices.len()).map(move |choice| (node, choice))
+            });
+            let mut due: Vec<_> = untried.collect();
+            due.sort_by_key(|&(_, choice)| choice);
+            due.truncate(share);
             self.make(&due)?;
             if self.stop.is_some() {
                 break;
@@ -165,76 +165,28 @@ impl<'a> Tree<'a> {
         ranked
     }
 
-    /// Chooses the trials of a beam: the first choice of each state, then the second, and so on.
-    fn due(&self, beam: &[usize], most: usize) -> Vec<Due> {
-        let untried = |&node: &usize| {
-            let it = &self.nodes[node];
-            let choices = it.offers.as_ref().map_or(0, |offers| offers.choices.len());
-            (it.tried..choices).map(move |choice| (node, choice))
-        };
-        let mut due: Vec<Due> = beam.iter().flat_map(untried).collect();
-        due.sort_by_key(|&(_, choice)| choice);
-        due.truncate(most);
-        due
-    }
-
-    /// Lists what can be done in states, where that is not done yet.
-    fn list(&mut self, nodes: &[usize]) -> Result<(), BestError> {
-        let is_new = |node: &usize| self.nodes[*node].offers.is_none();
-        let new: Vec<usize> = nodes.iter().copied().filter(is_new).collect();
-        let tree = &*self;
-        let listed = in_parallel(
-            new.len(),
-            self.search.limits.threads,
-            |index| tree.unless_due_to_stop(|| tree.offers(new[index])),
-            |_| {},
-        )?;
-        for (node, offers) in new.into_iter().zip(listed) {
-            self.nodes[node].offers = offers;
-        }
-        self.stop = self.requested_stop();
-        Ok(())
-    }
-
-    fn offers(&self, node: usize) -> Result<Offers, BestError> {
-        let (search, it) = (self.search, &self.nodes[node]);
-        let mut world = self.world_at(node)?;
-        let observation = world.observe()?;
-        let first = it.came_from.is_some().then_some(&self.first);
-        let scene = Scene::of(search.program, &observation, first)?;
-        let step = self.step_of(it);
-        let positions = world.particles().unwrap_or_default();
-        let experts = self.aim.expert_grips(&positions, step - 1);
-        let situation = Situation {
-            search,
-            world: world.as_ref(),
-            observation: &observation,
-            facts: Facts {
-                scene: &scene,
-                texts: &BTreeMap::new(),
-                step,
-                last: it.last.as_ref(),
-                proposal: None,
-                pointing: Pointing::of_camera(&search.program.camera),
-            },
-            scene: &scene,
-        };
-        let draw = format!("offered actions {} {node}", search.limits.seed);
-        Offers::of(&situation, &experts, Chance::of(&draw))
-    }
-
     /// Makes trials, and adds the states that they lead to; a stop leaves some of them out.
-    fn make(&mut self, due: &[Due]) -> Result<(), BestError> {
-        let (tree, made) = (&*self, self.n_trials());
+    ///
+    /// - `due`: the index of a state, and that of one of its choices.
+    fn make(&mut self, due: &[(usize, usize)]) -> Result<(), BestError> {
+        let made = self.n_trials();
         let reached = in_parallel(
             due.len(),
             self.search.limits.threads,
-            |index| tree.unless_due_to_stop(|| tree.reach(due[index])),
+            |index| {
+                if self.requested_stop().is_some() {
+                    return Ok(None);
+                }
+                match self.reach(due[index]) {
+                    Err(BestError::World(WorldError::Interrupted)) => Ok(None),
+                    reached => reached.map(Some),
+                }
+            },
             |done| (self.search.progress)(made + done as u32),
         )?;
-        for (&(parent, _), node) in due.iter().zip(reached) {
+        for ((parent, _), node) in due.iter().zip(reached) {
             if let Some(node) = node {
-                self.nodes[parent].tried += 1;
+                self.nodes[*parent].tried += 1;
                 self.nodes.push(node);
             }
         }
@@ -242,94 +194,110 @@ impl<'a> Tree<'a> {
         Ok(())
     }
 
-    /// Tries one choice on a copy of a state's world.
-    fn reach(&self, (parent, choice): Due) -> Result<Node, BestError> {
-        const LISTED: &str = "only states whose actions are listed have trials due";
-        let (program, it) = (self.search.program, &self.nodes[parent]);
-        let choice = it.offers.as_ref().expect(LISTED).choices[choice].clone();
-        let mut world = self.world_at(parent)?;
-        world.act(&choice.action.grip.into(), self.search.interrupt)?;
+    fn requested_stop(&self) -> Option<Stop> {
+        let until = self.search.limits.until;
+        if self.search.interrupt.is_raised() {
+            return Some(Stop::Interrupt);
+        }
+        let is_over = until.is_some_and(|until| Instant::now() >= until);
+        is_over.then_some(Stop::Time)
+    }
+
+    /// Tries one choice on a copy of a state's world, and lists what can be done then.
+    fn reach(&self, (parent, number): (usize, usize)) -> Result<Node, BestError> {
+        let (search, aim, it) = (self.search, self.aim, &self.nodes[parent]);
+        let program = search.program;
+        let choice = it.offers.choices[number].clone();
+        let mut world = self.world_at(it)?;
+        world.act(&choice.action.grip.into(), search.interrupt)?;
         let positions = world.particles().unwrap_or_default();
-        let value = self.aim.value(&positions)?;
-        let (step, after) = (self.step_of(it), world.observe()?);
-        let subgoals = self.search.subgoals;
-        let result = StepResult::of(program, subgoals, step, &self.first, &after)?;
+        let (step, after) = (self.step_of(&it.tries), world.observe()?);
+        let (value, behind) = (aim.value(&positions)?, aim.behind(&positions, step)?);
+        let result = StepResult::of(program, search.subgoals, step, &self.first, &after)?;
         let mut tries = it.tries;
         tries.number += 1;
         tries.after(program.actions_per_step(), result);
-        let has_ended = tries.step(self.search.horizon).is_none() || self.aim.is_reached(value);
-        let is_lost = !has_ended
-            && match Scene::of(program, &after, Some(&self.first)) {
-                Err(SceneError::OutOfView { .. } | SceneError::NoCandidates { .. }) => true,
-                scene => scene.map(|_| false)?,
-            };
+        let has_ended = tries.step(search.horizon).is_none() || aim.is_reached(value);
+        let scene = if has_ended {
+            None
+        } else {
+            match Scene::of(program, &after, Some(&self.first)) {
+                Err(SceneError::OutOfView { .. } | SceneError::NoCandidates { .. }) => None,
+                scene => Some(scene?),
+            }
+        };
+        let (end, offers) = match scene {
+            None if has_ended => (End::Scored, Offers::default()),
+            None => (End::Lost, Offers::default()),
+            Some(scene) => {
+                let next = (self.step_of(&tries), Some(choice.executed()));
+                let draw = format!("{parent} {number}");
+                let offers = self.offers(world.as_ref(), &after, &scene, next, &draw)?;
+                (End::Open, offers)
+            }
+        };
+        let mut path = it.path.clone();
+        path.push(Taken::of(program, step, Some(choice), [value, behind]));
         Ok(Node {
+            path,
             tries,
-            last: Some(ExecutedAction {
-                proposal: choice.proposal.clone(),
-                pick: choice.action.pick_on_cloth_px,
-                place: choice.action.place_px,
-            }),
-            world: world.fork().filter(|_| !has_ended && !is_lost),
+            world: world.fork().filter(|_| end == End::Open),
             value,
-            behind: self.aim.behind(&positions, step)?,
-            has_ended,
-            is_lost,
-            offers: None,
+            behind,
+            end,
+            offers,
             tried: 0,
-            came_from: Some((parent, choice)),
         })
     }
 
-    /// Returns the world of a state; where no copy of it is kept, the actions since the last one are executed again.
-    fn world_at(&self, node: usize) -> Result<Box<dyn World>, BestError> {
-        let mut again = Vec::new();
-        let mut it = &self.nodes[node];
-        let mut world: Box<dyn World> = loop {
-            if let Some(copy) = it.world.as_ref().and_then(|world| world.fork()) {
-                break copy;
-            }
-            let Some((parent, choice)) = &it.came_from else {
-                let mut world = (self.search.make_world)()?;
-                world.reset(self.search.start)?;
-                break world;
-            };
-            again.push(choice.action.grip);
-            it = &self.nodes[*parent];
+    /// Lists what can be done in a step, given the action before it; `draw` distinguishes states.
+    fn offers(
+        &self,
+        world: &dyn World,
+        observation: &Observation,
+        scene: &Scene,
+        (step, last): (u32, Option<ExecutedAction>),
+        draw: &str,
+    ) -> Result<Offers, BestError> {
+        let search = self.search;
+        let positions = world.particles().unwrap_or_default();
+        let experts = self.aim.expert_grips(&positions, step - 1);
+        let ground = Ground {
+            program: search.program,
+            scene,
+            observation,
+            reach: &|point| world.out_of_reach(point),
+            refuses: &|motion| world.refuses(motion),
         };
-        for grip in again.into_iter().rev() {
-            world.act(&grip.into(), self.search.interrupt)?;
+        let facts = Facts {
+            scene,
+            texts: &BTreeMap::new(),
+            step,
+            last: last.as_ref(),
+            proposal: None,
+            pointing: Pointing::of_camera(&search.program.camera),
+        };
+        let chance = Chance::of(&format!("offered actions {} {draw}", search.limits.seed));
+        Offers::of(ground, facts, &experts, chance, search.interrupt)
+    }
+
+    /// Returns the world of a state; where no copy of it is kept, the actions that lead to it are executed again.
+    fn world_at(&self, node: &Node) -> Result<Box<dyn World>, BestError> {
+        if let Some(copy) = node.world.as_ref().and_then(|world| world.fork()) {
+            return Ok(copy);
+        }
+        let mut world = (self.search.make_world)()?;
+        world.reset(self.search.start)?;
+        for choice in node.path.iter().filter_map(|taken| taken.choice.as_ref()) {
+            world.act(&choice.action.grip.into(), self.search.interrupt)?;
         }
         Ok(world)
     }
 
-    /// Does something unless the search should stop, or is stopped in it.
-    fn unless_due_to_stop<T>(
-        &self,
-        job: impl FnOnce() -> Result<T, BestError>,
-    ) -> Result<Option<T>, BestError> {
-        if self.requested_stop().is_some() {
-            return Ok(None);
-        }
-        unless_stopped(job())
-    }
-
-    fn requested_stop(&self) -> Option<Stop> {
-        let is_over = |until: Instant| Instant::now() >= until;
-        if self.search.interrupt.is_raised() {
-            Some(Stop::Interrupt)
-        } else if self.search.limits.until.is_some_and(is_over) {
-            Some(Stop::Time)
-        } else {
-            None
-        }
-    }
-
-    /// Returns the task's step that is due in a state, from 1.
-    fn step_of(&self, node: &Node) -> u32 {
-        node.tries
-            .step(self.search.horizon)
-            .unwrap_or(self.search.horizon)
+    /// Returns the task's step that is due, from 1.
+    fn step_of(&self, tries: &Tries) -> u32 {
+        let horizon = self.search.horizon;
+        tries.step(horizon).unwrap_or(horizon)
     }
 
     fn n_trials(&self) -> u32 {
@@ -340,82 +308,66 @@ impl<'a> Tree<'a> {
         self.search.limits.trials.saturating_sub(self.n_trials())
     }
 
-    /// Returns whether a rollout goes on from a state.
-    fn is_open(&self, node: usize) -> bool {
-        !self.nodes[node].has_ended && !self.nodes[node].is_lost
-    }
-
-    /// Returns whether every choice of a state was tried.
-    fn is_tried_out(&self, node: usize) -> bool {
-        let it = &self.nodes[node];
-        let is_whole = |offers: &Offers| it.tried == offers.choices.len();
-        !self.is_open(node) || it.offers.as_ref().is_some_and(is_whole)
-    }
-
     /// Returns what was found so far.
     pub fn found(&self) -> Found {
-        let loss = |node: usize| self.aim.measure.loss(self.nodes[node].value);
-        let by_loss = |a: &usize, b: &usize| loss(*a).total_cmp(&loss(*b));
+        let loss = |node: &Node| self.aim.loss(node.value);
         // A rollout whose steps were all skipped has no score, so one action at least is taken.
         let may_skip = self.search.program.verify.exhausted == Exhausted::Skips;
-        let is_end =
-            |&node: &usize| self.nodes[node].has_ended || may_skip && !self.nodes[node].is_lost;
-        let end = (1..self.nodes.len()).filter(is_end).min_by(by_loss);
+        let ends = self.nodes.iter().skip(1).filter(|it| match it.end {
+            End::Scored => true,
+            End::Open => may_skip,
+            End::Lost => false,
+        });
+        let end = ends.min_by(|a, b| loss(a).total_cmp(&loss(b)));
         let deepest = self.nodes.iter().map(|node| node.tries.number).max();
-        let promising = || self.ranked(deepest.unwrap_or_default()).first().copied();
+        let promising = self.ranked(deepest.unwrap_or_default());
+        let best = match end {
+            Some(end) => self.to_the_end(end),
+            None => self.nodes[promising[0]].path.clone(),
+        };
+        let left = self.untried();
         Found {
-            measure: self.aim.measure,
+            metric: self.aim.metric,
             untouched: self.nodes[0].value,
-            best: self.taken(end.or_else(promising).unwrap_or_default(), end.is_some()),
-            has_ended: end.is_some(),
+            value: end.map(|end| end.value),
+            limiting: end.and_then(|_| self.limiting(&best)),
+            best,
             trials: self.n_trials(),
-            left: self.untried(),
+            exhausted: left == Untried::default(),
+            left,
             stop: self.stop,
         }
     }
 
-    /// Returns the steps from the start to a state; with `to_end`, the rest of the rollout is skipped.
-    fn taken(&self, node: usize, to_end: bool) -> Vec<Taken> {
-        let mut steps = Vec::new();
-        let mut it = &self.nodes[node];
-        while let Some((parent, choice)) = &it.came_from {
-            let parent = &self.nodes[*parent];
-            steps.push(Taken {
-                step: self.step_of(parent),
-                choice: Some(choice.clone()),
-                value: it.value,
-                behind: it.behind,
-            });
-            it = parent;
+    /// Returns the steps of a rollout that ends in a state; those after it are skipped.
+    fn to_the_end(&self, node: &Node) -> Vec<Taken> {
+        let program = self.search.program;
+        let (mut path, mut tries) = (node.path.clone(), node.tries);
+        while let (Some(step), End::Open) = (tries.step(self.search.horizon), node.end) {
+            path.push(Taken::of(program, step, None, [node.value, node.behind]));
+            tries.after(program.actions_per_step(), None);
         }
-        steps.reverse();
-        let it = &self.nodes[node];
-        let mut tries = it.tries;
-        while let (Some(step), true) = (tries.step(self.search.horizon), to_end && !it.has_ended) {
-            steps.push(Taken {
-                step,
-                choice: None,
-                value: it.value,
-                behind: it.behind,
-            });
-            tries.after(self.search.program.actions_per_step(), None);
-        }
-        steps
+        path
+    }
+
+    /// Returns the index of the step after which the cloth lags behind most: the one that loses most against the experts,
+    /// or gains least. A skipped step limits nothing.
+    fn limiting(&self, best: &[Taken]) -> Option<usize> {
+        let before = std::iter::once(self.nodes[0].behind).chain(best.iter().map(|it| it.behind));
+        let steps = best.iter().zip(before).enumerate();
+        let acted = steps.filter(|(_, (taken, _))| taken.choice.is_some());
+        let lost = acted.map(|(index, (taken, before))| (index, taken.behind - before));
+        let worst = lost.reduce(|worst, it| if it.1 > worst.1 { it } else { worst });
+        worst.map(|(index, _)| index)
     }
 
     fn untried(&self) -> Untried {
-        let mut left = Untried::default();
-        for it in self.nodes.iter().filter(|it| !it.has_ended && !it.is_lost) {
-            match &it.offers {
-                None => left.states += 1,
-                Some(offers) => {
-                    left.actions += offers.choices.len() - it.tried;
-                    left.sampled.extend(offers.sampled.iter().cloned());
-                }
-            }
+        let open = self.nodes.iter().filter(|it| it.end == End::Open);
+        let untried = open.clone().map(|it| it.offers.choices.len() - it.tried);
+        let sampled: BTreeSet<String> = open.flat_map(|it| it.offers.sampled.clone()).collect();
+        Untried {
+            actions: untried.sum(),
+            sampled: sampled.into_iter().collect(),
         }
-        left.sampled.sort();
-        left.sampled.dedup();
-        left
     }
 }

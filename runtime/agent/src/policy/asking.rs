@@ -13,7 +13,8 @@ use std::path::Path;
 #[derive(Debug, Default)]
 pub struct Asking<'a> {
     ledger: Option<Ledger<'a>>,
-    step_kind: StepKind,
+    /// What kind of step the next questions belong to.
+    pub step_kind: StepKind,
 }
 
 /// What kind of step the questions belong to.
@@ -33,11 +34,6 @@ impl<'a> Asking<'a> {
             ledger: Some(Ledger::open(folder, budget)?),
             step_kind: StepKind::New,
         })
-    }
-
-    /// Starts a step of this kind.
-    pub fn begin(&mut self, step_kind: StepKind) {
-        self.step_kind = step_kind;
     }
 
     /// Stores nothing: for questions outside any run.

@@ -4,9 +4,9 @@
 //! closest to each fold, through the same action space, checks and world as any other policy, so it shows what those
 //! lose against the demonstration. It sees true particles, so it must not be compared with other policies.
 
-use super::proposing::{Answer, Proposed, Refusal, until_accepted};
+use super::proposing::{Proposed, stop, until_accepted};
 use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, StepView};
-use crate::action::Action;
+use crate::action::{Action, combinations};
 use crate::outcome::Outcome;
 use fab_picture::observation::Observation;
 use fab_program::space;
@@ -48,35 +48,27 @@ impl Policy for Expert {
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Decision, PolicyError> {
         let folds = folds(step.program)?;
-        let aim = folds
-            .get(step.step as usize - 1)
-            .map(|fold| wanted(fold, step));
+        let aim = match folds.get(step.step as usize - 1) {
+            Some(fold) => wanted(fold, step),
+            None => Err(format!("the demonstration has {} folds", folds.len())),
+        };
         until_accepted(step, exchange, &mut |refusals, _| {
-            let (note, answer) = match &aim {
-                None => (
-                    None,
-                    stop(format!("the demonstration has {} folds", folds.len())),
-                ),
-                Some(Err(why)) => (None, stop(why.clone())),
-                Some(Ok(aim)) => match nearest(step, *aim, refusals) {
-                    Some((proposal, note)) => (Some(note), Answer::Grip(proposal)),
-                    None => (None, stop("no other action is offered".to_owned())),
+            let refused = refusals.iter().filter_map(|it| it.proposal.as_ref());
+            let refused: Vec<&Proposal> = refused.collect();
+            let why = match &aim {
+                Ok(aim) => match nearest(step, *aim, &refused) {
+                    Some((proposal, note)) => {
+                        return Ok(Proposed {
+                            note: Some(note),
+                            ..Ok(proposal).into()
+                        });
+                    }
+                    None => "no other action is offered",
                 },
+                Err(why) => why,
             };
-            Ok(Proposed {
-                question: None,
-                reply: None,
-                note,
-                answer,
-            })
+            Ok(stop(Outcome::PolicyStopped, why).into())
         })
-    }
-}
-
-fn stop(why: String) -> Answer {
-    Answer::Stop {
-        outcome: Outcome::PolicyStopped,
-        why,
     }
 }
 
@@ -109,24 +101,27 @@ fn wanted(fold: &Fold, step: &StepView<'_>) -> Result<Aim, String> {
 }
 
 /// Returns the offered action closest to the aim that was not refused yet, with a note on its distance.
-fn nearest(step: &StepView<'_>, aim: Aim, refusals: &[Refusal]) -> Option<(Proposal, String)> {
-    let refused = refusals.iter().filter_map(|it| it.proposal.as_ref());
-    let refused: Vec<&Proposal> = refused.collect();
-    let mut best: Option<(f64, Proposal, Action)> = None;
-    for proposal in proposals(step, aim, &refused) {
-        if refused.contains(&&proposal) {
-            continue;
-        }
-        let Some(action) = Action::lower(step.program, &proposal, step.scene, step.observation)
-        else {
-            continue;
+///
+/// It looks at the nearest points, and at all directions and distances; any other field has the value that was refused
+/// least often.
+fn nearest(step: &StepView<'_>, aim: Aim, refused: &[&Proposal]) -> Option<(Proposal, String)> {
+    let fields = step.program.actions.iter().map(|field| {
+        let values = if field.is_point() || MOVING.contains(&field.name.as_str()) {
+            candidates(step, field, aim)
+        } else {
+            least_refused(step, field, refused).into_iter().collect()
         };
+        (field.name.clone(), values)
+    });
+    let fields: Vec<_> = fields.collect();
+    let offered = combinations(&fields).filter(|proposal| !refused.contains(&proposal));
+    let offered = offered.filter_map(|proposal| {
+        let action = Action::lower(step.program, &proposal, step.scene, step.observation)?;
         let away = away_px(aim[0], action.pick_px) + away_px(aim[1], action.place_px);
-        if best.as_ref().is_none_or(|(least, ..)| away < *least) {
-            best = Some((away, proposal, action));
-        }
-    }
-    let (_, proposal, action) = best?;
+        Some((away, proposal, action))
+    });
+    // Of equals, the first.
+    let (_, proposal, action) = offered.reduce(|best, it| if it.0 < best.0 { it } else { best })?;
     let deviation = |what: &str, [u, v]: [f64; 2], offered: PixelPoint| {
         format!(
             "{what} wanted ({}, {}), nearest offered {offered}, {:.0} px away",
@@ -143,27 +138,6 @@ fn nearest(step: &StepView<'_>, aim: Aim, refusals: &[Refusal]) -> Option<(Propo
     Some((proposal, note))
 }
 
-/// Lists actions of the declared space: the nearest points, and all directions and distances; of any other field the
-/// value that was refused least often.
-fn proposals(step: &StepView<'_>, aim: Aim, refused: &[&Proposal]) -> Vec<Proposal> {
-    let mut all = vec![Proposal::default()];
-    for field in &step.program.actions {
-        let values = match field.is_point() || MOVING.contains(&field.name.as_str()) {
-            true => candidates(step, field, aim),
-            false => least_refused(step, field, refused).into_iter().collect(),
-        };
-        let longer = all.iter().flat_map(|shorter| {
-            values.iter().map(|value| {
-                let mut proposal = shorter.clone();
-                proposal.fields.push((field.name.clone(), value.clone()));
-                proposal
-            })
-        });
-        all = longer.collect();
-    }
-    all
-}
-
 /// Returns the value of a field that was refused least often; of equals, that nearest to how the fold is demonstrated.
 pub(super) fn least_refused(
     step: &StepView<'_>,
@@ -173,16 +147,10 @@ pub(super) fn least_refused(
     let name = &field.name;
     let usual = step.program.manner.or_usual(name);
     let cost = |value: &Value| {
-        let is_same = |it: &&&Proposal| {
-            it.fields
-                .iter()
-                .any(|own| own.0 == *name && own.1 == *value)
-        };
+        let same = refused.iter().filter(|it| it.get(name) == Some(value));
         let away = usual.zip(field.metres(value));
-        (
-            refused.iter().filter(is_same).count(),
-            away.map_or(0.0, |(usual, metres)| (metres - usual).abs()),
-        )
+        let away_m = away.map_or(0.0, |(usual, metres)| (metres - usual).abs());
+        (same.count(), away_m)
     };
     let costs = space::choices(field, step.scene).into_iter();
     let costs = costs.map(|value| (cost(&value), value));
@@ -192,26 +160,21 @@ pub(super) fn least_refused(
 
 fn candidates(step: &StepView<'_>, field: &ActionField, [pick, place]: Aim) -> Vec<Value> {
     let target = if field.name == "place" { place } else { pick };
-    match &field.choices {
-        Choices::Region { mask } => {
-            let pixel = PixelPoint::new(target[0].floor() as i32, target[1].floor() as i32);
-            let nearest = step.scene.nearest_in(mask, pixel);
-            nearest.map(Value::Point).into_iter().collect()
-        }
-        Choices::Points { .. } => {
-            let mut points = space::choices(field, step.scene);
-            let away = |value: &Value| match value {
-                Value::Point(point) => away_px(target, *point),
-                _ => f64::INFINITY,
-            };
-            points.sort_by(|a, b| away(a).total_cmp(&away(b)));
-            points.truncate(NEAREST);
-            points
-        }
-        Choices::Words { .. } | Choices::Directions { .. } | Choices::Lengths { .. } => {
-            space::choices(field, step.scene)
-        }
+    if let Choices::Region { mask } = &field.choices {
+        let pixel = PixelPoint::new(target[0].floor() as i32, target[1].floor() as i32);
+        let nearest = step.scene.nearest_in(mask, pixel);
+        return nearest.map(Value::Point).into_iter().collect();
     }
+    let mut values = space::choices(field, step.scene);
+    if field.is_point() {
+        let away = |value: &Value| match value {
+            Value::Point(point) => away_px(target, *point),
+            _ => f64::INFINITY,
+        };
+        values.sort_by(|a, b| away(a).total_cmp(&away(b)));
+        values.truncate(NEAREST);
+    }
+    values
 }
 
 /// Returns the distance from a point in the picture to the middle of a pixel.

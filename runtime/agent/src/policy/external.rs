@@ -5,23 +5,26 @@
 //! started at the first question, and its answers are stored in the run folder before they are used: a resumed rollout
 //! asks only new questions.
 
-use super::proposing::{Answer, Proposed, Refusal, STAGE, until_accepted};
+use super::proposing::{Proposed, Refusal, STAGE, stop, until_accepted};
 use super::protocol::{
     self, Decide, FieldValue, Last, Line, Offered, PROTOCOL, Pictures, Refused, grip,
 };
 use super::{
-    Decision, Description, Exchange, Exchanged, Kind, Policy, PolicyError, Question, StepView,
+    Decision, Description, Exchange, Exchanged, Finding, Kind, Policy, PolicyError, Question,
+    StepView,
 };
 use crate::journal::JournalError;
 use crate::outcome::Outcome;
 use fab_base::child::{Child, ChildError, CommandLine, excerpt};
 use fab_base::interrupt::Interrupt;
+use fab_base::wording::quoted;
 use fab_base::{digest, files, npy};
 use fab_model::Reply;
 use fab_picture::camera::Pinhole;
 use fab_picture::png;
 use fab_program::spaces::Spaces;
-use fab_program::{ActionField, Arrow, Choices, PixelPoint, Proposal, SubgoalStep, Value, space};
+use fab_program::{Arrow, Choices, PixelPoint, Proposal, SubgoalStep, Value, space};
+use image::RgbImage;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json};
 use std::path::{Path, PathBuf};
@@ -95,14 +98,12 @@ impl Policy for External {
                 folder.display()
             )));
         }
-        let reset = reset(step);
-        let files = write_files(step, folder)?;
+        write_files(step, folder)?;
         until_accepted(step, exchange, &mut |refusals, exchange| {
-            let mut sent = [reset.clone(), decide(step, &files, refusals)];
+            let asked_in = |folder: &Path| [reset(step, folder), decide(step, folder, refusals)];
             // Relative paths make equal questions equal in any run folder.
-            let key = digest::of(text(&sent));
-            sent.iter_mut()
-                .for_each(|question| question.place_in(folder));
+            let key = digest::of(text(&asked_in(Path::new(""))));
+            let sent = asked_in(folder);
             let text = text(&sent[1]);
             let question = Question::Line { key, text };
             (exchange.record)(Exchanged::Question {
@@ -121,14 +122,13 @@ impl Policy for External {
                 }
                 Err((outcome, why)) => {
                     self.child = None;
-                    (None, Answer::Stop { outcome, why })
+                    (None, stop(outcome, why))
                 }
             };
             Ok(Proposed {
                 question: Some(question),
                 reply,
-                note: None,
-                answer,
+                ..answer.into()
             })
         })
     }
@@ -143,14 +143,22 @@ impl External {
         interrupt: &Interrupt,
     ) -> Result<Reply, (Outcome, String)> {
         let limit = self.limit;
+        // The answer, parsed and as it came.
+        let answer_of = |child: &mut Child, question| {
+            child.send(question)?;
+            let line = child.receive(limit, interrupt)?;
+            let answer: Line = child.read(&line)?;
+            Ok((answer, String::from_utf8_lossy(&line).into_owned()))
+        };
         let child = match &mut self.child {
             Some(child) => child,
             absent => {
                 let stderr = folder.join(STDERR_FILE);
                 let child = Child::start(&self.command, Some(&stderr)).map_err(failed)?;
                 let child = absent.insert(child);
-                greet(child, &self.command, limit, interrupt)?;
-                let (refused, line) = answer_of(child, reset, limit, interrupt).map_err(failed)?;
+                let hello = protocol::Question::Hello { protocol: PROTOCOL };
+                greeted(child.ask(&hello, limit, interrupt), &self.command)?;
+                let (refused, line) = answer_of(child, reset).map_err(failed)?;
                 if refused.grips.is_some() {
                     let why = "to `reset` it is `{}`, or has only `refuse`";
                     return Err(failed(child.no_answer(line.as_bytes(), why)));
@@ -161,20 +169,16 @@ impl External {
                 child
             }
         };
-        let (_, line) = answer_of(child, decide, limit, interrupt).map_err(failed)?;
+        let (_, line) = answer_of(child, decide).map_err(failed)?;
         Ok(Reply::text(line))
     }
 }
 
 /// Makes sure that a program answers this version of the lines.
-fn greet(
-    child: &mut Child,
+fn greeted(
+    answered: Result<protocol::Hello, ChildError>,
     command: &CommandLine,
-    limit: Duration,
-    interrupt: &Interrupt,
 ) -> Result<(), (Outcome, String)> {
-    let hello = protocol::Question::Hello { protocol: PROTOCOL };
-    let answered = child.ask(&hello, limit, interrupt);
     let why = match answered {
         Ok(protocol::Hello { protocol: PROTOCOL }) => return Ok(()),
         Err(ChildError::Interrupted) => return Err(failed(ChildError::Interrupted)),
@@ -190,19 +194,6 @@ fn greet(
     Err((Outcome::PolicyFailed, why))
 }
 
-/// Sends a question; returns the line that answers it, parsed and as it came.
-fn answer_of(
-    child: &mut Child,
-    question: &protocol::Question,
-    limit: Duration,
-    interrupt: &Interrupt,
-) -> Result<(Line, String), ChildError> {
-    child.send(question)?;
-    let line = child.receive(limit, interrupt)?;
-    let answer = child.read(&line)?;
-    Ok((answer, String::from_utf8_lossy(&line).into_owned()))
-}
-
 fn failed(error: ChildError) -> (Outcome, String) {
     let outcome = match error {
         ChildError::Interrupted => Outcome::Interrupted,
@@ -211,144 +202,127 @@ fn failed(error: ChildError) -> (Outcome, String) {
     (outcome, error.to_string())
 }
 
-fn read(step: &StepView<'_>, line: &str) -> Answer {
-    let unreadable = |field: &str, message: String| Answer::Unreadable {
-        field: field.to_owned(),
-        message,
-    };
+fn read(step: &StepView<'_>, line: &str) -> Result<Proposal, Box<Finding>> {
+    let wrong = |message: String| unreadable("grips", message);
     match serde_json::from_str(line) {
         Ok(Line {
             grips: None,
             refuse: Some(why),
-        }) => Answer::Stop {
-            outcome: Outcome::PolicyStopped,
-            why: match why.trim() {
-                "" => "the policy gives no reason".to_owned(),
-                why => excerpt(why.as_bytes()),
-            },
+        }) => match why.trim() {
+            "" => stop(Outcome::PolicyStopped, "the policy gives no reason"),
+            why => stop(Outcome::PolicyStopped, excerpt(why.as_bytes())),
         },
         Ok(Line {
             grips: Some(grips),
             refuse: None,
         }) => match grips.as_slice() {
-            [grip] => match proposal(step, grip) {
-                Ok(proposal) => Answer::Grip(proposal),
-                Err((field, message)) => unreadable(&field, message),
-            },
-            grips => unreadable(
-                "grips",
-                format!(
-                    "there are {} grips, and the world has one gripper",
-                    grips.len()
-                ),
-            ),
+            [grip] => proposal(step, grip),
+            grips => Err(wrong(format!(
+                "there are {} grips, and the world has one gripper",
+                grips.len()
+            ))),
         },
-        Ok(_) => unreadable(
-            "grips",
+        Ok(_) => Err(wrong(
             "the answer must have either `grips` or `refuse`, and it has both or neither"
                 .to_owned(),
-        ),
-        Err(error) => unreadable("grips", error.to_string()),
+        )),
+        Err(error) => Err(wrong(error.to_string())),
     }
+}
+
+fn unreadable(field: &str, message: String) -> Box<Finding> {
+    Box::new(Finding::Malformed {
+        field: field.to_owned(),
+        message,
+        stated: Vec::new(),
+    })
 }
 
 /// Reads a grip; fails with the wrong field and the reason.
-fn proposal(step: &StepView<'_>, grip: &Map<String, Json>) -> Result<Proposal, (String, String)> {
+fn proposal(step: &StepView<'_>, grip: &Map<String, Json>) -> Result<Proposal, Box<Finding>> {
     let declared = &step.program.actions;
-    let names = || {
-        let names = declared.iter().map(|field| format!("`{}`", field.name));
-        names.collect::<Vec<_>>().join(", ")
-    };
-    let is_unknown = |name: &&String| !declared.iter().any(|field| field.name == **name);
-    if let Some(name) = grip.keys().find(is_unknown) {
+    let names = quoted(declared.iter().map(|field| &field.name));
+    if let Some(name) = grip.keys().find(|name| step.program.field(name).is_none()) {
         let name = excerpt(name.as_bytes());
-        let message = format!("the task has no field `{name}`; it has {}", names());
-        return Err((name, message));
+        let message = format!("the task has no field `{name}`; it has {names}");
+        return Err(unreadable(&name, message));
     }
-    let mut fields = Vec::with_capacity(declared.len());
-    for field in declared {
-        let wrong = |message: String| (field.name.clone(), message);
-        let stated = grip.get(&field.name);
-        let stated = stated.ok_or_else(|| {
-            wrong(format!(
-                "`{}` is missing; a grip has {}",
-                field.name,
-                names()
-            ))
-        })?;
-        let value = value(field, stated).ok_or_else(|| {
-            let right = match field.is_point() {
-                true => "a pixel, `[column, row]`, whole numbers".to_owned(),
-                false => format!("one of {}", space::listed(field, &space::declared(field))),
+    let fields = declared.iter().map(|field| {
+        let name = &field.name;
+        let missing = || unreadable(name, format!("`{name}` is missing; a grip has {names}"));
+        let stated = grip.get(name).ok_or_else(missing)?;
+        let offered = space::declared(field);
+        let value = if field.is_point() {
+            PixelPoint::deserialize(stated).ok().map(Value::Point)
+        } else {
+            let is_stated = |value: &&Value| stated.as_str() == Some(&space::text(field, value));
+            offered.iter().find(is_stated).cloned()
+        };
+        let value = value.ok_or_else(|| {
+            let right = if field.is_point() {
+                "a pixel, `[column, row]`, whole numbers".to_owned()
+            } else {
+                format!("one of {}", space::listed(field, &offered))
             };
-            wrong(format!(
-                "`{}` is {}, and has to be {right}",
-                field.name,
-                excerpt(stated.to_string().as_bytes())
-            ))
+            let stated = excerpt(stated.to_string().as_bytes());
+            unreadable(name, format!("`{name}` is {stated}, and has to be {right}"))
         })?;
-        fields.push((field.name.clone(), value));
-    }
+        Ok((name.clone(), value))
+    });
+    let fields = fields.collect::<Result<_, Box<Finding>>>()?;
     Ok(Proposal { fields })
 }
 
-fn value(field: &ActionField, stated: &Json) -> Option<Value> {
-    if field.is_point() {
-        return PixelPoint::deserialize(stated).ok().map(Value::Point);
-    }
-    let text = stated.as_str()?;
-    let mut declared = space::declared(field).into_iter();
-    declared.find(|value| space::text(field, value) == text)
+/// Returns the path of a step's file in a run folder.
+fn file(step: &StepView<'_>, folder: &Path, name: &str) -> PathBuf {
+    folder.join(format!("step_{}/{name}", step.number))
 }
 
-/// Writes the files that the rollout itself does not store; returns all files by their names in the run folder.
-fn write_files(
-    step: &StepView<'_>,
-    folder: &Path,
-) -> Result<(Pictures, Option<PathBuf>), JournalError> {
-    let name = |what: &str| PathBuf::from(format!("step_{}/{what}", step.number));
-    let write = |what: &str, bytes: &[u8]| {
-        let (name, path) = (name(what), folder.join(name(what)));
-        let parent = path.parent().unwrap_or(folder);
-        let written =
-            std::fs::create_dir_all(parent).and_then(|()| files::write_whole(&path, bytes));
-        match written {
-            Ok(()) => Ok(name),
-            Err(error) => Err(JournalError::Unwritable {
-                path,
-                why: error.to_string(),
-            }),
-        }
-    };
+/// Returns the subgoal pictures of a step, if there are any, with the names of their files.
+fn subgoals<'p>(step: &StepView<'p>) -> Option<[(&'static str, &'p RgbImage); 2]> {
+    let shown = step.pictures.subgoals.as_ref()?;
+    let picture = |which| shown.picture(which, Arrow::Absent);
+    Some([
+        ("subgoal_now.png", picture(SubgoalStep::Now)),
+        ("subgoal_next.png", picture(SubgoalStep::Next)),
+    ])
+}
+
+/// Writes the files that the rollout itself does not store.
+fn write_files(step: &StepView<'_>, folder: &Path) -> Result<(), JournalError> {
     let depth = &step.observation.depth_m;
     let shape = [u64::from(depth.height()), u64::from(depth.width())];
-    let subgoal = |what: &str, which| {
-        let shown = step.pictures.subgoals.as_ref();
-        let shown = shown.map(|it| png::encode(it.picture(which, Arrow::Absent)));
-        shown.map(|png| write(what, &png)).transpose()
-    };
-    let pictures = Pictures {
-        scene: name("before.png"),
-        annotated: write("annotated.png", &png::encode(&step.pictures.annotated))?,
-        depth: write(
-            "depth.npy",
-            &npy::encode_floats(&shape, depth.iter().copied()),
-        )?,
-        subgoal_now: subgoal("subgoal_now.png", SubgoalStep::Now)?,
-        subgoal_next: subgoal("subgoal_next.png", SubgoalStep::Next)?,
-    };
-    let particles = step.truth.as_ref();
-    let particles = particles.map(|it| write("particles.npy", &npy::encode(it.particles)));
-    Ok((pictures, particles.transpose()?))
+    let depth = npy::encode_floats(&shape, depth.iter().copied());
+    let mut files = vec![
+        ("annotated.png", png::encode(&step.pictures.annotated)),
+        ("depth.npy", depth),
+    ];
+    let shown = subgoals(step).into_iter().flatten();
+    files.extend(shown.map(|(name, picture)| (name, png::encode(picture))));
+    files.extend(
+        step.truth
+            .map(|truth| ("particles.npy", npy::encode(truth.particles))),
+    );
+    for (name, bytes) in files {
+        let path = file(step, folder, name);
+        let parent = path.parent().unwrap_or(folder);
+        let written =
+            std::fs::create_dir_all(parent).and_then(|()| files::write_whole(&path, &bytes));
+        written.map_err(|error| JournalError::Unwritable {
+            path,
+            why: error.to_string(),
+        })?;
+    }
+    Ok(())
 }
 
-/// Returns the question that begins a rollout, with files by their names in the run folder.
-fn reset(step: &StepView<'_>) -> protocol::Question {
+/// Returns the question that begins a rollout, with the paths of files in a run folder.
+fn reset(step: &StepView<'_>, folder: &Path) -> protocol::Question {
     let program = step.program;
     protocol::Question::Reset(Box::new(protocol::Reset {
         task: program.task.clone(),
         variant: program.variant.clone(),
-        program: PathBuf::from("program.json"),
+        program: folder.join("program.json"),
         spaces: Spaces::of(program),
         horizon: step.horizon,
         attempts: program.verify.attempts,
@@ -357,12 +331,8 @@ fn reset(step: &StepView<'_>) -> protocol::Question {
     }))
 }
 
-/// Returns the question for a decision, with files by their names in the run folder.
-fn decide(
-    step: &StepView<'_>,
-    (pictures, particles): &(Pictures, Option<PathBuf>),
-    refusals: &[Refusal],
-) -> protocol::Question {
+/// Returns the question for a decision, with the paths of files in a run folder.
+fn decide(step: &StepView<'_>, folder: &Path, refusals: &[Refusal]) -> protocol::Question {
     let actions = &step.program.actions;
     let offered = actions.iter().map(|field| {
         let offered = match &field.choices {
@@ -377,19 +347,29 @@ fn decide(
         };
         (field.name.clone(), offered)
     });
-    let refusals = refusals.iter().map(|refusal| Refused {
-        grips: refusal
-            .proposal
-            .iter()
-            .map(|it| grip(actions, it))
-            .collect(),
-        check: refusal.check.clone(),
-        why: refusal.why.clone(),
+    let refusals = refusals.iter().map(|refusal| {
+        let grips = refusal.proposal.iter().map(|it| grip(actions, it));
+        Refused {
+            grips: grips.collect(),
+            check: refusal.check.clone(),
+            why: refusal.why.clone(),
+        }
     });
+    let file = |name: &str| file(step, folder, name);
+    let [subgoal_now, subgoal_next] = match subgoals(step) {
+        Some(shown) => shown.map(|(name, _)| Some(file(name))),
+        None => [None, None],
+    };
     protocol::Question::Decide(Box::new(Decide {
         step: step.step,
         action: step.number,
-        pictures: pictures.clone(),
+        pictures: Pictures {
+            scene: file("before.png"),
+            annotated: file("annotated.png"),
+            depth: file("depth.npy"),
+            subgoal_now,
+            subgoal_next,
+        },
         camera: Pinhole::of(&step.observation.camera),
         keypoints: step.scene.to_json(),
         offered: offered.collect(),
@@ -399,7 +379,7 @@ fn decide(
             placed_px: vec![last.place],
         }),
         refusals: refusals.collect(),
-        particles: particles.clone(),
+        particles: step.truth.map(|_| file("particles.npy")),
     }))
 }
 

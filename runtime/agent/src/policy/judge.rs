@@ -1,16 +1,94 @@
-//! Interprets an answer: a text, an action with its verdict, or nothing readable.
+//! Judges answers and actions: what an answer means, and whether an action may run.
 //!
-//! Every policy's action is judged here, and again by the rollout before it is executed.
+//! Every policy's action is judged here, and again by the rollout before it is executed. An action that passes the
+//! task's checks is refused by the check `reachable`, which no task declares, if the world cannot execute it.
+//! Unreachable candidates were never offered, so this concerns points derived from a direction and a distance, and picks
+//! of any pixel of a mask.
 
-use super::reach::out_of_reach;
 use super::{Accepted, Finding, StepView};
-use fab_program::Proposal;
+use crate::action::Action;
+use crate::scene::Scene;
+use fab_picture::observation::Observation;
 use fab_program::facts::Facts;
+use fab_program::pointing::Notation;
 use fab_program::render::RenderError;
-use fab_program::reply::{self, Malformed, Reading, Stated};
-use fab_program::verify::{self, Strictness, Verdict};
-use fab_program::{Read, Stage};
+use fab_program::reply::{self, Malformed, Stated};
+use fab_program::verify::{self, REACHABLE, Strictness, Verdict};
+use fab_program::{Program, Proposal, Read, Stage};
+use fab_world::{Reach, Refuses};
 use std::collections::BTreeMap;
+
+/// What an action is judged by, besides the facts of a prompt.
+#[derive(Clone, Copy)]
+pub(crate) struct Ground<'a> {
+    pub program: &'a Program,
+    pub scene: &'a Scene,
+    pub observation: &'a Observation,
+    pub reach: &'a Reach<'a>,
+    pub refuses: &'a Refuses<'a>,
+}
+
+impl Ground<'_> {
+    /// Judges an action by the task's checks, and then by the world's reach.
+    pub fn verdict(
+        self,
+        facts: Facts<'_>,
+        proposal: &Proposal,
+        strictness: Strictness,
+    ) -> Result<Verdict, RenderError> {
+        let verdict = verify::verdict(self.program, facts, proposal, strictness)?;
+        if verdict != Verdict::Accept {
+            return Ok(verdict);
+        }
+        let unreachable = self.unreachable(&facts.notation(self.program), proposal);
+        Ok(unreachable.unwrap_or(Verdict::Accept))
+    }
+
+    /// Returns the refusal of an action that the world cannot execute; `None` too if the proposal yields no action.
+    fn unreachable(self, notation: &Notation, proposal: &Proposal) -> Option<Verdict> {
+        let action = Action::lower(self.program, proposal, self.scene, self.observation)?;
+        let ends = [
+            ("pick", action.grip.pick, action.pick_px),
+            ("place", action.grip.place, action.place_px),
+        ];
+        let mut beyond = ends
+            .into_iter()
+            .filter_map(|(end, point, pixel)| Some((end, pixel, (self.reach)(&point)?)));
+        let (values, message) = match beyond.next() {
+            Some((end, pixel, why)) => {
+                let at = notation.written(pixel);
+                let message = if proposal.point(end).is_some() {
+                    format!("The {end} point {at} cannot be reached: {why}. Choose another one.")
+                } else {
+                    let value = |name: &str| {
+                        let declared = self.program.field(name).zip(proposal.get(name));
+                        declared
+                            .map_or(String::new(), |(field, value)| notation.value(field, value))
+                    };
+                    format!(
+                        "From {}, {} in the direction {} leads to {at}, which cannot be reached: {why}. Choose another direction, a smaller distance or another point.",
+                        notation.written(action.pick_px),
+                        value("distance"),
+                        value("direction"),
+                    )
+                };
+                let values = vec![(end.to_owned(), at), ("out of reach".to_owned(), why)];
+                (values, message)
+            }
+            None => {
+                let why = (self.refuses)(&action.grip.into())?;
+                let message =
+                    format!("The cloth cannot be moved like this: {why}. Choose other values.");
+                (vec![("refused".to_owned(), why)], message)
+            }
+        };
+        Some(Verdict::Reject {
+            check: REACHABLE.to_owned(),
+            values,
+            message,
+        })
+    }
+}
 
 /// Reads an answer and, if it proposes an action, lets the verifier judge it.
 pub(super) fn judge(
@@ -19,97 +97,49 @@ pub(super) fn judge(
     facts: Facts<'_>,
     text: &str,
 ) -> Result<Finding, RenderError> {
-    let malformed = |Malformed {
-                         field,
-                         message,
-                         stated,
-                     }| Finding::Malformed {
-        field,
-        message,
-        stated,
+    let malformed = |error: Malformed| Finding::Malformed {
+        field: error.field,
+        message: error.message,
+        stated: error.stated,
     };
     match &stage.read {
         Read::Text {
             name,
             before,
             after,
-        } => Ok(match reply::read_text(before, after, text) {
-            Ok(Reading {
-                value,
-                repairs,
-                stated,
-                ..
-            }) => Finding::Text {
-                name: name.clone(),
-                value,
-                repairs,
-                stated: stated
-                    .into_iter()
-                    .map(|it| Stated {
-                        field: name.clone(),
-                        ..it
-                    })
-                    .collect(),
-            },
-            Err(error) => malformed(error),
-        }),
-        Read::Action => {
-            match reply::read_action_in(view.program, &facts.notation(view.program), text) {
-                Ok(Reading {
-                    value,
-                    repairs,
-                    stated,
-                    ..
-                }) => {
-                    let verdict = verdict(view, facts, &value, Strictness::Full)?;
-                    Ok(Finding::Action {
-                        fields: value.fields,
-                        repairs,
-                        stated,
-                        verdict,
-                    })
+        } => {
+            let read = reply::read_text(before, after, text);
+            Ok(read.map_or_else(malformed, |read| {
+                let field = || name.clone();
+                let stated = read.stated.into_iter();
+                Finding::Text {
+                    name: name.clone(),
+                    value: read.value,
+                    repairs: read.repairs,
+                    stated: stated
+                        .map(|it| Stated {
+                            field: field(),
+                            ..it
+                        })
+                        .collect(),
                 }
+            }))
+        }
+        Read::Action => {
+            let notation = facts.notation(view.program);
+            match reply::read_action_in(view.program, &notation, text) {
                 Err(error) => Ok(malformed(error)),
+                Ok(read) => Ok(Finding::Action {
+                    verdict: view
+                        .ground()
+                        .verdict(facts, &read.value, Strictness::Full)?,
+                    fields: read.value.fields,
+                    repairs: read.repairs,
+                    stated: read.stated,
+                }),
             }
         }
     }
-}
-
-/// Judges an action by the task's checks, and then by the world's reach.
-pub(super) fn verdict(
-    view: StepView<'_>,
-    facts: Facts<'_>,
-    proposal: &Proposal,
-    strictness: Strictness,
-) -> Result<Verdict, RenderError> {
-    let program = view.program;
-    Ok(
-        match verify::verdict(program, facts, proposal, strictness)? {
-            Verdict::Accept => {
-                out_of_reach(view, &facts.notation(program), proposal).unwrap_or(Verdict::Accept)
-            }
-            refused => refused,
-        },
-    )
-}
-
-/// Judges refused actions again, newest first, without the checks that the task drops in the end.
-///
-/// Returns the first one that passes, with its number.
-pub(super) fn relaxed(
-    view: StepView<'_>,
-    facts: Facts<'_>,
-    refused: &[(u32, Proposal)],
-) -> Result<Option<(u32, Proposal)>, RenderError> {
-    if view.program.verify.relaxed.is_empty() {
-        return Ok(None);
-    }
-    for (number, proposal) in refused.iter().rev() {
-        if verdict(view, facts, proposal, Strictness::Relaxed)? == Verdict::Accept {
-            return Ok(Some((*number, proposal.clone())));
-        }
-    }
-    Ok(None)
 }
 
 /// Judges a decision before execution: no policy bypasses the checks.
@@ -118,11 +148,12 @@ pub(crate) fn is_accepted(
     proposal: &Proposal,
     accepted: &Accepted,
 ) -> Result<bool, RenderError> {
-    let strictness = match accepted.without.is_empty() {
-        true => Strictness::Full,
-        false => Strictness::Relaxed,
+    let strictness = if accepted.without.is_empty() {
+        Strictness::Full
+    } else {
+        Strictness::Relaxed
     };
     let texts = BTreeMap::new();
     let facts = view.facts(&texts, view.pixels());
-    Ok(verdict(view, facts, proposal, strictness)? == Verdict::Accept)
+    Ok(view.ground().verdict(facts, proposal, strictness)? == Verdict::Accept)
 }

@@ -7,11 +7,11 @@
 //! The runtime computes with what the processor offers, so the last bits of a value depend on the processor.
 
 use super::expert::least_refused;
-use super::judge::verdict;
-use super::proposing::{Answer, Proposed, until_accepted};
+use super::proposing::{Proposed, stop, until_accepted};
 use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, StepView};
-use crate::action::Action;
+use crate::action::{Action, combinations};
 use crate::outcome::Outcome;
+use fab_base::wording::quoted;
 use fab_base::{digest, files};
 use fab_program::verify::{Strictness, Verdict};
 use fab_program::{Choices, Face, Program, Proposal, Value as FieldValue, space};
@@ -33,30 +33,21 @@ const MOST_COMBINATIONS: usize = 20_000;
 const BATCH: usize = 256;
 
 /// What a network may take, with its shape: H and W are the picture's height and width, N is the number of actions.
-const INPUTS: [(&str, &[Side]); 7] = [
-    ("color", &[Side::Height, Side::Width, Side::Of(3)]),
-    ("depth", &[Side::Height, Side::Width]),
-    ("cloth", &[Side::Height, Side::Width]),
-    ("faces", &[Side::Of(2), Side::Of(3)]),
+const INPUTS: [(&str, &[&str]); 7] = [
+    ("color", &["H", "W", "3"]),
+    ("depth", &["H", "W"]),
+    ("cloth", &["H", "W"]),
+    ("faces", &["2", "3"]),
     ("edge", &[]),
-    ("picks", &[Side::Actions, Side::Of(2)]),
-    ("places", &[Side::Actions, Side::Of(2)]),
+    ("picks", &["N", "2"]),
+    ("places", &["N", "2"]),
 ];
 
 /// What a network returns.
-const OUTPUT: (&str, &[Side]) = ("values", &[Side::Actions]);
+const OUTPUT: (&str, &[&str]) = ("values", &["N"]);
 
 /// The fields by which a network is told an action.
 const MOVING: [&str; 4] = ["pick", "place", "direction", "distance"];
-
-/// The length of a side of a tensor.
-#[derive(Clone, Copy)]
-enum Side {
-    Height,
-    Width,
-    Actions,
-    Of(usize),
-}
 
 /// Plays a network.
 #[derive(Clone)]
@@ -67,43 +58,13 @@ pub struct Onnx {
     code: String,
 }
 
-/// Why a file cannot be played.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum OnnxError {
-    /// It cannot be read.
-    #[error("`{file}` cannot be read: {why}")]
-    Unreadable {
-        /// The file.
-        file: String,
-        /// Why.
-        why: String,
-    },
-    /// It is damaged, of another format, or has an operator that is not supported.
-    #[error("`{file}` is not an ONNX network that fabc can run: {why}")]
-    NotANetwork {
-        /// The file.
-        file: String,
-        /// Why.
-        why: String,
-    },
-    /// Its inputs or its output are not those of a policy.
-    #[error("the network `{file}` {why}")]
-    Interface {
-        /// The file.
-        file: String,
-        /// What is wrong, and what would be right.
-        why: String,
-    },
-}
-
 impl Onnx {
-    /// Reads a network from a file; its name is `onnx:FILE`.
-    pub fn read(path: &Path) -> Result<Onnx, OnnxError> {
+    /// Reads a network from a file; its name is `onnx:FILE`. Fails with the reason, in words.
+    pub fn read(path: &Path) -> Result<Onnx, String> {
         let file = path.display().to_string();
-        match files::read(path, MAX_BYTES) {
-            Ok(bytes) => Onnx::of(format!("onnx:{file}"), &file, bytes),
-            Err(why) => Err(OnnxError::Unreadable { file, why }),
-        }
+        let bytes = files::read(path, MAX_BYTES);
+        let bytes = bytes.map_err(|why| format!("`{file}` cannot be read: {why}"))?;
+        Onnx::of(format!("onnx:{file}"), &file, bytes)
     }
 
     /// Returns the network that smooths crumpled cloths, one pull at a time.
@@ -113,20 +74,14 @@ impl Onnx {
             .expect("the network in the program is whole")
     }
 
-    fn of(name: String, file: &str, bytes: Vec<u8>) -> Result<Onnx, OnnxError> {
+    fn of(name: String, file: &str, bytes: Vec<u8>) -> Result<Onnx, String> {
         let code = digest::of(&bytes);
-        let file = file.to_owned();
-        let model = match Model::load(bytes) {
-            Ok(model) => Arc::new(model),
-            Err(error) => {
-                let why = error.to_string();
-                return Err(OnnxError::NotANetwork { file, why });
-            }
-        };
-        match check_interface(&model) {
-            Ok(()) => Ok(Onnx { name, model, code }),
-            Err(why) => Err(OnnxError::Interface { file, why }),
-        }
+        let model = Model::load(bytes).map_err(|error| {
+            format!("`{file}` is not an ONNX network that fabc can run: {error}")
+        })?;
+        check_interface(&model).map_err(|why| format!("the network `{file}` {why}"))?;
+        let model = Arc::new(model);
+        Ok(Onnx { name, model, code })
     }
 }
 
@@ -141,9 +96,9 @@ fn check_interface(model: &Model) -> Result<(), String> {
     let takes = names(model.input_ids());
     for name in &takes {
         let Some((_, shape)) = INPUTS.iter().find(|(input, _)| *input == name.as_str()) else {
-            let inputs = INPUTS.map(|(input, _)| format!("`{input}`")).join(", ");
             return Err(format!(
-                "takes `{name}`, which fabc does not provide; the inputs are {inputs}"
+                "takes `{name}`, which fabc does not provide; the inputs are {}",
+                quoted(INPUTS.map(|(input, _)| input))
             ));
         };
         check_shape(model, name, shape)?;
@@ -156,10 +111,9 @@ fn check_interface(model: &Model) -> Result<(), String> {
     }
     let returned = names(model.output_ids());
     if returned != [OUTPUT.0] {
-        let returned = returned.iter().map(|name| format!("`{name}`"));
         return Err(format!(
             "returns {}, and must return `{}` alone",
-            returned.collect::<Vec<_>>().join(", "),
+            quoted(returned),
             OUTPUT.0
         ));
     }
@@ -167,44 +121,37 @@ fn check_interface(model: &Model) -> Result<(), String> {
 }
 
 /// Checks a declared type and shape; a side without a number may have any length.
-fn check_shape(model: &Model, name: &str, shape: &[Side]) -> Result<(), String> {
+fn check_shape(model: &Model, name: &str, shape: &[&str]) -> Result<(), String> {
     let info = model.find_node(name).and_then(|id| model.node_info(id));
     let Some(info) = info else {
         return Err(format!("lacks `{name}`"));
     };
-    let is_float = |kind| kind == ValueType::Tensor(DataType::Float);
-    if !info.dtype().is_none_or(is_float) {
+    let float = ValueType::Tensor(DataType::Float);
+    if info.dtype().is_some_and(|kind| kind != float) {
         return Err(format!(
             "declares `{name}` of another type; it must be float32"
         ));
     }
-    let fits = |(declared, side): (&Dimension, &Side)| match (declared, side) {
-        (Dimension::Fixed(declared), Side::Of(length)) => declared == length,
-        (Dimension::Fixed(_), Side::Actions) => false,
-        _ => true,
+    let fits = |(declared, side): (&Dimension, &&str)| match (declared, *side) {
+        (Dimension::Fixed(_), "N") => false,
+        (Dimension::Fixed(_), "H" | "W") | (Dimension::Symbolic(_), _) => true,
+        (Dimension::Fixed(length), side) => length.to_string() == side,
     };
-    match info.shape() {
-        Some(declared)
-            if declared.len() != shape.len() || !declared.iter().zip(shape).all(fits) =>
-        {
-            let declared = declared.iter().map(|side| match side {
-                Dimension::Fixed(length) => length.to_string(),
-                Dimension::Symbolic(name) => name.clone(),
-            });
-            let declared = declared.collect::<Vec<_>>().join(", ");
-            let sides = shape.iter().map(|side| match side {
-                Side::Height => "H".to_owned(),
-                Side::Width => "W".to_owned(),
-                Side::Actions => "N".to_owned(),
-                Side::Of(length) => length.to_string(),
-            });
-            let sides = sides.collect::<Vec<_>>().join(", ");
-            Err(format!(
-                "declares `{name}` as [{declared}]; it must be [{sides}]"
-            ))
-        }
-        _ => Ok(()),
+    let Some(declared) = info.shape() else {
+        return Ok(());
+    };
+    if declared.len() == shape.len() && declared.iter().zip(shape).all(fits) {
+        return Ok(());
     }
+    let declared = declared.iter().map(|side| match side {
+        Dimension::Fixed(length) => length.to_string(),
+        Dimension::Symbolic(name) => name.clone(),
+    });
+    Err(format!(
+        "declares `{name}` as [{}]; it must be [{}]",
+        declared.collect::<Vec<_>>().join(", "),
+        shape.join(", ")
+    ))
 }
 
 /// An offered action, and where it picks and places in the picture, `[column, row]`, pixels.
@@ -230,30 +177,28 @@ impl Policy for Onnx {
     }
 
     fn prepare(&self, program: &Program) -> Result<Option<String>, PolicyError> {
-        let listed = |name: &str| match program.field(name).map(|field| &field.choices) {
-            Some(Choices::Region { mask }) => Err(PolicyError::Unfit(format!(
-                "`{name}` of `{}` is any pixel of `{mask}`, and `--policy {}` compares listed points: write `one of`",
-                program.title(),
-                self.name
-            ))),
-            _ => Ok(()),
-        };
-        listed("pick")?;
-        listed("place")?;
+        let unfit = |why: String| Err(PolicyError::Unfit(why));
+        let (task, policy) = (program.title(), &self.name);
+        for name in ["pick", "place"] {
+            let field = program.field(name).map(|field| &field.choices);
+            if let Some(Choices::Region { mask }) = field {
+                return unfit(format!(
+                    "`{name}` of `{task}` is any pixel of `{mask}`, and `--policy {policy}` compares listed points: write `one of`"
+                ));
+            }
+        }
         let image_px = program.camera.image_px as usize;
         for (input, shape) in INPUTS {
             let id = self.model.find_node(input);
             let declared = id.and_then(|id| self.model.node_info(id)?.shape());
             let sides = shape.iter().zip(declared.into_iter().flatten());
             for (side, declared) in sides {
-                if let (Side::Height | Side::Width, Dimension::Fixed(length)) = (side, declared)
+                if let ("H" | "W", Dimension::Fixed(length)) = (*side, declared)
                     && length != image_px
                 {
-                    return Err(PolicyError::Unfit(format!(
-                        "`--policy {}` takes a `{input}` of {length} px a side, and the pictures of `{}` have {image_px} px",
-                        self.name,
-                        program.title()
-                    )));
+                    return unfit(format!(
+                        "`--policy {policy}` takes a `{input}` of {length} px a side, and the pictures of `{task}` have {image_px} px"
+                    ));
                 }
             }
         }
@@ -265,47 +210,24 @@ impl Policy for Onnx {
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Decision, PolicyError> {
-        let offers = match self.offers(step) {
-            Ok(offers) => Ok(accepted_first(step, offers)?),
+        let ranked = match self.offers(step) {
+            Ok(offers) => self.ranked(step, accepted_first(step, offers)?),
             Err(why) => Err(why),
         };
-        let ranked = offers.and_then(|offers| {
-            let values = self.values(step, &offers)?;
-            let mut ranked: Vec<(f32, Offer)> = values.into_iter().zip(offers).collect();
-            // Equal values stay in the order of the offer.
-            ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-            Ok(ranked)
-        });
         until_accepted(step, exchange, &mut |refusals, _| {
-            let next = ranked.as_ref().map(|ranked| ranked.get(refusals.len()));
-            let (note, answer) = match next {
-                Ok(Some((value, offer))) => (
-                    Some(format!("value {value:.3}")),
-                    Answer::Grip(offer.proposal.clone()),
-                ),
-                Ok(None) => (
-                    None,
-                    Answer::Stop {
-                        outcome: Outcome::NoCandidates,
-                        why: match refusals {
-                            [] => "no action is offered".to_owned(),
-                            _ => "every offered action was refused".to_owned(),
-                        },
-                    },
-                ),
-                Err(why) => (
-                    None,
-                    Answer::Stop {
-                        outcome: Outcome::PolicyFailed,
-                        why: why.clone(),
-                    },
-                ),
+            let ranked = match &ranked {
+                Ok(ranked) => ranked,
+                Err(why) => return Ok(stop(Outcome::PolicyFailed, why).into()),
             };
-            Ok(Proposed {
-                question: None,
-                reply: None,
-                note,
-                answer,
+            Ok(match ranked.get(refusals.len()) {
+                Some((value, offer)) => Proposed {
+                    note: Some(format!("value {value:.3}")),
+                    ..Ok(offer.proposal.clone()).into()
+                },
+                None if refusals.is_empty() => {
+                    stop(Outcome::NoCandidates, "no action is offered").into()
+                }
+                None => stop(Outcome::NoCandidates, "every offered action was refused").into(),
             })
         })
     }
@@ -321,36 +243,22 @@ impl Onnx {
             } else {
                 least_refused(step, field, &[]).into_iter().collect()
             };
-            (field.name.as_str(), values)
+            (field.name.clone(), values)
         });
-        let fields: Vec<(&str, Vec<FieldValue>)> = fields.collect();
-        let counts = fields.iter().map(|(_, values)| values.len());
-        let count = counts.fold(1, usize::saturating_mul);
-        if count > MOST_COMBINATIONS {
-            let of_field = |(name, values): &(&str, Vec<FieldValue>)| match values.len() {
-                1 => None,
-                length => Some(format!("{length} of `{name}`")),
-            };
-            let choices: Vec<String> = fields.iter().filter_map(of_field).collect();
+        let fields: Vec<(String, Vec<FieldValue>)> = fields.collect();
+        let all = combinations(&fields);
+        if all.len() > MOST_COMBINATIONS {
+            let many = fields.iter().filter(|(_, values)| values.len() != 1);
+            let many = many.map(|(name, values)| format!("{} of `{name}`", values.len()));
             return Err(format!(
-                "`{}` offers {count} actions ({}), and `--policy {}` compares at most {MOST_COMBINATIONS}: offer fewer",
+                "`{}` offers {} actions ({}), and `--policy {}` compares at most {MOST_COMBINATIONS}: offer fewer",
                 step.program.title(),
-                choices.join(" x "),
+                all.len(),
+                many.collect::<Vec<_>>().join(" x "),
                 self.name
             ));
         }
-        let mut all = vec![Proposal::default()];
-        for (name, values) in &fields {
-            let longer = all.iter().flat_map(|shorter| {
-                values.iter().map(move |value| {
-                    let mut proposal = shorter.clone();
-                    proposal.fields.push(((*name).to_owned(), value.clone()));
-                    proposal
-                })
-            });
-            all = longer.collect();
-        }
-        let offers = all.into_iter().filter_map(|proposal| {
+        let offers = all.filter_map(|proposal| {
             let observation = step.observation;
             let action = Action::lower(step.program, &proposal, step.scene, observation)?;
             let pixel = |point| observation.camera.pixel_from_world(point);
@@ -363,21 +271,23 @@ impl Onnx {
         Ok(offers.collect())
     }
 
-    /// Returns the value of each offered action; fails with the reason.
-    fn values(&self, step: &StepView<'_>, offers: &[Offer]) -> Result<Vec<f32>, String> {
+    /// Values the offered actions; the highest first, equal ones in the order of the offer. Fails with the reason.
+    fn ranked(&self, step: &StepView<'_>, offers: Vec<Offer>) -> Result<Vec<(f32, Offer)>, String> {
         let mut values = Vec::with_capacity(offers.len());
         for batch in offers.chunks(BATCH) {
             values.extend(self.values_of_batch(step, batch)?);
         }
-        match values.iter().position(|value| !value.is_finite()) {
-            Some(at) => Err(format!(
+        if let Some(at) = values.iter().position(|value| !value.is_finite()) {
+            return Err(format!(
                 "the network's value of action {} of {} is {}, which is not finite",
                 at + 1,
                 values.len(),
                 values[at]
-            )),
-            None => Ok(values),
+            ));
         }
+        let mut ranked: Vec<_> = values.into_iter().zip(offers).collect();
+        ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+        Ok(ranked)
     }
 
     /// Runs the network once.
@@ -386,11 +296,11 @@ impl Onnx {
             let info = self.model.node_info(*id)?;
             let (name, shape) = INPUTS.iter().find(|(name, _)| info.name() == Some(*name))?;
             let (width, height) = step.observation.rgb.dimensions();
-            let shape = shape.iter().map(|side| match side {
-                Side::Height => height as usize,
-                Side::Width => width as usize,
-                Side::Actions => offers.len(),
-                Side::Of(length) => *length,
+            let shape = shape.iter().map(|side| match *side {
+                "H" => height as usize,
+                "W" => width as usize,
+                "N" => offers.len(),
+                length => length.parse().expect("a side is a letter or a number"),
             });
             let shape: Vec<usize> = shape.collect();
             let value = Value::from_shape(shape, input(name, step, offers));
@@ -400,10 +310,8 @@ impl Onnx {
         let inputs = inputs.map_err(|error| error.to_string())?;
         let outputs = self.model.run(inputs, self.model.output_ids(), None);
         let outputs = outputs.map_err(|error| format!("the network failed: {error}"))?;
-        let output = outputs
-            .into_iter()
-            .next()
-            .ok_or("the network returned nothing")?;
+        let output = outputs.into_iter().next();
+        let output = output.ok_or("the network returned nothing")?;
         let ([length], values) = output
             .into_shape_vec::<f32, 1>()
             .map_err(|error| format!("the network's `values` must be [N], float32: {error}"))?;
@@ -450,14 +358,17 @@ fn input(name: &str, step: &StepView<'_>, offers: &[Offer]) -> Vec<f32> {
 fn accepted_first(step: &StepView<'_>, offers: Vec<Offer>) -> Result<Vec<Offer>, PolicyError> {
     let texts = BTreeMap::new();
     let facts = step.facts(&texts, step.pixels());
-    let verdicts = offers
-        .iter()
-        .map(|offer| verdict(*step, facts, &offer.proposal, Strictness::Full))
-        .collect::<Result<Vec<_>, _>>()?;
-    if !verdicts.contains(&Verdict::Accept) {
+    let verdicts = offers.iter().map(|offer| {
+        let verdict = step
+            .ground()
+            .verdict(facts, &offer.proposal, Strictness::Full);
+        verdict.map(|verdict| verdict == Verdict::Accept)
+    });
+    let accepted = verdicts.collect::<Result<Vec<_>, _>>()?;
+    if !accepted.contains(&true) {
         return Ok(offers);
     }
-    let judged = offers.into_iter().zip(verdicts);
-    let accepted = judged.filter(|(_, verdict)| *verdict == Verdict::Accept);
+    let judged = offers.into_iter().zip(accepted);
+    let accepted = judged.filter(|(_, is_accepted)| *is_accepted);
     Ok(accepted.map(|(offer, _)| offer).collect())
 }

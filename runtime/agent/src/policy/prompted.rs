@@ -3,30 +3,57 @@
 //! In: the stages, the step's pictures, the models. Out: every attempt as it happens, and a [`Decision`]. The program's
 //! `attempts` limit the number of questions per stage.
 
-mod attempts;
-mod candidates;
 mod conversation;
 mod rehearsal;
+mod talk;
 
+use super::proposing::{Refusal, Settled};
 use super::{
-    Decision, Description, Exchange, Finding, Kind, Policy, PolicyError, RoleModels, StepView,
+    Again, Decision, Description, Exchange, Kind, Policy, PolicyError, RoleModels, StepView,
 };
 use crate::outcome::Outcome;
-use attempts::{Answer, Attempts, Missing, Next};
-pub use conversation::{
-    Conversation, MessagePart, PromptError, UndrawnMessage, conversation, opening,
-};
-use fab_model::{Description as ModelDescription, Model, Models, lowering};
-use fab_program::render::RenderError;
-use fab_program::{Program, Stage};
+pub use conversation::{MessagePart, PromptError, StageMessage, conversation, opening};
+use fab_model::{Description as ModelDescription, Models, Png, lowering};
+use fab_picture::png;
+use fab_program::render::{RenderError, Values};
+use fab_program::{Program, Read};
 pub use rehearsal::{Rehearsed, rehearse};
 use std::collections::BTreeMap;
+use talk::{Setting, Talk};
+
+/// What the model is told with the picture of what would come of its answer.
+const PREDICTED: &str = "The picture shows how the cloth would lie after this action, as a simulation predicts it. Answer once more, in the same format: with the same action if the cloth would lie as it should, otherwise with a better one.";
 
 /// A policy that asks models.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub struct Prompted<'m> {
     /// Which model answers which role.
     pub models: Models<'m>,
+    /// The texts that the current step's stages read.
+    texts: BTreeMap<String, String>,
+    /// The index of the stage that reads the action, and its conversations in the current step, one for each answer.
+    acting: (usize, Vec<Talk>),
+}
+
+impl<'m> Prompted<'m> {
+    /// Makes the policy of models.
+    pub fn new(models: Models<'m>) -> Prompted<'m> {
+        Prompted {
+            models,
+            texts: BTreeMap::new(),
+            acting: (0, Vec::new()),
+        }
+    }
+
+    fn setting<'a>(&'a self, step: &StepView<'a>, stage: usize) -> Setting<'a> {
+        let stage = &step.program.stages[stage];
+        Setting {
+            view: *step,
+            stage,
+            texts: &self.texts,
+            model: self.models.of(stage.model),
+        }
+    }
 }
 
 impl Policy for Prompted<'_> {
@@ -52,80 +79,88 @@ impl Policy for Prompted<'_> {
         Ok(lowering::note(program, self.models))
     }
 
+    fn rehearses(&self) -> bool {
+        true
+    }
+
     /// Asks every stage of one step and returns the decision.
     fn decide(
         &mut self,
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Decision, PolicyError> {
-        let mut texts = BTreeMap::new();
+        self.texts.clear();
+        self.acting.1.clear();
         let mut decision = step.without_answer(Outcome::MalformedReply);
-        for stage in &step.program.stages {
-            let model = self.models.of(stage.model);
-            let trusted = exchange.twins.as_ref();
-            let trusted = trusted.is_some_and(|twins| twins.aside().is_none());
-            let answer = match step.program.rehearsal_of(stage).filter(|_| trusted) {
-                Some(how) => candidates::answer(*step, (stage, how), model, &texts, exchange)?,
-                None => ask((*step, stage), model, &texts, exchange, (0, 0))?.answer,
-            };
-            match answer {
-                Answer::Text { name, value } => {
-                    texts.insert(name, value);
+        for (index, stage) in step.program.stages.iter().enumerate() {
+            let at = self.setting(step, index);
+            let mut talk = Talk::begin(at, Values::Known, [0, 0])?;
+            let settled = talk.settle(at, step.program.verify.attempts, exchange)?;
+            if stage.read == Read::Action {
+                self.acting = (index, vec![talk]);
+            }
+            match settled {
+                Settled::Text { name, value } => {
+                    self.texts.insert(name, value);
                 }
-                Answer::Action { proposal, accepted } => {
-                    let grips = vec![proposal];
-                    decision = Decision::Act { grips, accepted };
-                }
-                Answer::None(outcome) => return Ok(step.without_answer(outcome)),
+                Settled::Action(proposal, accepted) => decision = Decision::act(proposal, accepted),
+                Settled::Failed { outcome, .. } => return Ok(step.without_answer(outcome)),
+                Settled::Refused(last) => return Ok(step.without_answer(exhausted(last))),
             }
         }
         Ok(decision)
     }
-}
 
-/// The result of asking a stage.
-struct Asked<'a> {
-    answer: Answer,
-    /// The conversation that led to it.
-    attempts: Attempts<'a>,
-    /// The text of the last reply; empty if none came.
-    reply: String,
-    /// Why the last question has no reply, if it has none.
-    failed: Option<String>,
-}
-
-/// Asks a stage until it has its answer.
-///
-/// - `candidate`: which of several answers to one question is asked for, from 0, and how many questions of this stage
-///   and step were asked before.
-fn ask<'a>(
-    (step, stage): (StepView<'a>, &'a Stage),
-    model: &dyn Model,
-    texts: &BTreeMap<String, String>,
-    exchange: &mut Exchange<'_, '_>,
-    (candidate, asked): (u32, u32),
-) -> Result<Asked<'a>, PolicyError> {
-    let lowering = model.lowering();
-    let mut attempts = Attempts::begin(step, stage, texts, lowering, Missing::IsAnError)?;
-    attempts.be_candidate(candidate, asked);
-    loop {
-        let attempt = attempts.ask(model, exchange, texts)?;
-        let reply = attempt.reply.as_ref();
-        let reply = reply.map(|it| it.text.clone()).unwrap_or_default();
-        let failed = match &attempt.finding {
-            Finding::Failed { why, .. } => Some(why.clone()),
-            _ => None,
-        };
-        match attempts.conclude(attempt, texts)? {
-            Next::AskAgain => {}
-            Next::Done(answer) => {
-                return Ok(Asked {
-                    answer,
-                    attempts,
-                    reply,
-                    failed,
-                });
-            }
+    fn again(
+        &mut self,
+        step: &StepView<'_>,
+        exchange: &mut Exchange<'_, '_>,
+        again: Again<'_>,
+    ) -> Result<Option<Decision>, PolicyError> {
+        // An earlier stage may have had no answer, so that nothing was acted on.
+        if self.acting.1.is_empty() {
+            return Ok(None);
         }
+        let (stage, mut talks) = std::mem::take(&mut self.acting);
+        let at = self.setting(step, stage);
+        let asked = talks.iter().map(|talk| talk.asked).max().unwrap_or(0);
+        let settled = match again {
+            Again::Independent => {
+                let numbers = [talks.len() as u32, asked];
+                let mut talk = Talk::begin(at, Values::Known, numbers)?;
+                let settled = talk.settle(at, step.program.verify.attempts, exchange)?;
+                talks.push(talk);
+                settled
+            }
+            Again::Revised { answer, predicted } => {
+                let Some(talk) = talks.get_mut(answer) else {
+                    return Ok(None);
+                };
+                let sent = at.model.lowering().resized(predicted).into_owned();
+                talk.show_prediction(PREDICTED, Png::new(png::encode(&sent)));
+                talk.asked = asked;
+                talk.settle(at, 1, exchange)?
+            }
+        };
+        self.acting = (stage, talks);
+        Ok(Some(match settled {
+            Settled::Action(proposal, accepted) => Decision::act(proposal, accepted),
+            Settled::Failed {
+                outcome: outcome @ Outcome::Interrupted,
+                ..
+            } => step.without_answer(outcome),
+            Settled::Failed { outcome, why } => Decision::Stop { outcome, why },
+            Settled::Refused(last) => step.without_answer(exhausted(last)),
+            Settled::Text { .. } => return Ok(None),
+        }))
+    }
+}
+
+/// Returns how a step ends whose last answer was refused, or could not be read.
+fn exhausted(last: Option<Refusal>) -> Outcome {
+    if last.is_some_and(|refusal| refusal.proposal.is_some()) {
+        Outcome::AttemptsExhausted
+    } else {
+        Outcome::MalformedReply
     }
 }

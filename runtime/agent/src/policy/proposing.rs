@@ -1,15 +1,15 @@
-//! The loop of policies that propose actions themselves: judge, and after a refusal propose again with the reason.
+//! The loop of every policy: ask, judge, and after a refusal ask again with the reason.
 //!
-//! In: a step, and a function that proposes. Out: every attempt as it happens, and a [`Decision`]. The task's
-//! `attempts` limit the number of proposals, as they limit a model's answers.
+//! In: a step, and a function that makes an attempt. Out: every attempt as it happens, and what it came to. The task's
+//! `attempts` limit the number of answers.
 
-use super::judge::{relaxed, verdict};
 use super::{
     Accepted, Attempt, Decision, Exchange, Exchanged, Finding, PolicyError, Question, StepView,
 };
 use crate::outcome::Outcome;
 use fab_model::Reply;
 use fab_program::Proposal;
+use fab_program::facts::Facts;
 use fab_program::verify::{OFFERED, Strictness, Verdict};
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -17,53 +17,138 @@ use std::time::Instant;
 /// The stage name in attempts of a policy without stages.
 pub(super) const STAGE: &str = "policy";
 
-/// A proposal, with its question and reply.
-pub(super) struct Proposed {
-    /// The question, if there was one.
-    pub question: Option<Question>,
-    /// The reply, if there was one.
-    pub reply: Option<Reply>,
-    /// A note for people.
-    pub note: Option<String>,
-    /// The proposal, or why there is none.
-    pub answer: Answer,
-}
-
-/// What a policy proposes.
-pub(super) enum Answer {
-    /// An action for the only gripper.
-    Grip(Proposal),
-    /// Nothing that can be judged; it may try again.
-    Unreadable {
-        /// The field that is wrong.
-        field: String,
-        /// What is wrong, and what would be right.
-        message: String,
+/// What a round of attempts came to.
+pub(super) enum Settled {
+    Text {
+        name: String,
+        value: String,
     },
-    /// Nothing, now or later.
-    Stop {
-        /// How the rollout ends.
+    Action(Proposal, Accepted),
+    /// No answer came.
+    Failed {
         outcome: Outcome,
-        /// Why.
         why: String,
     },
+    /// Every answer was refused or unreadable; the last one.
+    Refused(Option<Refusal>),
 }
 
-/// A proposal that was not accepted.
+/// An answer that was not accepted.
 pub(super) struct Refusal {
-    /// The proposal, if it could be read.
+    /// The number of its attempt.
+    pub number: u32,
+    /// The action, if it could be read.
     pub proposal: Option<Proposal>,
     /// The check that refused it, or the field that could not be read.
     pub check: String,
     /// Why, in words.
     pub why: String,
+    /// The answer as it came; empty if there was none.
+    pub answer: String,
+}
+
+/// Makes an attempt, given the refusals so far.
+type Ask<'p> = dyn FnMut(&[Refusal], &mut Exchange<'_, '_>) -> Result<Attempt, PolicyError> + 'p;
+
+/// Makes at most so many attempts, until an answer is accepted.
+pub(super) fn settle(
+    step: &StepView<'_>,
+    attempts: u32,
+    facts: Facts<'_>,
+    exchange: &mut Exchange<'_, '_>,
+    ask: &mut Ask<'_>,
+) -> Result<Settled, PolicyError> {
+    let mut refusals = Vec::new();
+    let mut stage = String::new();
+    for _ in 0..attempts {
+        let attempt = ask(&refusals, exchange)?;
+        (exchange.record)(Exchanged::Attempt(&attempt))?;
+        let (check, why, proposal) = match attempt.finding {
+            Finding::Text { name, value, .. } => return Ok(Settled::Text { name, value }),
+            Finding::Failed { outcome, why, .. } => return Ok(Settled::Failed { outcome, why }),
+            Finding::Malformed { field, message, .. } => (field, message, None),
+            Finding::Action {
+                fields, verdict, ..
+            } => match verdict {
+                Verdict::Accept => {
+                    let accepted = Accepted {
+                        stage: attempt.stage,
+                        attempt: attempt.number,
+                        without: Vec::new(),
+                    };
+                    return Ok(Settled::Action(Proposal { fields }, accepted));
+                }
+                Verdict::Reject { check, message, .. } => {
+                    (check, message, Some(Proposal { fields }))
+                }
+            },
+        };
+        stage = attempt.stage;
+        refusals.push(Refusal {
+            number: attempt.number,
+            proposal,
+            check,
+            why,
+            answer: attempt.reply.map(|reply| reply.text).unwrap_or_default(),
+        });
+    }
+    // The newest action that only a check refuses which the task drops in the end.
+    let without = &step.program.verify.relaxed;
+    let relaxed = refusals.iter().rev().filter(|_| !without.is_empty());
+    for refusal in relaxed {
+        let Some(proposal) = &refusal.proposal else {
+            continue;
+        };
+        let verdict = step
+            .ground()
+            .verdict(facts, proposal, Strictness::Relaxed)?;
+        if verdict == Verdict::Accept {
+            let accepted = Accepted {
+                stage,
+                attempt: refusal.number,
+                without: without.clone(),
+            };
+            return Ok(Settled::Action(proposal.clone(), accepted));
+        }
+    }
+    Ok(Settled::Refused(refusals.pop()))
+}
+
+/// A proposal of a policy without stages, with its question and reply.
+pub(super) struct Proposed {
+    pub question: Option<Question>,
+    pub reply: Option<Reply>,
+    /// A note for people.
+    pub note: Option<String>,
+    /// An action for the only gripper, or why there is none.
+    pub answer: Result<Proposal, Box<Finding>>,
+}
+
+impl From<Result<Proposal, Box<Finding>>> for Proposed {
+    fn from(answer: Result<Proposal, Box<Finding>>) -> Proposed {
+        Proposed {
+            question: None,
+            reply: None,
+            note: None,
+            answer,
+        }
+    }
+}
+
+/// Proposes nothing, now or later.
+pub(super) fn stop<T>(outcome: Outcome, why: impl Into<String>) -> Result<T, Box<Finding>> {
+    Err(Box::new(Finding::Failed {
+        outcome,
+        fault: None,
+        why: why.into(),
+    }))
 }
 
 /// Proposes an action, given the refusals so far.
 type Propose<'p> =
     dyn FnMut(&[Refusal], &mut Exchange<'_, '_>) -> Result<Proposed, PolicyError> + 'p;
 
-/// Collects proposals until one passes every check.
+/// Collects proposals of a policy without stages until one passes every check.
 pub(super) fn until_accepted(
     step: &StepView<'_>,
     exchange: &mut Exchange<'_, '_>,
@@ -71,91 +156,47 @@ pub(super) fn until_accepted(
 ) -> Result<Decision, PolicyError> {
     let texts = BTreeMap::new();
     let facts = step.facts(&texts, step.pixels());
-    let mut refusals: Vec<Refusal> = Vec::new();
-    let mut refused = Vec::new();
-    for number in 1..=step.program.verify.attempts {
-        let begun = Instant::now();
-        let proposed = propose(&refusals, exchange)?;
-        let took = begun.elapsed();
-        if let Answer::Stop {
-            outcome: outcome @ Outcome::Interrupted,
-            why,
-        } = proposed.answer
-        {
-            return Ok(Decision::Stop { outcome, why });
-        }
-        let finding = match &proposed.answer {
-            Answer::Grip(proposal) => Finding::Action {
-                fields: proposal.fields.clone(),
-                repairs: Vec::new(),
-                stated: Vec::new(),
-                verdict: verdict(*step, facts, proposal, Strictness::Full)?,
-            },
-            Answer::Unreadable { field, message } => Finding::Malformed {
-                stated: Vec::new(),
-                field: field.clone(),
-                message: message.clone(),
-            },
-            Answer::Stop { outcome, why } => Finding::Failed {
-                outcome: *outcome,
-                fault: None,
-                why: why.clone(),
-            },
-        };
-        (exchange.record)(Exchanged::Attempt(&Attempt {
-            stage: STAGE.to_owned(),
-            number,
-            question: proposed.question,
-            reply: proposed.reply,
-            note: proposed.note,
-            finding: finding.clone(),
-            took,
-        }))?;
-        match (proposed.answer, finding) {
-            (Answer::Stop { outcome, why }, _) => return Ok(Decision::Stop { outcome, why }),
-            (Answer::Unreadable { field, message }, _) => refusals.push(Refusal {
-                proposal: None,
-                check: field,
-                why: message,
-            }),
-            (
-                Answer::Grip(proposal),
-                Finding::Action {
-                    verdict: Verdict::Reject { check, message, .. },
-                    ..
+    let attempts = step.program.verify.attempts;
+    let settled = settle(
+        step,
+        attempts,
+        facts,
+        exchange,
+        &mut |refusals, exchange| {
+            let begun = Instant::now();
+            let proposed = propose(refusals, exchange)?;
+            let took = begun.elapsed();
+            let finding = match proposed.answer {
+                Err(finding) => *finding,
+                Ok(proposal) => Finding::Action {
+                    verdict: step.ground().verdict(facts, &proposal, Strictness::Full)?,
+                    fields: proposal.fields,
+                    repairs: Vec::new(),
+                    stated: Vec::new(),
                 },
-            ) => {
-                refused.push((number, proposal.clone()));
-                refusals.push(Refusal {
-                    proposal: Some(proposal),
-                    check,
-                    why: message,
-                });
-            }
-            (Answer::Grip(proposal), _) => return Ok(act(proposal, number, &[])),
-        }
-    }
-    if let Some((number, proposal)) = relaxed(*step, facts, &refused)? {
-        return Ok(act(proposal, number, &step.program.verify.relaxed));
-    }
+            };
+            Ok(Attempt {
+                stage: STAGE.to_owned(),
+                number: refusals.len() as u32 + 1,
+                question: proposed.question,
+                reply: proposed.reply,
+                note: proposed.note,
+                finding,
+                took,
+            })
+        },
+    )?;
     // A proposal outside the action space is a failure of the policy, not a bad choice.
-    let is_outside = |refusal: &&Refusal| refusal.proposal.is_none() || refusal.check == OFFERED;
-    Ok(match refusals.last().filter(is_outside) {
-        Some(refusal) => Decision::Stop {
+    let is_outside = |refusal: &Refusal| refusal.proposal.is_none() || refusal.check == OFFERED;
+    Ok(match settled {
+        Settled::Action(proposal, accepted) => Decision::act(proposal, accepted),
+        Settled::Failed { outcome, why } => Decision::Stop { outcome, why },
+        Settled::Refused(Some(refusal)) if is_outside(&refusal) => Decision::Stop {
             outcome: Outcome::PolicyFailed,
             why: format!("its answer is outside of the action space: {}", refusal.why),
         },
-        None => step.without_answer(Outcome::AttemptsExhausted),
+        Settled::Refused(_) | Settled::Text { .. } => {
+            step.without_answer(Outcome::AttemptsExhausted)
+        }
     })
-}
-
-fn act(proposal: Proposal, attempt: u32, without: &[String]) -> Decision {
-    Decision::Act {
-        grips: vec![proposal],
-        accepted: Accepted {
-            stage: STAGE.to_owned(),
-            attempt,
-            without: without.to_owned(),
-        },
-    }
 }

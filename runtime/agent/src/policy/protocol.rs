@@ -8,7 +8,7 @@ use fab_program::{ActionField, Cloth, PixelPoint, Proposal, Value, space};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Version of the protocol. `hello` and `reset` came with version 2.
 pub const PROTOCOL: u32 = 2;
@@ -26,29 +26,6 @@ pub enum Question {
     Reset(Box<Reset>),
     /// What is to be done? A [`Line`] answers it.
     Decide(Box<Decide>),
-}
-
-impl Question {
-    /// Makes the names of its files paths in a run folder.
-    pub fn place_in(&mut self, folder: &Path) {
-        match self {
-            Question::Hello { .. } => {}
-            Question::Reset(reset) => reset.program = folder.join(&reset.program),
-            Question::Decide(decide) => {
-                let Pictures {
-                    scene,
-                    annotated,
-                    depth,
-                    subgoal_now,
-                    subgoal_next,
-                } = &mut decide.pictures;
-                let files = [scene, annotated, depth].into_iter().chain(subgoal_now);
-                for file in files.chain(subgoal_next).chain(&mut decide.particles) {
-                    *file = folder.join(&file);
-                }
-            }
-        }
-    }
 }
 
 /// What stays the same in a rollout.

@@ -3,7 +3,7 @@
 //! It is the paper's random policy, a baseline for others. Seed, start, repetition, action and attempt determine the
 //! draw.
 
-use super::proposing::{Answer, Proposed, until_accepted};
+use super::proposing::{stop, until_accepted};
 use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, StepView};
 use crate::outcome::Outcome;
 use fab_base::chance::Chance;
@@ -39,19 +39,10 @@ impl Policy for Random {
         until_accepted(step, exchange, &mut |_, _| {
             // A number below an in-memory count fits in `usize`.
             let mut below = |count: u64| chance.below(count as usize) as u64;
-            let answer = match space::sample(step.program, step.scene, &mut below) {
-                Some(proposal) => Answer::Grip(proposal),
-                None => Answer::Stop {
-                    outcome: Outcome::NoCandidates,
-                    why: "a field has nothing to choose from".to_owned(),
-                },
-            };
-            Ok(Proposed {
-                question: None,
-                reply: None,
-                note: None,
-                answer,
-            })
+            let sampled = space::sample(step.program, step.scene, &mut below);
+            let nothing = "a field has nothing to choose from";
+            let nothing = || stop(Outcome::NoCandidates, nothing);
+            Ok(sampled.map_or_else(nothing, Ok).into())
         })
     }
 }

@@ -1,24 +1,224 @@
 //! A policy that decides with twins at hand: any policy, and the twins of its rollout.
 //!
-//! In: each step, and what the world has done since the one before. Out: the inner policy's decision, for which it may
-//! try actions on the twins; or a stop, where nothing may move because twins and camera disagree.
+//! In: each step, and what the world has done since the one before. Out: of the inner policy's answers the one that does
+//! best on the twins; or a stop, where nothing may move because twins and camera disagree. The first answer is what the
+//! inner policy decides by itself. Further ones are asked for as the task says: independent ones, then revisions of the
+//! best. A policy without further answers has one, which is not tried.
 
-use super::{Decision, Description, Exchange, Exchanged, Policy, PolicyError, StepView};
+use super::{
+    Accepted, Again, Decision, Description, Exchange, Exchanged, Policy, PolicyError, StepView,
+};
+use crate::action::Action;
 use crate::outcome::Outcome;
 use crate::twins::{Interrupted, Twins};
-use fab_program::Program;
+use fab_program::{Program, Proposal};
+use fab_world::Motion;
+
+/// By how much a measure must differ to decide anything: silhouettes are compared to about a hundredth.
+const NOTICEABLE: f64 = 0.01;
 
 /// A policy around another one.
 pub struct Rehearsing<'p> {
     inner: Box<dyn Policy + 'p>,
-    twins: Twins,
+    twins: Twins<'p>,
+}
+
+/// An accepted answer, and what would come of it.
+struct Candidate {
+    /// Which of the policy's answers to the step it is, from 0.
+    answer: u32,
+    grips: Vec<Proposal>,
+    accepted: Accepted,
+    /// `None` if the answer leads nowhere, which the rollout reports if it is taken.
+    motion: Option<Motion>,
+    /// The mean over the twins; `None` if the task declares no measure, or the answer could not be tried.
+    measure: Option<f64>,
 }
 
 impl<'p> Rehearsing<'p> {
     /// Lets a policy try its answers on twins.
-    pub fn new(inner: Box<dyn Policy + 'p>, twins: Twins) -> Rehearsing<'p> {
+    pub fn new(inner: Box<dyn Policy + 'p>, twins: Twins<'p>) -> Rehearsing<'p> {
         Rehearsing { inner, twins }
     }
+
+    /// Decides with twins that can be trusted.
+    fn decide_with_twins(
+        &mut self,
+        step: &StepView<'_>,
+        exchange: &mut Exchange<'_, '_>,
+    ) -> Result<Decision, PolicyError> {
+        let first = self.inner.decide(step, exchange)?;
+        let mut further = 0;
+        let record = &mut *exchange.record;
+        let mut exchange = Exchange {
+            asking: exchange.asking,
+            record: &mut |exchanged| {
+                further += u32::from(matches!(exchanged, Exchanged::Attempt(_)));
+                record(exchanged)
+            },
+            interrupt: exchange.interrupt,
+        };
+        let decided = self.best(step, first, &mut exchange)?;
+        let line = &mut self.twins.line;
+        line.calls = further;
+        if let Decision::Act { accepted, .. } = &decided {
+            line.chosen = Some(accepted.attempt);
+        }
+        Ok(decided)
+    }
+
+    /// Asks for the answers that the task declares, and returns the best; the first decision, if none can be used.
+    ///
+    /// First come independent answers, then revisions of the best of these. A revision that does not come, cannot be
+    /// read, is refused, or is measured as worse leaves the answer before it.
+    fn best(
+        &mut self,
+        step: &StepView<'_>,
+        first: Decision,
+        exchange: &mut Exchange<'_, '_>,
+    ) -> Result<Decision, PolicyError> {
+        let interrupted = step.without_answer(Outcome::Interrupted);
+        let rehearsal = self.twins.rehearsal;
+        let mut stages = step.program.stages.iter();
+        let stage = stages.find(|stage| stage.name == rehearsal.stage);
+        let count = rehearsal.choose.and(stage).map_or(1, |it| it.candidates());
+        let mut best: Option<Candidate> = None;
+        let mut unusable = 0;
+        for answer in 0..count {
+            let decision = match answer {
+                0 => Some(first.clone()),
+                _ => self.inner.again(step, exchange, Again::Independent)?,
+            };
+            match decision {
+                Some(Decision::Act { grips, accepted }) => {
+                    let tried = self.tried(step, answer, (grips, accepted), exchange);
+                    let Ok(candidate) = tried else {
+                        return Ok(interrupted);
+                    };
+                    if best.as_ref().is_none_or(|best| candidate.is_better(best)) {
+                        best = Some(candidate);
+                    }
+                }
+                // Only the policy's own faults leave the others a chance.
+                Some(decision) if decision.is_exhausted() => unusable += 1,
+                Some(decision) if decision == interrupted => return Ok(decision),
+                // Without rehearsal it would not have been asked, so the answers that came still count.
+                Some(Decision::Stop { why, .. }) if answer > 0 => {
+                    self.fall_short(format!(
+                        "candidate {} of {count} was not answered, and no more were asked for: {why}",
+                        answer + 1
+                    ));
+                    break;
+                }
+                _ => break,
+            }
+        }
+        let Some(mut taken) = best else {
+            return Ok(first);
+        };
+        if unusable > 0 {
+            self.fall_short(format!(
+                "{unusable} of {count} candidates were not usable after all their attempts"
+            ));
+        }
+        let mut highest = taken.measure;
+        for number in 1..=rehearsal.revisions {
+            let Some(predicted) = self.twins.picture(taken.motion.as_ref()) else {
+                break;
+            };
+            let again = Again::Revised {
+                answer: taken.answer as usize,
+                predicted,
+            };
+            let revision = match self.inner.again(step, exchange, again)? {
+                Some(Decision::Act { grips, accepted })
+                    if accepted.without.is_empty() && grips != taken.grips =>
+                {
+                    self.tried(step, taken.answer, (grips, accepted), exchange)
+                }
+                Some(decision) if decision == interrupted => Err(Interrupted),
+                Some(decision) if decision.is_exhausted() => break,
+                Some(Decision::Stop { why, .. }) => {
+                    self.fall_short(format!("revision {number} was not answered: {why}"));
+                    break;
+                }
+                _ => break,
+            };
+            let Ok(revision) = revision else {
+                return Ok(interrupted);
+            };
+            let was_tried = self.twins.picture(revision.motion.as_ref()).is_some();
+            if !was_tried || !admits(&mut highest, revision.measure) {
+                break;
+            }
+            taken = revision;
+        }
+        Ok(Decision::Act {
+            grips: taken.grips,
+            accepted: taken.accepted,
+        })
+    }
+
+    /// Records why fewer answers count than the task declares; of several reasons the first.
+    fn fall_short(&mut self, why: String) {
+        self.twins.line.shortfall.get_or_insert(why);
+    }
+
+    /// Tries an answer on the twins; one that cannot be tried has no measure.
+    fn tried(
+        &mut self,
+        step: &StepView<'_>,
+        answer: u32,
+        (grips, accepted): (Vec<Proposal>, Accepted),
+        exchange: &mut Exchange<'_, '_>,
+    ) -> Result<Candidate, Interrupted> {
+        let lowered = grips.iter().map(|proposal| {
+            let action = Action::lower(step.program, proposal, step.scene, step.observation)?;
+            Some(action.grip)
+        });
+        let motion = lowered.collect::<Option<_>>().map(|grips| Motion { grips });
+        let measure = match &motion {
+            Some(motion) => self
+                .twins
+                .try_motion(accepted.attempt, motion, exchange.interrupt)?,
+            None => None,
+        };
+        Ok(Candidate {
+            answer,
+            grips,
+            accepted,
+            motion,
+            measure,
+        })
+    }
+}
+
+impl Candidate {
+    /// Returns whether it is better than an earlier one. An answer that passes every check comes before one that is
+    /// accepted without some; of those that measure alike, the earlier is taken.
+    fn is_better(&self, earlier: &Candidate) -> bool {
+        match [self, earlier].map(|it| it.accepted.without.is_empty()) {
+            [true, false] => return true,
+            [false, true] => return false,
+            _ => {}
+        }
+        match (self.measure, earlier.measure) {
+            (Some(measure), Some(before)) => measure > before + NOTICEABLE,
+            (measure, _) => measure.is_some(),
+        }
+    }
+}
+
+/// Returns whether a revision may replace the answer before it: it measures at most a hundredth less than the highest so
+/// far, so that several revisions together lose no more than that.
+fn admits(highest: &mut Option<f64>, revision: Option<f64>) -> bool {
+    if let (Some(revision), Some(highest)) = (revision, *highest)
+        && revision < highest - NOTICEABLE
+    {
+        return false;
+    }
+    *highest = revision.into_iter().chain(*highest).reduce(f64::max);
+    true
 }
 
 impl Policy for Rehearsing<'_> {
@@ -39,40 +239,34 @@ impl Policy for Rehearsing<'_> {
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Decision, PolicyError> {
-        let twins = &mut self.twins;
-        if let Some(executed) = step.executed {
-            twins.follow(executed.clone());
-        }
-        let cloth = step.scene.cloth();
-        let looked = twins.look(step.step, step.observation, cloth, exchange.interrupt);
+        let seen = (step.observation, step.scene.cloth());
+        let (executed, interrupt) = (step.executed, exchange.interrupt);
+        let looked = self.twins.look(step.step, seen, executed, interrupt);
         if let Err(Interrupted) = looked {
             return Ok(Decision::Stop {
                 outcome: Outcome::Interrupted,
                 why: "interrupted".to_owned(),
             });
         }
-        let refusal = twins.refusal();
-        if let (Some(why), None) = (twins.aside(), &refusal) {
-            let note = format!("step {} is not rehearsed: {why}", step.step);
-            (exchange.record)(Exchanged::Note(note))?;
-        }
-        let decided = match refusal {
-            Some(why) => Ok(Decision::Stop {
+        let decided = match (self.twins.refusal(), self.twins.line.aside.clone()) {
+            (Some(why), _) => Ok(Decision::Stop {
                 outcome: Outcome::RehearsalRefused,
                 why,
             }),
-            None => {
-                let mut exchange = Exchange {
-                    asking: exchange.asking,
-                    record: exchange.record,
-                    interrupt: exchange.interrupt,
-                    twins: Some(&mut *twins),
-                };
-                self.inner.decide(step, &mut exchange)
+            (None, Some(why)) => {
+                let note = format!("step {} is not rehearsed: {why}", step.step);
+                (exchange.record)(Exchanged::Note(note))?;
+                self.inner.decide(step, exchange)
             }
+            (None, None) if self.inner.rehearses() => self.decide_with_twins(step, exchange),
+            (None, None) => self.inner.decide(step, exchange),
         };
-        let took = twins.take_time();
-        (exchange.record)(Exchanged::Rehearsed(twins.line(), took))?;
+        let took = std::mem::take(&mut self.twins.took);
+        (exchange.record)(Exchanged::Rehearsed(&self.twins.line, took))?;
         decided
     }
 }
+
+#[cfg(test)]
+#[path = "tests/rehearsing.rs"]
+mod tests;

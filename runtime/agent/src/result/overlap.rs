@@ -22,20 +22,8 @@ pub struct Alignment {
     ways: Vec<AxisMap>,
 }
 
-/// A symmetry of a rectangle: the axes of one rectangle in those of the other.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct AxisMap {
-    /// Whether the sides are swapped.
-    sides: Sides,
-    /// The signs of both axes.
-    signs: [f64; 2],
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Sides {
-    Kept,
-    Exchanged,
-}
+/// A symmetry of a rectangle: which axis of one rectangle becomes which of the other, and the signs of both.
+type AxisMap = ([usize; 2], [f64; 2]);
 
 impl Alignment {
     /// Aligns an unfolded cloth with the unfolded cloth of the subgoal pictures.
@@ -49,15 +37,15 @@ impl Alignment {
             return Ok(None);
         };
         let is_square = |rectangle: &Rectangle| rectangle.sides[0] < SQUARE * rectangle.sides[1];
-        let sides: &[Sides] = if is_square(&from) && is_square(&onto) {
-            &[Sides::Kept, Sides::Exchanged]
+        let orders: &[[usize; 2]] = if is_square(&from) && is_square(&onto) {
+            &[[0, 1], [1, 0]]
         } else {
-            &[Sides::Kept]
+            &[[0, 1]]
         };
         let signs = [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]];
-        let ways = sides
+        let ways = orders
             .iter()
-            .flat_map(|&sides| signs.map(|signs| AxisMap { sides, signs }));
+            .flat_map(|&order| signs.map(|signs| (order, signs)));
         Ok(Some(Alignment {
             from,
             onto,
@@ -66,25 +54,18 @@ impl Alignment {
     }
 
     /// Maps a point of the subgoal picture to the other one, both `[column, row]`, pixels.
-    fn back(&self, way: AxisMap, [column, row]: [f64; 2]) -> [f64; 2] {
+    fn back(&self, (order, signs): AxisMap, [column, row]: [f64; 2]) -> [f64; 2] {
         let (from, onto) = (&self.from, &self.onto);
         let off = [column - onto.center[0], row - onto.center[1]];
         let across = |along: [f64; 2]| [-along[1], along[0]];
         let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
         let shares = [
-            dot(off, onto.along) / onto.sides[0] * way.signs[0],
-            dot(off, across(onto.along)) / onto.sides[1] * way.signs[1],
+            dot(off, onto.along) / onto.sides[0] * signs[0],
+            dot(off, across(onto.along)) / onto.sides[1] * signs[1],
         ];
-        let [along, beside] = match way.sides {
-            Sides::Kept => shares,
-            Sides::Exchanged => [shares[1], shares[0]],
-        };
-        let (s, t) = (along * from.sides[0], beside * from.sides[1]);
+        let [s, t] = [0, 1].map(|axis| shares[order[axis]] * from.sides[axis]);
         let side = across(from.along);
-        [
-            from.center[0] + s * from.along[0] + t * side[0],
-            from.center[1] + s * from.along[1] + t * side[1],
-        ]
+        [0, 1].map(|axis| from.center[axis] + s * from.along[axis] + t * side[axis])
     }
 }
 

@@ -5,7 +5,7 @@
 
 use super::{Job, RunError};
 use crate::pictures::Pictures;
-use crate::policy;
+use crate::policy::{self, StageMessage};
 use crate::scene::Scene;
 use fab_model::{Models, Request};
 use fab_program::Read;
@@ -61,7 +61,7 @@ pub fn first_questions(job: &Job<'_>, models: Models<'_>) -> Result<Vec<FirstQue
                     Read::Text { before, .. } => reply::text_schema(before),
                     Read::Action => reply::static_schema(program),
                 }),
-                ..Request::new(stage.model, asked.messages)
+                ..Request::new(stage.model, asked.iter().map(StageMessage::sent).collect())
             },
         })
     };

@@ -270,7 +270,6 @@ impl<'j> Turn<'j> {
             asking: ledger,
             record: &mut record,
             interrupt: job.interrupt,
-            twins: None,
         };
         let decision = policy.decide(&view, &mut exchange)?;
         let deciding = asking.elapsed().saturating_sub(aside);

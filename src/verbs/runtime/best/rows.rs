@@ -13,18 +13,20 @@ use fab_agent::record::{self, Record};
 use fab_agent::rollout::{self, Job};
 use fab_base::parallel::in_parallel;
 use fab_base::{files, npy};
+use fab_bench::statistics;
 use fab_model::Models;
 use fab_model::calls::Budget;
 use fab_program::Goal;
 use fab_standins::Geometric;
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// How many rollouts of random actions there are.
 const DRAWS: usize = 5;
 
 /// One kind of rollouts.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Row {
     #[serde(rename = "row")]
     pub name: &'static str,
@@ -39,124 +41,126 @@ pub struct Row {
 }
 
 impl Row {
-    /// Collects rollouts of one kind.
-    pub fn of(name: &'static str, oracle: bool, ends: &[End], goal: Option<&Goal>) -> Row {
-        let reached = |end: &End| goal.map(|goal| end.unscored.is_none() && goal.is_met(end.value));
-        Row {
+    /// Adds a rollout by its measure, and why it has no score, if it has none.
+    pub fn add(&mut self, value: f64, unscored: Option<String>, goal: Option<&Goal>) {
+        self.values.push(value);
+        let is_scored = unscored.is_none();
+        self.reached
+            .extend(goal.map(|goal| is_scored && goal.is_met(value)));
+        self.unscored.extend(unscored);
+    }
+
+    /// Returns the cells of its line in a table; `shown` writes a measure.
+    pub fn cells(&self, shown: impl Fn(f64) -> String) -> [String; 3] {
+        let oracle = if self.oracle { " (oracle)" } else { "" };
+        let mean = statistics::mean(&self.values);
+        let mut notes = Vec::new();
+        if self.values.len() > 1 {
+            notes.push(format!("mean of {} rollouts", self.values.len()));
+        }
+        if !self.reached.is_empty() {
+            let reached = self.reached.iter().filter(|it| **it).count();
+            notes.push(format!(
+                "{reached} of {} reach the goal",
+                self.reached.len()
+            ));
+        }
+        let measured = mean.map_or("", |_| ", measured at its end");
+        let whys: BTreeSet<&String> = self.unscored.iter().collect();
+        notes.extend(whys.iter().map(|why| format!("no score ({why}){measured}")));
+        let mean = mean.map_or("none".to_owned(), shown);
+        [format!("{}{oracle}", self.name), mean, notes.join("; ")]
+    }
+}
+
+/// Plays the policies beside a search; returns a row each, and the actions of the best rollout with a score.
+///
+/// - `folder`: where their rollouts are written.
+pub fn play(
+    search: &Search<'_>,
+    aim: &Aim<'_>,
+    examples: &Examples,
+    folder: &Path,
+    io: &Io,
+) -> Result<(Vec<Row>, Vec<Choice>), Failure> {
+    let seed = search.limits.seed;
+    let models = Models {
+        vision: &Geometric,
+        text: &Geometric,
+    };
+    let makers: [(&'static str, bool, &dyn MakePolicy, usize); 3] = [
+        ("expert", true, &Expert, 1),
+        ("random", false, &Random { seed }, DRAWS),
+        ("stand-in", false, &Prompted::new(models), 1),
+    ];
+    let (mut rows, mut scored) = (Vec::new(), Vec::new());
+    for (name, oracle, make_policy, count) in makers {
+        io.progress(&format!("rollouts beside it: {name}"));
+        let mut row = Row {
             name,
             oracle,
-            values: ends.iter().map(|end| end.value).collect(),
-            reached: ends.iter().filter_map(reached).collect(),
-            unscored: ends.iter().filter_map(|end| end.unscored.clone()).collect(),
-        }
-    }
-}
-
-/// How a rollout ended.
-pub struct End {
-    /// The measure of its last state.
-    pub value: f64,
-    /// Why it has no score, if it has none.
-    pub unscored: Option<String>,
-    /// What it executed.
-    pub actions: Vec<Choice>,
-}
-
-/// The rollouts beside one search.
-pub struct Playing<'a> {
-    pub search: &'a Search<'a>,
-    pub examples: &'a Examples,
-    pub folder: &'a Path,
-    pub io: &'a Io,
-}
-
-impl Playing<'_> {
-    /// Plays the policies; returns a row each, and the actions of the best rollout with a score.
-    pub fn policies(&self, aim: &Aim<'_>) -> Result<(Vec<Row>, Vec<Choice>), Failure> {
-        let seed = self.search.limits.seed;
-        let models = Models {
-            vision: &Geometric,
-            text: &Geometric,
+            ..Row::default()
         };
-        let makers: [(&'static str, bool, &dyn MakePolicy, usize); 3] = [
-            ("expert", true, &Expert, 1),
-            ("random", false, &Random { seed }, DRAWS),
-            ("stand-in", false, &Prompted { models }, 1),
-        ];
-        let (mut rows, mut scored) = (Vec::new(), Vec::new());
-        for (name, oracle, make_policy, count) in makers {
-            self.io.progress(&format!("rollouts beside it: {name}"));
-            let goal = self.search.program.goal.as_ref();
-            if let Err(error) = make_policy.make().prepare(self.search.program) {
-                rows.push(Row {
-                    unscored: vec![error.to_string()],
-                    ..Row::of(name, oracle, &[], goal)
-                });
-                continue;
+        if let Err(error) = make_policy.make().prepare(search.program) {
+            row.unscored.push(error.to_string());
+            rows.push(row);
+            continue;
+        }
+        let play = |index: usize| {
+            let job = Job {
+                program: search.program,
+                start: search.start,
+                subgoals: search.subgoals,
+                examples,
+                make_policy,
+                budget: &Budget::default(),
+                make_world: search.make_world,
+                make_expert_world: search.make_expert_world,
+                cache: search.cache,
+                interrupt: search.interrupt,
+                horizon: Some(search.horizon),
+                early_stop: true,
+                operator: None,
+                repetition: index as u32,
+                start_number: None,
+            };
+            end_of(&job, &folder.join(format!("{name}-{}", index + 1)), aim)
+        };
+        let ends = in_parallel(count, search.limits.threads, play, |_| {})?;
+        for (value, unscored, actions) in ends.into_iter().flatten() {
+            if unscored.is_none() {
+                scored.push((aim.loss(value), actions));
             }
-            let play = |index| self.play(name, make_policy, index, aim);
-            let ends = in_parallel(count, self.search.limits.threads, play, |_| {})?;
-            let ends: Vec<End> = ends.into_iter().flatten().collect();
-            rows.push(Row::of(name, oracle, &ends, goal));
-            scored.extend(ends.into_iter().filter(|end| end.unscored.is_none()));
+            row.add(value, unscored, search.program.goal.as_ref());
         }
-        let loss = |end: &End| aim.measure.loss(end.value);
-        let best = scored
-            .into_iter()
-            .min_by(|a, b| loss(a).total_cmp(&loss(b)));
-        Ok((rows, best.map_or(Vec::new(), |end| end.actions)))
+        rows.push(row);
     }
+    let best = scored.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    Ok((rows, best.map_or(Vec::new(), |(_, actions)| actions)))
+}
 
-    /// Plays one rollout; `None` if it was interrupted.
-    fn play(
-        &self,
-        name: &str,
-        make_policy: &dyn MakePolicy,
-        index: usize,
-        aim: &Aim<'_>,
-    ) -> Result<Option<End>, Failure> {
-        let search = self.search;
-        let job = Job {
-            program: search.program,
-            start: search.start,
-            subgoals: search.subgoals,
-            examples: self.examples,
-            make_policy,
-            budget: &Budget::default(),
-            make_world: search.make_world,
-            make_expert_world: search.make_expert_world,
-            cache: search.cache,
-            interrupt: search.interrupt,
-            horizon: Some(search.horizon),
-            early_stop: true,
-            operator: None,
-            repetition: index as u32,
-            start_number: None,
-        };
-        let folder = self.folder.join(format!("{name}-{}", index + 1));
-        let ended = rollout::run(&job, RunFolder::create(&folder)?, &mut |_| {});
-        let report = match ended {
-            Ok(ended) => ended.report,
-            Err(_) if search.interrupt.is_raised() => return Ok(None),
-            Err(error) => return Err(Failure::environment(error)),
-        };
-        if report.outcome == Outcome::Interrupted {
-            return Ok(None);
-        }
-        let unscored = (!report.outcome.is_scored()).then(|| {
-            let why = report.stopped.as_deref();
-            why.unwrap_or(report.outcome.name()).to_owned()
-        });
-        let record = Record::read(&folder).map_err(Failure::environment)?;
-        let last = record.end.and_then(|end| end.final_positions);
-        let last = last.and_then(|file| files::read(&folder.join(file), record::MAX_BYTES).ok());
-        let last = last.and_then(|bytes| npy::decode(&bytes));
-        Ok(Some(End {
-            value: aim
-                .value(last.as_ref().unwrap_or(&search.start.positions))
-                .map_err(Failure::environment)?,
-            unscored,
-            actions: record.steps.iter().filter_map(Choice::of).collect(),
-        }))
+/// The measure of a rollout's last state, why it has no score, and what it executed.
+type End = (f64, Option<String>, Vec<Choice>);
+
+/// Plays one rollout; `None` if it was interrupted.
+fn end_of(job: &Job<'_>, folder: &Path, aim: &Aim<'_>) -> Result<Option<End>, Failure> {
+    let report = match rollout::run(job, RunFolder::create(folder)?, &mut |_| {}) {
+        Ok(ended) => ended.report,
+        Err(_) if job.interrupt.is_raised() => return Ok(None),
+        Err(error) => return Err(Failure::environment(error)),
+    };
+    if report.outcome == Outcome::Interrupted {
+        return Ok(None);
     }
+    let why = report.stopped.as_deref();
+    let why = why.unwrap_or(report.outcome.name()).to_owned();
+    let record = Record::read(folder).map_err(Failure::environment)?;
+    let last = record.end.and_then(|end| end.final_positions);
+    let last = last.and_then(|file| files::read(&folder.join(file), record::MAX_BYTES).ok());
+    let last = last.and_then(|bytes| npy::decode(&bytes));
+    let last = last.as_ref().unwrap_or(&job.start.positions);
+    let value = aim.value(last).map_err(Failure::environment)?;
+    let unscored = (!report.outcome.is_scored()).then_some(why);
+    let actions = record.steps.iter().filter_map(Choice::of).collect();
+    Ok(Some((value, unscored, actions)))
 }

@@ -120,9 +120,7 @@ impl Deciding {
 impl MakePolicy for Deciding {
     fn make(&self) -> Box<dyn Policy + '_> {
         match self {
-            Deciding::Prompted(answering) => Box::new(Prompted {
-                models: answering.models(),
-            }),
+            Deciding::Prompted(answering) => Box::new(Prompted::new(answering.models())),
             Deciding::Random(random) => Box::new(*random),
             Deciding::Expert => Box::new(Expert),
             Deciding::Network(network) => Box::new(network.clone()),

@@ -1,11 +1,11 @@
 //! The messages of a stage: their text, its origin, and the form sent to a model.
 //!
-//! In: a program, known values, available pictures. Out: a [`Conversation`]. Its `spoken` side has the source file and
-//! line of every piece of text; its `messages` side is what is sent: the same texts, and the pictures in the model's
-//! size. `fabc render`, `fabc snap` and rollouts all call this, so they show and send the same messages.
+//! In: a program, known values, available pictures. Out: [`StageMessage`]s. Each piece of text has its source file and
+//! line, each picture its bytes in the model's size. `fabc render`, `fabc snap` and rollouts all call this, so they show
+//! and send the same messages.
 
 use crate::demos::DemosError;
-use crate::examples::{AnsweredExample, Examples};
+use crate::examples::Examples;
 use crate::pictures::Pictures;
 use fab_model::{Lowering, Message, Part, Png, Speaker};
 use fab_program::render::{
@@ -24,9 +24,9 @@ pub enum PromptError {
     Demos(#[from] DemosError),
 }
 
-/// One message, before its pictures are drawn.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct UndrawnMessage {
+/// A message of a stage.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StageMessage {
     /// Who speaks.
     pub speaker: Speaker,
     /// Its pieces, in order.
@@ -34,65 +34,44 @@ pub struct UndrawnMessage {
 }
 
 /// A piece of a message.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum MessagePart {
     /// Text with its source positions.
     Text(PromptText),
-    /// A picture that the task shows.
-    Picture(PromptPicture),
+    /// A picture that the task shows; `None` before it is drawn.
+    Picture(PromptPicture, Option<Png>),
     /// The refused action, drawn on the stage's picture.
-    RefusedAction,
+    RefusedAction(Png),
     /// What would come of an answer, as a twin shows it.
-    Prediction,
+    Prediction(Png),
 }
 
-/// The messages of a stage, in both forms, message by message.
-#[derive(Clone, Debug, Default)]
-pub struct Conversation {
-    /// The messages with their origin.
-    pub spoken: Vec<UndrawnMessage>,
-    /// The messages as sent.
-    pub messages: Vec<Message>,
-}
-
-impl Conversation {
-    /// Adds a text-only message.
-    pub(super) fn say(&mut self, speaker: Speaker, said: PromptText) {
-        self.messages
-            .push(Message::text(speaker, said.text.clone()));
-        self.spoken.push(UndrawnMessage {
+impl StageMessage {
+    /// Makes a text-only message.
+    pub(super) fn text(speaker: Speaker, text: PromptText) -> StageMessage {
+        StageMessage {
             speaker,
-            parts: vec![MessagePart::Text(said)],
-        });
-    }
-
-    /// Adds a text to the last message.
-    pub(super) fn add(&mut self, said: PromptText) {
-        if let (Some(spoken), Some(message)) = (self.spoken.last_mut(), self.messages.last_mut()) {
-            message.parts.push(Part::Text(said.text.clone()));
-            spoken.parts.push(MessagePart::Text(said));
+            parts: vec![MessagePart::Text(text)],
         }
     }
 
-    /// Adds the picture of the refused action to the last message.
-    pub(super) fn add_refused_action(&mut self, png: Png) {
-        self.add_picture(MessagePart::RefusedAction, png);
-    }
-
-    /// Adds the picture of what would come of an answer to the last message.
-    pub(super) fn add_prediction(&mut self, png: Png) {
-        self.add_picture(MessagePart::Prediction, png);
-    }
-
-    fn add_picture(&mut self, part: MessagePart, png: Png) {
-        if let (Some(spoken), Some(message)) = (self.spoken.last_mut(), self.messages.last_mut()) {
-            message.parts.push(Part::Image(png));
-            spoken.parts.push(part);
+    /// Returns the message as sent to a model, without pictures that are not drawn.
+    pub fn sent(&self) -> Message {
+        let parts = self.parts.iter().filter_map(|part| match part {
+            MessagePart::Text(said) => Some(Part::Text(said.text.clone())),
+            MessagePart::Picture(_, png) => png.clone().map(Part::Image),
+            MessagePart::RefusedAction(png) | MessagePart::Prediction(png) => {
+                Some(Part::Image(png.clone()))
+            }
+        });
+        Message {
+            speaker: self.speaker,
+            parts: parts.collect(),
         }
     }
 }
 
-/// Renders the opening messages of a stage, with placeholders for its pictures.
+/// Renders the opening messages of a stage, whose pictures are not drawn yet.
 ///
 /// - `values`: known values, with the model's point notation.
 /// - `step`: from 1; selects the demonstrations, which come just before the question.
@@ -102,7 +81,7 @@ pub fn opening(
     values: Values<'_>,
     examples: &Examples,
     step: u32,
-) -> Result<Vec<UndrawnMessage>, PromptError> {
+) -> Result<Vec<StageMessage>, PromptError> {
     let notation = values.notation(program);
     let mut spoken = Vec::new();
     for prompt in render::messages(program, stage, values)? {
@@ -116,27 +95,25 @@ pub fn opening(
         };
         let is_numbered = !notation.marks().is_empty() && prompt.pictures.iter().any(is_scene);
         let mut parts = vec![MessagePart::Text(prompt.content)];
-        parts.extend(prompt.pictures.into_iter().map(MessagePart::Picture));
+        let pictures = prompt.pictures.into_iter();
+        parts.extend(pictures.map(|picture| MessagePart::Picture(picture, None)));
         if is_numbered {
             parts.push(MessagePart::Text(PromptText::by_fabc(NUMBERED_POINTS)));
         }
-        spoken.push(UndrawnMessage { speaker, parts });
+        spoken.push(StageMessage { speaker, parts });
     }
     let question = spoken.len().saturating_sub(1);
-    let answered =
-        examples.answered_examples(program, &stage.name, step, values.pointing(program))?;
-    let answered = answered
-        .into_iter()
-        .flat_map(|AnsweredExample { question, answer }| {
-            let turn = |speaker, said| UndrawnMessage {
-                speaker,
-                parts: vec![MessagePart::Text(said)],
-            };
-            [
-                turn(Speaker::User, question),
-                turn(Speaker::Assistant, answer),
-            ]
-        });
+    let pointing = values.pointing(program);
+    let answered = match &examples.demonstrations {
+        Some(shown) => shown.answered_examples(program, &stage.name, step, pointing)?,
+        None => Vec::new(),
+    };
+    let answered = answered.into_iter().flat_map(|example| {
+        [
+            StageMessage::text(Speaker::User, example.question),
+            StageMessage::text(Speaker::Assistant, example.answer),
+        ]
+    });
     spoken.splice(question..question, answered);
     Ok(spoken)
 }
@@ -151,30 +128,17 @@ pub fn conversation(
     pictures: &Pictures,
     step: u32,
     lowering: &Lowering,
-) -> Result<Conversation, PromptError> {
+) -> Result<Vec<StageMessage>, PromptError> {
     let values = values.with_pointing(lowering.pointing(pictures.size()));
     let notation = values.notation(program);
-    let spoken = opening(program, stage, values, &pictures.examples, step)?;
-    let drawn = |picture: &PromptPicture| {
-        let found = pictures.png(picture, lowering, &notation);
-        found.ok_or_else(|| RenderError::MissingFact {
-            name: format!("{picture:?}"),
-        })
-    };
-    let mut messages = Vec::with_capacity(spoken.len());
-    for UndrawnMessage { speaker, parts } in &spoken {
-        let mut sent = Vec::with_capacity(parts.len());
-        for part in parts {
-            match part {
-                MessagePart::Text(said) => sent.push(Part::Text(said.text.clone())),
-                MessagePart::Picture(picture) => sent.push(Part::Image(drawn(picture)?)),
-                MessagePart::RefusedAction | MessagePart::Prediction => {}
-            }
+    let mut messages = opening(program, stage, values, &pictures.examples, step)?;
+    for part in messages.iter_mut().flat_map(|message| &mut message.parts) {
+        if let MessagePart::Picture(picture, png) = part {
+            let drawn = pictures.png(picture, lowering, &notation);
+            *png = Some(drawn.ok_or_else(|| RenderError::MissingFact {
+                name: format!("{picture:?}"),
+            })?);
         }
-        messages.push(Message {
-            speaker: *speaker,
-            parts: sent,
-        });
     }
-    Ok(Conversation { spoken, messages })
+    Ok(messages)
 }

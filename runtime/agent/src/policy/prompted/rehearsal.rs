@@ -4,13 +4,17 @@
 //! each answer, by the same code as a rollout. When the answers run out, later stages are shown with placeholders for a
 //! model's texts.
 
-use super::attempts::{Answer, Attempts, Missing, Next};
-use super::{Conversation, PromptError};
-use crate::policy::{Finding, StepView};
-use fab_model::{Lowering, Reply};
-use fab_program::{ModelRole, Stage};
+use super::StageMessage;
+use super::talk::{Setting, Talk};
+use crate::policy::proposing::Settled;
+use crate::policy::{Asking, Exchange, Exchanged, Finding, PolicyError, StepView};
+use fab_base::interrupt::Interrupt;
+use fab_model::calls::Calls;
+use fab_model::{Lowering, Model, ModelError, ModelKind, Reply, Request};
+use fab_program::Stage;
+use fab_program::render::Values;
 use std::collections::{BTreeMap, VecDeque};
-use std::time::Duration;
+use std::sync::{Mutex, PoisonError};
 
 /// A stage, its conversation, and the results of its answers.
 #[derive(Clone, Debug)]
@@ -18,59 +22,95 @@ pub struct Rehearsed {
     /// The stage.
     pub stage: String,
     /// All messages up to its next question, or its last answer.
-    pub conversation: Conversation,
+    pub conversation: Vec<StageMessage>,
     /// The number of messages before the first answer.
     pub n_asked_first: usize,
     /// The result of each answer, in order.
     pub findings: Vec<Finding>,
 }
 
+/// Gives these answers in turn, and then none.
+struct Given {
+    lowering: Lowering,
+    answers: Mutex<VecDeque<String>>,
+}
+
+impl Model for Given {
+    fn name(&self) -> &str {
+        "given"
+    }
+
+    fn nature(&self) -> ModelKind {
+        ModelKind::StandIn
+    }
+
+    fn lowering(&self) -> Lowering {
+        self.lowering
+    }
+
+    fn ask(&self, _: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
+        let mut answers = self.answers.lock().unwrap_or_else(PoisonError::into_inner);
+        let answer = answers.pop_front().ok_or(ModelError::Interrupted)?;
+        Ok(Reply::text(answer))
+    }
+}
+
 /// Runs stages of a step as a rollout does, with given answers instead of a model.
 ///
 /// - `stages`: the stages to go through, in the program's order.
-/// - `lowering`: the lowering of each role's model.
+/// - `lowering`: that of the model which would answer.
 /// - `answers`: in the order of the questions; each stage takes as many as it asks for.
 ///
 /// Also returns the answers left over. Fails if a stage cannot be asked this way.
 pub fn rehearse(
     view: StepView<'_>,
     stages: &[&Stage],
-    lowering: &dyn Fn(ModelRole) -> Lowering,
+    lowering: Lowering,
     answers: Vec<String>,
-) -> Result<(Vec<Rehearsed>, Vec<String>), PromptError> {
+) -> Result<(Vec<Rehearsed>, Vec<String>), PolicyError> {
+    let answers = Mutex::new(answers.into());
+    let given = Given { lowering, answers };
     let mut texts = BTreeMap::new();
-    let mut answers = VecDeque::from(answers);
     let mut rehearsed = Vec::with_capacity(stages.len());
     for stage in stages {
-        let lowering = lowering(stage.model);
-        let mut attempts = Attempts::begin(view, stage, &texts, lowering, Missing::IsShown)?;
-        let n_asked_first = attempts.conversation().messages.len();
+        let at = Setting {
+            view,
+            stage,
+            texts: &texts,
+            model: &given,
+        };
+        let mut talk = Talk::begin(at, Values::Partly, [0, 0])?;
+        let n_asked_first = talk.messages.len();
         let mut findings = Vec::new();
-        let mut read = None;
-        while let Some(text) = answers.pop_front() {
-            let request = attempts.request();
-            let reply = Reply::text(text);
-            let attempt = attempts.answered(request, reply, Duration::ZERO, &texts)?;
-            findings.push(attempt.finding.clone());
-            if let Next::Done(answer) = attempts.conclude(attempt, &texts)? {
-                read = Some(answer);
-                break;
-            }
-        }
+        let mut exchange = Exchange {
+            asking: &mut Asking::unrecorded(),
+            record: &mut |exchanged| {
+                if let Exchanged::Attempt(attempt) = exchanged
+                    && attempt.reply.is_some()
+                {
+                    findings.push(attempt.finding.clone());
+                }
+                Ok(())
+            },
+            interrupt: &Interrupt::default(),
+        };
+        let settled = talk.settle(at, view.program.verify.attempts, &mut exchange)?;
         rehearsed.push(Rehearsed {
             stage: stage.name.clone(),
             n_asked_first,
-            conversation: attempts.conversation().clone(),
+            conversation: talk.messages,
             findings,
         });
-        match read {
-            Some(Answer::Text { name, value }) => {
+        match settled {
+            Settled::Text { name, value } => {
                 texts.insert(name, value);
             }
             // A rollout would end here and ask nothing more.
-            Some(Answer::None(_)) => break,
-            Some(Answer::Action { .. }) | None => {}
+            Settled::Refused(_) => break,
+            Settled::Action(..) | Settled::Failed { .. } => {}
         }
     }
-    Ok((rehearsed, answers.into()))
+    let left = given.answers.into_inner();
+    let left = left.unwrap_or_else(PoisonError::into_inner);
+    Ok((rehearsed, left.into()))
 }

@@ -1,0 +1,255 @@
+//! The conversation of one stage in one step: asks, and after a refusal asks again with the reason.
+
+use super::{MessagePart, PromptError, StageMessage, conversation};
+use crate::action::Action;
+use crate::outcome::Outcome;
+use crate::pictures::scene_png;
+use crate::policy::judge::judge;
+use crate::policy::proposing::{Refusal, Settled, settle};
+use crate::policy::{Attempt, Exchange, Exchanged, Finding, PolicyError, Question, StepView};
+use fab_model::calls::CallRefused;
+use fab_model::{Model, ModelError, Png, Request, Speaker};
+use fab_program::facts::Facts;
+use fab_program::pointing::Notation;
+use fab_program::render::{self, PromptText, REFUSED_ACTION, RenderError, SEPARATOR, Values};
+use fab_program::{Layers, ModelRole, OVERLAP, Picture, Proposal, Stage, reply, space};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// Who is asked what: a stage in a step, with the texts that are known, and the model that answers.
+#[derive(Clone, Copy)]
+pub(super) struct Setting<'a> {
+    pub view: StepView<'a>,
+    pub stage: &'a Stage,
+    pub texts: &'a BTreeMap<String, String>,
+    pub model: &'a dyn Model,
+}
+
+impl<'a> Setting<'a> {
+    fn facts(&self) -> Facts<'a> {
+        let pointing = self.model.lowering().pointing(self.view.pictures.size());
+        self.view.facts(self.texts, pointing)
+    }
+}
+
+/// The conversation of one stage in one step. All its calls get the setting that it began with.
+#[derive(Clone, Debug)]
+pub(super) struct Talk {
+    pub messages: Vec<StageMessage>,
+    /// The notation of the scene's points for the model.
+    notation: Notation,
+    /// The schema of valid answers for this scene.
+    schema: Value,
+    /// Which of several answers to one question is asked for, from 0.
+    candidate: u32,
+    /// The number of this stage's last question in the step, whichever conversation asked it.
+    pub asked: u32,
+    /// The last answer; empty if none came.
+    answer: String,
+}
+
+impl Talk {
+    /// Begins with the stage's messages.
+    ///
+    /// - `known`: [`Values::Known`], or [`Values::Partly`] to show missing texts as words in angle brackets.
+    /// - `candidate`: which of several answers is asked for, from 0.
+    /// - `asked`: questions of this stage and step so far.
+    pub fn begin<'a>(
+        at: Setting<'a>,
+        known: fn(Facts<'a>) -> Values<'a>,
+        [candidate, asked]: [u32; 2],
+    ) -> Result<Talk, PromptError> {
+        let (program, view, facts) = (at.view.program, at.view, at.facts());
+        let (values, lowering) = (known(facts), at.model.lowering());
+        let pictures = view.pictures;
+        let mut messages = conversation(program, at.stage, values, pictures, view.step, &lowering)?;
+        if let (Some(remark), Some(question)) = (remark(view, facts)?, messages.last_mut()) {
+            question.parts.push(MessagePart::Text(remark));
+        }
+        let notation = facts.notation(program);
+        let fields = program.actions.iter();
+        let offered: Vec<_> = fields
+            .map(|field| (field.name.clone(), space::choices(field, view.scene)))
+            .collect();
+        Ok(Talk {
+            messages,
+            schema: reply::for_stage(program, at.stage, &notation, &offered),
+            notation,
+            candidate,
+            asked,
+            answer: String::new(),
+        })
+    }
+
+    /// Asks at most so often, until the stage has its answer.
+    pub fn settle(
+        &mut self,
+        at: Setting<'_>,
+        attempts: u32,
+        exchange: &mut Exchange<'_, '_>,
+    ) -> Result<Settled, PolicyError> {
+        settle(
+            &at.view,
+            attempts,
+            at.facts(),
+            exchange,
+            &mut |refusals, exchange| {
+                if let Some(refusal) = refusals.last() {
+                    self.correct(at, refusal)?;
+                }
+                self.ask(at, exchange)
+            },
+        )
+    }
+
+    /// Adds the last answer, and what would come of it.
+    pub fn show_prediction(&mut self, words: &str, predicted: Png) {
+        self.say_answer(self.answer.clone());
+        let words = PromptText::by_fabc(words.to_owned());
+        let mut shown = StageMessage::text(Speaker::User, words);
+        shown.parts.push(MessagePart::Prediction(predicted));
+        self.messages.push(shown);
+    }
+
+    fn say_answer(&mut self, text: String) {
+        let stretches = Vec::new();
+        let answer = StageMessage::text(Speaker::Assistant, PromptText { text, stretches });
+        self.messages.push(answer);
+    }
+
+    /// Asks the next question, and judges the answer.
+    fn ask(
+        &mut self,
+        at: Setting<'_>,
+        exchange: &mut Exchange<'_, '_>,
+    ) -> Result<Attempt, PolicyError> {
+        let Setting { view, stage, .. } = at;
+        self.asked += 1;
+        let request = Request {
+            role: stage.model,
+            messages: self.messages.iter().map(StageMessage::sent).collect(),
+            temperature: stage.temperature,
+            top_p: stage.top_p,
+            max_tokens: stage.max_tokens,
+            reasoning: stage.reasoning,
+            repetition: view.repetition,
+            start: view.start_number,
+            step: view.number,
+            candidate: self.candidate,
+            schema: Some(self.schema.clone()),
+        };
+        let question = Question::Prompt(Box::new(request.clone()));
+        (exchange.record)(Exchanged::Question {
+            stage: &stage.name,
+            attempt: self.asked,
+            question: &question,
+        })?;
+        let begun = Instant::now();
+        let answered = exchange.asking.ask(at.model, &request);
+        let took = begun.elapsed();
+        let (reply, finding) = match answered {
+            Ok(reply) => {
+                let finding = judge(view, stage, at.facts(), &reply.text)?;
+                (Some(reply), finding)
+            }
+            Err(ModelError::NotSent(
+                refused @ (CallRefused::NotNoted(_) | CallRefused::NotKept(_) | CallRefused::Lost),
+            )) => return Err(PolicyError::Calls(refused)),
+            Err(error) => (None, failed(&error)),
+        };
+        let answer = reply.as_ref().map(|reply| reply.text.clone());
+        self.answer = answer.unwrap_or_default();
+        Ok(Attempt {
+            stage: stage.name.clone(),
+            number: self.asked,
+            question: Some(question),
+            reply,
+            note: None,
+            finding,
+            took,
+        })
+    }
+
+    /// Adds a refused answer, why it was refused and, if the task asks for that, a picture of its action.
+    fn correct(&mut self, at: Setting<'_>, refusal: &Refusal) -> Result<(), RenderError> {
+        self.say_answer(refusal.answer.clone());
+        let program = at.view.program;
+        // The message of a declared check says where in the source its texts stand.
+        let mut checks = program.verify.checks.iter();
+        let check = checks.find(|declared| declared.name == refusal.check);
+        let declared = match (check, &refusal.proposal) {
+            (Some(check), Some(proposal)) => {
+                let facts = at.facts();
+                let facts = facts.judging(proposal);
+                render::text(program, &check.message, Values::Known(facts))?
+            }
+            _ => None,
+        };
+        let same = declared.filter(|said| said.text == refusal.why);
+        let mut said = same.unwrap_or_else(|| PromptText::by_fabc(refusal.why.clone()));
+        let action = refusal.proposal.as_ref();
+        let picture = action.and_then(|it| self.refused_action(at, it));
+        if picture.is_some() {
+            said.push(SEPARATOR, PromptText::by_fabc(REFUSED_ACTION));
+        }
+        let mut correction = StageMessage::text(Speaker::User, said);
+        correction
+            .parts
+            .extend(picture.map(MessagePart::RefusedAction));
+        self.messages.push(correction);
+        Ok(())
+    }
+
+    /// Draws a refused action on the stage's picture, if the task asks for that.
+    ///
+    /// Also `None` if the answer leads nowhere, for example with a distance that was never offered.
+    fn refused_action(&self, at: Setting<'_>, proposal: &Proposal) -> Option<Png> {
+        let Setting { view, stage, .. } = at;
+        let (program, pictures) = (view.program, view.pictures);
+        if !program.verify.with_picture || stage.model == ModelRole::Text {
+            return None;
+        }
+        let action = Action::lower(program, proposal, view.scene, view.observation)?;
+        let layers = Picture::Scene {
+            layers: Layers::Drawn,
+        };
+        let mut drawn = if stage.show.contains(&layers) {
+            pictures.annotated.clone()
+        } else {
+            pictures.scene.clone()
+        };
+        fab_vision::draw_action(&mut drawn, action.pick_px, action.place_px).ok()?;
+        Some(scene_png(&drawn, &at.model.lowering(), &self.notation))
+    }
+}
+
+/// Converts a question without an answer into the rollout's finding.
+fn failed(error: &ModelError) -> Finding {
+    let (outcome, fault) = match error {
+        ModelError::Failed { fault, .. } => (Outcome::ModelFailed, Some(*fault)),
+        ModelError::Unsupported { .. } => (Outcome::ModelFailed, None),
+        ModelError::NotSent(_) => (Outcome::BudgetExhausted, None),
+        ModelError::Interrupted => (Outcome::Interrupted, None),
+    };
+    Finding::Failed {
+        outcome,
+        fault,
+        why: error.to_string(),
+    }
+}
+
+/// Returns the message about the previous action, if the step is being retried.
+fn remark(view: StepView<'_>, facts: Facts<'_>) -> Result<Option<PromptText>, RenderError> {
+    let program = view.program;
+    let (Some(before), Some(check)) = (view.before, &program.verify.result) else {
+        return Ok(None);
+    };
+    let overlap = format!("{:.0}%", before.overlap * 100.0);
+    let texts = BTreeMap::from([(OVERLAP.to_owned(), overlap)]);
+    let facts = Facts {
+        texts: &texts,
+        ..facts
+    };
+    render::text(program, &check.message, Values::Known(facts))
+}
