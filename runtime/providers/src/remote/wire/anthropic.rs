@@ -66,15 +66,15 @@ fn blocks(message: &Message) -> Value {
 }
 
 fn usage(bill: &Value) -> Option<Usage> {
-    let cached = count(bill, "/cache_read_input_tokens").unwrap_or(0);
-    let written = count(bill, "/cache_creation_input_tokens").unwrap_or(0);
+    let cached = count(bill, "/cache_read_input_tokens")?.unwrap_or(0);
+    let written = count(bill, "/cache_creation_input_tokens")?.unwrap_or(0);
     // Cache reads and writes are not counted in the input.
-    let input = count(bill, "/input_tokens")?.saturating_add(cached);
+    let input = count(bill, "/input_tokens")??.saturating_add(cached);
     Some(Usage {
         input_tokens: input.saturating_add(written),
         cached_input_tokens: cached,
-        output_tokens: count(bill, "/output_tokens")?,
-        reasoning_tokens: count(bill, "/output_tokens_details/thinking_tokens"),
+        output_tokens: count(bill, "/output_tokens")??,
+        reasoning_tokens: count(bill, "/output_tokens_details/thinking_tokens")?,
     })
 }
 

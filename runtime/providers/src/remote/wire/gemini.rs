@@ -48,12 +48,13 @@ fn content(message: &Message) -> Result<Value, Unfit> {
 }
 
 fn usage(bill: &Value) -> Option<Usage> {
-    let hidden = count(bill, "/thoughtsTokenCount");
+    bill.as_object()?;
+    let hidden = count(bill, "/thoughtsTokenCount")?;
     // Hidden reasoning is counted separately from the answer.
-    let visible = count(bill, "/candidatesTokenCount").unwrap_or(0);
+    let visible = count(bill, "/candidatesTokenCount")?.unwrap_or(0);
     Some(Usage {
-        input_tokens: count(bill, "/promptTokenCount")?,
-        cached_input_tokens: count(bill, "/cachedContentTokenCount").unwrap_or(0),
+        input_tokens: count(bill, "/promptTokenCount")?.unwrap_or(0),
+        cached_input_tokens: count(bill, "/cachedContentTokenCount")?.unwrap_or(0),
         output_tokens: visible.saturating_add(hidden.unwrap_or(0)),
         reasoning_tokens: hidden,
     })

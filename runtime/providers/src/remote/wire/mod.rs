@@ -239,24 +239,30 @@ impl Failure {
 /// are more of them, or if only then the sum is the reported total.
 fn openai_usage(bill: &Value, [input, output]: [&str; 2]) -> Option<Usage> {
     let count = |name: String| count(bill, &name);
-    let input_tokens = count(format!("/{input}_tokens"))?;
-    let visible = count(format!("/{output}_tokens")).unwrap_or(0);
-    let reasoning_tokens = count(format!("/{output}_tokens_details/reasoning_tokens"));
+    let input_tokens = count(format!("/{input}_tokens"))??;
+    let visible = count(format!("/{output}_tokens"))??;
+    let reasoning_tokens = count(format!("/{output}_tokens_details/reasoning_tokens"))?;
+    let total = count("/total_tokens".to_owned())?;
     let hidden = reasoning_tokens.unwrap_or(0);
     let both = visible.saturating_add(hidden);
-    let is_total = || count("/total_tokens".to_owned()) == input_tokens.checked_add(both);
-    let are_beside = hidden > visible || hidden > 0 && is_total();
+    let is_total = total.is_some() && total == input_tokens.checked_add(both);
+    let are_beside = hidden > visible || hidden > 0 && is_total;
+    let cached = count(format!("/{input}_tokens_details/cached_tokens"))?;
     Some(Usage {
         input_tokens,
-        cached_input_tokens: count(format!("/{input}_tokens_details/cached_tokens")).unwrap_or(0),
+        cached_input_tokens: cached.unwrap_or(0),
         output_tokens: if are_beside { both } else { visible },
         reasoning_tokens,
     })
 }
 
-/// Returns a number of a bill; `None` if it is absent or malformed, which must not cost a paid answer.
-fn count(bill: &Value, pointer: &str) -> Option<u64> {
-    bill.pointer(pointer)?.as_u64()
+/// Returns a number of a bill, which may be absent. The outer `None` is a malformed one, after which nothing in the bill
+/// is believed: a count that is taken for zero would let a cap on the cost be passed.
+fn count(bill: &Value, pointer: &str) -> Option<Option<u64>> {
+    match bill.pointer(pointer) {
+        None | Some(Value::Null) => Some(None),
+        Some(number) => number.as_u64().map(Some),
+    }
 }
 
 /// The end of a reply: what the model wrote, and why it stopped.

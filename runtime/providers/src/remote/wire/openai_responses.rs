@@ -66,7 +66,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
         }
         let mut text = String::new();
         for part in elements(&item["content"]) {
-            if let Some(refusal) = part["refusal"].as_str() {
+            if part["type"] == "refusal" {
+                let refusal = part["refusal"].as_str().unwrap_or_default();
                 return Err(Failure::new(Fault::Refused, repeated(refusal), usage));
             }
             if part["type"] == "output_text" {

@@ -210,6 +210,29 @@ fn an_answer_is_not_lost_because_its_bill_cannot_be_read() {
     }
 }
 
+/// A count that is taken for zero would let a cap on the cost be passed.
+#[test]
+fn a_bill_with_one_unreadable_count_is_unknown_as_a_whole() {
+    for (wire, reply, _) in ANSWERS {
+        // Every number in these replies is a count.
+        let is_digit = |character: char| character.is_ascii_digit();
+        let counts = reply.match_indices(':').map(|(at, _)| at + 1);
+        let counts = counts.filter(|at| reply[*at..].starts_with(is_digit));
+        for at in counts {
+            let broken = format!("{}-{}", &reply[..at], &reply[at..]);
+            let answer = wire.decode(broken.as_bytes()).expect("an answer");
+            assert_eq!(answer.usage, None, "{broken}");
+        }
+    }
+}
+
+#[test]
+fn an_empty_refusal_beside_an_answer_refuses_nothing() {
+    let reply = r#"{"status":"completed","output":[{"type":"message","content":[{"type":"output_text","text":"fold it","refusal":""}]}]}"#;
+    let answer = Wire::OpenaiResponses.decode(reply.as_bytes());
+    assert_eq!(answer.expect("an answer").text, "fold it");
+}
+
 #[test]
 fn every_end_that_is_no_answer_has_a_name() {
     use Fault::*;
