@@ -189,7 +189,11 @@ impl Asked<'_> {
                 }
             },
         };
-        best::search(&search, &Aim::of(&search).unwrap()).unwrap()
+        let aim = Aim::of(&search).unwrap();
+        if stop_after == Some(0) {
+            interrupt.raise();
+        }
+        best::search(&search, &aim).unwrap()
     }
 }
 
@@ -386,6 +390,19 @@ fn a_search_that_was_stopped_skips_what_is_left_after_the_best_state() {
 }
 
 #[test]
+fn a_search_that_is_interrupted_before_its_first_trial_still_reports() {
+    let home = tempfile::tempdir().unwrap();
+    let program = compiled(home.path(), TWICE);
+    let asked = Asked {
+        stop_after: Some(0),
+        ..Asked::of(&program)
+    };
+    let found = asked.found(home.path());
+    assert_eq!((found.stop, found.trials), (Some(Stop::Interrupt), 0));
+    assert_eq!((found.left.states, found.value), (1, None));
+}
+
+#[test]
 fn a_search_ends_with_its_time_and_says_what_it_left() {
     let home = tempfile::tempdir().unwrap();
     let program = compiled(home.path(), TWICE);
@@ -398,7 +415,7 @@ fn a_search_ends_with_its_time_and_says_what_it_left() {
     };
     let found = asked.found(home.path());
     assert_eq!((found.stop, found.trials), (Some(Stop::Time), 0));
-    assert!(found.left.actions > 0 && found.value.is_none(), "{found:?}");
+    assert_eq!((found.left.states, found.value), (1, None));
 }
 
 #[test]

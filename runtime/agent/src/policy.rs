@@ -458,6 +458,12 @@ impl Decision {
         }
     }
 
+    /// Returns whether a person stopped it.
+    fn is_interrupted(&self) -> bool {
+        let interrupted = Outcome::Interrupted;
+        matches!(self, Decision::Stop { outcome, .. } if *outcome == interrupted)
+    }
+
     /// Returns whether every permitted answer was refused or unreadable.
     fn is_exhausted(&self) -> bool {
         let (Decision::Skip(outcome) | Decision::Stop { outcome, .. }) = self else {

@@ -1,6 +1,7 @@
 //! `fabc subgoals`: draws a task's demonstration and pins the pictures beside its file.
 
 pub mod offered;
+mod tried;
 
 use crate::exit::{Exit, Failure};
 use crate::io::{Io, write_file};
@@ -62,13 +63,8 @@ pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
         io.talk(&format!("note: {note}"));
     }
     let mut diagnostics = json!([]);
-    if set.trial.is_some() {
-        // Now that the results are pinned, the compiler tells which steps fold nothing.
-        let (mut found, _) = sources::compile_looking(&arguments.task.file)?;
-        found
-            .diagnostics
-            .retain(|it| it.code == diag::Code::StepFoldsNothing);
-        found.left_out = 0;
+    if let Some(trial) = &set.trial {
+        let found = tried::compile(&arguments.task.file, &program, trial)?;
         if !found.diagnostics.is_empty() {
             io.painted_talk(&sources::findings(&found, io.talk_color()));
         }

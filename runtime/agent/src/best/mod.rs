@@ -195,8 +195,10 @@ pub struct Found {
 /// What a search has not tried.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Untried {
-    /// Listed actions of the reached states.
+    /// Actions of the states whose actions were listed.
     pub actions: usize,
+    /// Reached states whose actions were not listed.
+    pub states: usize,
     /// The masks of which only some pixels were listed, and fields whose combinations were too many.
     pub sampled: Vec<String>,
 }

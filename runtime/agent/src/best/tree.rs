@@ -12,9 +12,8 @@ use crate::rollout::Tries;
 use crate::scene::{Scene, SceneError};
 use fab_base::chance::Chance;
 use fab_base::parallel::in_parallel;
-use fab_picture::observation::Observation;
 use fab_program::Exhausted;
-use fab_program::facts::{ExecutedAction, Facts};
+use fab_program::facts::Facts;
 use fab_program::pointing::Pointing;
 use fab_world::{Fork, World, WorldError};
 use std::collections::{BTreeMap, BTreeSet};
@@ -42,8 +41,8 @@ struct Node {
     value: f64,
     behind: f64,
     end: End,
-    /// What can be done here; nothing where a rollout ends.
-    offers: Offers,
+    /// What can be done here; `None` until it is listed.
+    offers: Option<Offers>,
     /// How many of these were tried, from the first on.
     tried: usize,
 }
@@ -51,6 +50,7 @@ struct Node {
 /// Whether a rollout ends in a state.
 #[derive(Clone, Copy, PartialEq)]
 enum End {
+    /// It goes on.
     Open,
     Scored,
     /// Without a score: the camera shows nothing to choose from.
@@ -59,7 +59,8 @@ enum End {
 
 impl Node {
     fn is_tried_out(&self) -> bool {
-        self.tried == self.offers.choices.len()
+        let offers = self.offers.as_ref();
+        self.end != End::Open || offers.is_some_and(|it| self.tried == it.choices.len())
     }
 }
 
@@ -70,28 +71,24 @@ impl<'a> Tree<'a> {
     pub fn at_start(search: &'a Search<'a>, aim: &'a Aim<'a>) -> Result<Tree<'a>, BestError> {
         let mut world = (search.make_world)()?;
         world.reset(search.start)?;
-        let observation = world.observe()?;
-        let mut tree = Tree {
-            search,
-            aim,
-            first: Scene::of(search.program, &observation, None)?,
-            nodes: Vec::new(),
-            stop: None,
-        };
-        let first = tree.first.clone();
-        let offers = tree.offers(world.as_ref(), &observation, &first, (1, None), "the start")?;
         let positions = &search.start.positions;
-        tree.nodes.push(Node {
+        let start = Node {
             path: Vec::new(),
             tries: Tries::default(),
             world: world.fork(),
             value: aim.value(positions)?,
             behind: aim.behind(positions, 0)?,
             end: End::Open,
-            offers,
+            offers: None,
             tried: 0,
-        });
-        Ok(tree)
+        };
+        Ok(Tree {
+            search,
+            aim,
+            first: Scene::of(search.program, &world.observe()?, None)?,
+            nodes: vec![start],
+            stop: None,
+        })
     }
 
     /// Tries the actions of another rollout, as far as there are trials left.
@@ -101,11 +98,13 @@ impl<'a> Tree<'a> {
             if self.nodes[node].end != End::Open || self.stop.is_some() || self.trials_left() == 0 {
                 break;
             }
-            // A pixel of a mask may not have been drawn.
-            let (grip, choices) = (choice.action.grip, &mut self.nodes[node].offers.choices);
-            choices.retain(|offered| offered.action.grip != grip);
-            choices.insert(0, choice.clone());
-            self.make(&[(node, 0)])?;
+            self.list(&[node])?;
+            if let Some(Offers { choices, .. }) = &mut self.nodes[node].offers {
+                // A pixel of a mask may not have been drawn.
+                choices.retain(|offered| offered.action.grip != choice.action.grip);
+                choices.insert(0, choice.clone());
+                self.make(&[(node, 0)])?;
+            }
         }
         Ok(())
     }
@@ -130,12 +129,18 @@ impl<'a> Tree<'a> {
         for depth in 0..depths {
             // The remaining trials are shared with the depths that follow.
             let share = self.trials_left().div_ceil(depths - depth) as usize;
-            let open = self.ranked(depth).into_iter();
-            let beam = open.filter(|&node| self.nodes[node].end == End::Open);
+            let mut beam = self.ranked(depth);
+            beam.retain(|&node| self.nodes[node].end == End::Open);
+            beam.truncate(width);
+            beam.retain(|&node| !self.nodes[node].is_tried_out());
+            // No more actions are listed than can be tried.
+            beam.truncate(share);
+            self.list(&beam)?;
             // The first choice of each state, then the second, and so on.
-            let untried = beam.take(width).flat_map(|node| {
+            let untried = beam.into_iter().flat_map(|node| {
                 let it = &self.nodes[node];
-                (it.tried..it.offers.choices.len()).map(move |choice| (node, choice))
+                let choices = it.offers.as_ref().map_or(0, |offers| offers.choices.len());
+                (it.tried..choices).map(move |choice| (node, choice))
             });
             let mut due: Vec<_> = untried.collect();
             due.sort_by_key(|&(_, choice)| choice);
@@ -173,15 +178,7 @@ impl<'a> Tree<'a> {
         let reached = in_parallel(
             due.len(),
             self.search.limits.threads,
-            |index| {
-                if self.requested_stop().is_some() {
-                    return Ok(None);
-                }
-                match self.reach(due[index]) {
-                    Err(BestError::World(WorldError::Interrupted)) => Ok(None),
-                    reached => reached.map(Some),
-                }
-            },
+            |index| self.unless_stopped(|| self.reach(due[index])),
             |done| (self.search.progress)(made + done as u32),
         )?;
         for ((parent, _), node) in due.iter().zip(reached) {
@@ -194,6 +191,37 @@ impl<'a> Tree<'a> {
         Ok(())
     }
 
+    /// Lists what can be done in states, where that is not done yet; a stop leaves some of them out.
+    fn list(&mut self, nodes: &[usize]) -> Result<(), BestError> {
+        let is_new = |node: &usize| self.nodes[*node].offers.is_none();
+        let new: Vec<usize> = nodes.iter().copied().filter(is_new).collect();
+        let listed = in_parallel(
+            new.len(),
+            self.search.limits.threads,
+            |index| self.unless_stopped(|| self.offers(new[index])),
+            |_| {},
+        )?;
+        for (node, offers) in new.into_iter().zip(listed) {
+            self.nodes[node].offers = offers;
+        }
+        self.stop = self.requested_stop();
+        Ok(())
+    }
+
+    /// Does something unless the search should stop, or is stopped in it.
+    fn unless_stopped<T>(
+        &self,
+        job: impl FnOnce() -> Result<T, BestError>,
+    ) -> Result<Option<T>, BestError> {
+        if self.requested_stop().is_some() {
+            return Ok(None);
+        }
+        match job() {
+            Err(BestError::World(WorldError::Interrupted)) => Ok(None),
+            done => done.map(Some),
+        }
+    }
+
     fn requested_stop(&self) -> Option<Stop> {
         let until = self.search.limits.until;
         if self.search.interrupt.is_raised() {
@@ -203,11 +231,12 @@ impl<'a> Tree<'a> {
         is_over.then_some(Stop::Time)
     }
 
-    /// Tries one choice on a copy of a state's world, and lists what can be done then.
+    /// Tries one choice on a copy of a state's world.
     fn reach(&self, (parent, number): (usize, usize)) -> Result<Node, BestError> {
         let (search, aim, it) = (self.search, self.aim, &self.nodes[parent]);
         let program = search.program;
-        let choice = it.offers.choices[number].clone();
+        let offers = it.offers.as_ref().expect("only listed actions are tried");
+        let choice = offers.choices[number].clone();
         let mut world = self.world_at(it)?;
         world.act(&choice.action.grip.into(), search.interrupt)?;
         let positions = world.particles().unwrap_or_default();
@@ -218,22 +247,12 @@ impl<'a> Tree<'a> {
         tries.number += 1;
         tries.after(program.actions_per_step(), result);
         let has_ended = tries.step(search.horizon).is_none() || aim.is_reached(value);
-        let scene = if has_ended {
-            None
+        let end = if has_ended {
+            End::Scored
         } else {
             match Scene::of(program, &after, Some(&self.first)) {
-                Err(SceneError::OutOfView { .. } | SceneError::NoCandidates { .. }) => None,
-                scene => Some(scene?),
-            }
-        };
-        let (end, offers) = match scene {
-            None if has_ended => (End::Scored, Offers::default()),
-            None => (End::Lost, Offers::default()),
-            Some(scene) => {
-                let next = (self.step_of(&tries), Some(choice.executed()));
-                let draw = format!("{parent} {number}");
-                let offers = self.offers(world.as_ref(), &after, &scene, next, &draw)?;
-                (End::Open, offers)
+                Err(SceneError::OutOfView { .. } | SceneError::NoCandidates { .. }) => End::Lost,
+                scene => scene.map(|_| End::Open)?,
             }
         };
         let mut path = it.path.clone();
@@ -245,39 +264,38 @@ impl<'a> Tree<'a> {
             value,
             behind,
             end,
-            offers,
+            offers: None,
             tried: 0,
         })
     }
 
-    /// Lists what can be done in a step, given the action before it; `draw` distinguishes states.
-    fn offers(
-        &self,
-        world: &dyn World,
-        observation: &Observation,
-        scene: &Scene,
-        (step, last): (u32, Option<ExecutedAction>),
-        draw: &str,
-    ) -> Result<Offers, BestError> {
-        let search = self.search;
+    /// Lists what can be done in a state.
+    fn offers(&self, node: usize) -> Result<Offers, BestError> {
+        let (search, it) = (self.search, &self.nodes[node]);
+        let mut world = self.world_at(it)?;
+        let observation = world.observe()?;
+        let last = it.path.last().map(|taken| taken.choice.as_ref());
+        let scene = Scene::of(search.program, &observation, last.map(|_| &self.first))?;
         let positions = world.particles().unwrap_or_default();
+        let step = self.step_of(&it.tries);
         let experts = self.aim.expert_grips(&positions, step - 1);
         let ground = Ground {
             program: search.program,
-            scene,
-            observation,
+            scene: &scene,
+            observation: &observation,
             reach: &|point| world.out_of_reach(point),
             refuses: &|motion| world.refuses(motion),
         };
+        let last = last.flatten().map(Choice::executed);
         let facts = Facts {
-            scene,
+            scene: &scene,
             texts: &BTreeMap::new(),
             step,
             last: last.as_ref(),
             proposal: None,
             pointing: Pointing::of_camera(&search.program.camera),
         };
-        let chance = Chance::of(&format!("offered actions {} {draw}", search.limits.seed));
+        let chance = Chance::of(&format!("offered actions {} {node}", search.limits.seed));
         Offers::of(ground, facts, &experts, chance, search.interrupt)
     }
 
@@ -363,10 +381,19 @@ impl<'a> Tree<'a> {
 
     fn untried(&self) -> Untried {
         let open = self.nodes.iter().filter(|it| it.end == End::Open);
-        let untried = open.clone().map(|it| it.offers.choices.len() - it.tried);
-        let sampled: BTreeSet<String> = open.flat_map(|it| it.offers.sampled.clone()).collect();
+        let listed = open
+            .clone()
+            .filter_map(|it| Some((it.offers.as_ref()?, it.tried)));
+        let untried = listed
+            .clone()
+            .map(|(offers, tried)| offers.choices.len() - tried);
+        let sampled = listed
+            .clone()
+            .flat_map(|(offers, _)| offers.sampled.clone());
+        let sampled: BTreeSet<String> = sampled.collect();
         Untried {
             actions: untried.sum(),
+            states: open.count() - listed.count(),
             sampled: sampled.into_iter().collect(),
         }
     }

@@ -101,7 +101,7 @@ impl<'p> Rehearsing<'p> {
                 }
                 // Only the policy's own faults leave the others a chance.
                 Some(decision) if decision.is_exhausted() => unusable += 1,
-                Some(decision) if decision == interrupted => return Ok(decision),
+                Some(decision) if decision.is_interrupted() => return Ok(decision),
                 // Without rehearsal it would not have been asked, so the answers that came still count.
                 Some(Decision::Stop { why, .. }) if answer > 0 => {
                     self.fall_short(format!(
@@ -136,7 +136,7 @@ impl<'p> Rehearsing<'p> {
                 {
                     self.tried(step, taken.answer, (grips, accepted), exchange)
                 }
-                Some(decision) if decision == interrupted => Err(Interrupted),
+                Some(decision) if decision.is_interrupted() => Err(Interrupted),
                 Some(decision) if decision.is_exhausted() => break,
                 Some(Decision::Stop { why, .. }) => {
                     self.fall_short(format!("revision {number} was not answered: {why}"));

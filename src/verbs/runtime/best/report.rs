@@ -91,6 +91,10 @@ impl<'a> BestReport<'a> {
         if self.found.left.actions > 0 {
             left.push(counted(self.found.left.actions, "listed action"));
         }
+        if self.found.left.states > 0 {
+            let states = counted(self.found.left.states, "reached state");
+            left.push(format!("all actions of {states}"));
+        }
         if !self.found.left.sampled.is_empty() {
             let sampled = self.found.left.sampled.join(", ");
             left.push(format!("what was not drawn of {sampled}"));
