@@ -55,7 +55,7 @@ pub struct Texts<'t>(pub BTreeMap<&'t str, &'t str>);
 impl Loader for Texts<'_> {
     fn load(&self, name: &str) -> Result<String, LoadError> {
         let text = self.0.get(name).ok_or_else(|| LoadError {
-            message: format!("cannot read `{name}`: it is not part of the new task"),
+            message: format!("cannot read `{name}`: there is no text of this name"),
         })?;
         Ok((*text).to_owned())
     }

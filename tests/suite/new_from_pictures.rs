@@ -288,7 +288,7 @@ fn a_file_in_the_folders_place_and_a_picture_in_a_pictures_place_are_named() {
 }
 
 #[test]
-fn subgoals_says_which_demonstrated_point_is_not_offered_and_what_offers_it() {
+fn subgoals_says_which_demonstrated_point_is_not_offered() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder.path().join("lib")).unwrap();
     let library = root().join("tasks/lib/folding.fab");

@@ -305,7 +305,8 @@ impl ExistingLines {
         let mut reader = Reader::open(path, MAX_BYTES)?;
         let mut earlier = ExistingLines::default();
         while let Some(line) = reader.next_line()? {
-            match serde_json::from_slice(line) {
+            let text = String::from_utf8_lossy(line).into_owned();
+            match serde_json::from_str(&text) {
                 Ok(Line::Header(_)) if earlier.lines.is_empty() => {}
                 Ok(Line::Step(step)) if !earlier.lines.is_empty() && step.stopped.is_none() => {
                     earlier.steps += 1;
@@ -318,7 +319,6 @@ impl ExistingLines {
                 }
                 _ => break,
             }
-            let text = String::from_utf8_lossy(line).into_owned();
             earlier.lines.push_back(text);
             earlier.bytes = reader.whole_bytes();
         }

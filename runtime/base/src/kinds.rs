@@ -45,7 +45,7 @@ const TEXTS: [Kind; 3] = [
     row(0, b"<html", "a web page", PAGE),
 ];
 
-const BINARIES: [Kind; 11] = [
+const BINARIES: [Kind; 12] = [
     row(0, b"\x89PNG\r\n\x1a\n", "a PNG picture", ""),
     row(0, b"\xff\xd8\xff", "a JPEG picture", ""),
     row(8, b"WEBPVP8", "a WebP picture", ""),
@@ -61,6 +61,7 @@ const BINARIES: [Kind; 11] = [
     ),
     row(0, b"PK\x03\x04", ZIP, ARRAY),
     row(0, b"\x80\x04", "a Python pickle", ARRAY),
+    row(0, b"\x80\x05", "a Python pickle", ARRAY),
     UTF_16,
 ];
 

@@ -1,6 +1,6 @@
 //! Sends one message and waits for the reply.
 //!
-//! In: an address, headers, a body. Out: status, some headers and body without any key; or a [`TransportError`]. A
+//! In: an address, headers, a body. Out: status, some headers and body without any key; or what went wrong. A
 //! message is sent once: no redirect is followed, nothing is retried. An interrupt ends the wait at once.
 
 use super::redact::Redactor;

@@ -7,7 +7,7 @@ use crate::verbs::new::simulator::point_text;
 use fab_agent::scene::Scene;
 use fab_agent::subgoals::Demonstrated;
 use fab_program::scene::SceneView;
-use fab_program::{Choices, PixelPoint, Program, Value, space};
+use fab_program::{Choices, KeypointShape, PixelPoint, Program, Value, space};
 
 /// Largest distance of an offered point from a demonstrated one, pixels of a 224 px picture.
 const NEAR_PX: f64 = 12.0;
@@ -47,6 +47,18 @@ impl<'p> Offered<'p> {
                 Choices::Region { mask } => scene.distance_px(mask, at),
                 _ => None,
             };
+            let mask = if let Choices::Region { .. } = field.choices {
+                None
+            } else {
+                program
+                    .keypoints
+                    .iter()
+                    .find(|it| it.extractor.shape() == KeypointShape::Mask)
+            };
+            let or_mask = mask.map(|mask| {
+                let mask = &mask.name;
+                format!(", or each point of a mask: `{name}: any of {mask}`")
+            });
             let limit_px = NEAR_PX * f64::from(program.camera.image_px) / 224.0;
             let Some(nearest_px) = nearest_px.filter(|nearest_px| *nearest_px > limit_px) else {
                 continue;
@@ -56,8 +68,8 @@ impl<'p> Offered<'p> {
             let (number, point) = (step.number + 1, point_text(point));
             self.notes.push(format!(
                 "step {number} {name}s {short}{point} at {at}; the nearest offered `{name}` is {nearest_px:.0} px away, \
-                 so that no answer can be that fold; offer a keypoint that finds it, or each point of a mask: \
-                 `{name}: any of cloth`"
+                 so that no answer can be that fold; offer a keypoint that finds it{}",
+                or_mask.unwrap_or_default()
             ));
         }
         self.first.get_or_insert(scene);
