@@ -7,19 +7,9 @@ use crate::demos::{Demonstrations, DemosError};
 use crate::task_files::{self, FileError};
 use fab_model::Png;
 use fab_picture::png;
-use fab_program::render::PromptText;
 use fab_program::{FileRef, Program};
 use std::collections::BTreeMap;
 use std::path::Path;
-
-/// A question with its answer.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct AnsweredExample {
-    /// What was asked.
-    pub question: PromptText,
-    /// What was answered.
-    pub answer: PromptText,
-}
 
 /// The examples of one task.
 #[derive(Clone, Debug, Default)]

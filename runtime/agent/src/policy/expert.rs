@@ -5,7 +5,7 @@
 //! lose against the demonstration. It sees true particles, so it must not be compared with other policies.
 
 use super::proposing::{Proposed, stop, until_accepted};
-use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, StepView};
+use super::{Decision, Description, Exchange, Kind, Policy, RunError, StepView};
 use crate::action::{Action, combinations};
 use crate::outcome::Outcome;
 use fab_picture::observation::Observation;
@@ -38,7 +38,7 @@ impl Policy for Expert {
         false
     }
 
-    fn prepare(&self, program: &Program) -> Result<Option<String>, PolicyError> {
+    fn prepare(&self, program: &Program) -> Result<Option<String>, RunError> {
         folds(program).map(|_| None)
     }
 
@@ -46,7 +46,7 @@ impl Policy for Expert {
         &mut self,
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
-    ) -> Result<Decision, PolicyError> {
+    ) -> Result<Decision, RunError> {
         let folds = folds(step.program)?;
         let aim = match folds.get(step.step as usize - 1) {
             Some(fold) => wanted(fold, step),
@@ -73,10 +73,10 @@ impl Policy for Expert {
 }
 
 /// Returns the folds that a task demonstrates.
-fn folds(program: &Program) -> Result<&[Fold], PolicyError> {
+fn folds(program: &Program) -> Result<&[Fold], RunError> {
     match &program.subgoals {
         Some(Subgoals::Demonstrate { folds }) => Ok(folds),
-        _ => Err(PolicyError::Unfit(format!(
+        _ => Err(RunError::Unfit(format!(
             "`{}` demonstrates no folds, so there is no expert for it: the expert policy follows `demonstrate` in `subgoals`",
             program.title()
         ))),

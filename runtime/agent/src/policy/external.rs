@@ -10,8 +10,7 @@ use super::protocol::{
     self, Decide, FieldValue, Last, Line, Offered, PROTOCOL, Pictures, Refused, grip,
 };
 use super::{
-    Decision, Description, Exchange, Exchanged, Finding, Kind, Policy, PolicyError, Question,
-    StepView,
+    Decision, Description, Exchange, Exchanged, Finding, Kind, Policy, Question, RunError, StepView,
 };
 use crate::journal::JournalError;
 use crate::outcome::Outcome;
@@ -86,14 +85,14 @@ impl Policy for External {
         &mut self,
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
-    ) -> Result<Decision, PolicyError> {
+    ) -> Result<Decision, RunError> {
         let Some(folder) = step.folder else {
             let why = "a program is asked in a rollout only: it gets files by their paths";
-            return Err(PolicyError::Unfit(why.to_owned()));
+            return Err(RunError::Unfit(why.to_owned()));
         };
         let folder = &std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
         if folder.to_str().is_none() {
-            return Err(PolicyError::Unfit(format!(
+            return Err(RunError::Unfit(format!(
                 "the run folder `{}` is not UTF-8, so no line can name it: choose another one with `--out`",
                 folder.display()
             )));

@@ -4,7 +4,7 @@
 //! `attempts` limit the number of answers.
 
 use super::{
-    Accepted, Attempt, Decision, Exchange, Exchanged, Finding, PolicyError, Question, StepView,
+    Accepted, Attempt, Decision, Exchange, Exchanged, Finding, Question, RunError, StepView,
 };
 use crate::outcome::Outcome;
 use fab_model::Reply;
@@ -48,7 +48,7 @@ pub(super) struct Refusal {
 }
 
 /// Makes an attempt, given the refusals so far.
-type Ask<'p> = dyn FnMut(&[Refusal], &mut Exchange<'_, '_>) -> Result<Attempt, PolicyError> + 'p;
+type Ask<'p> = dyn FnMut(&[Refusal], &mut Exchange<'_, '_>) -> Result<Attempt, RunError> + 'p;
 
 /// Makes at most so many attempts, until an answer is accepted.
 pub(super) fn settle(
@@ -57,7 +57,7 @@ pub(super) fn settle(
     facts: Facts<'_>,
     exchange: &mut Exchange<'_, '_>,
     ask: &mut Ask<'_>,
-) -> Result<Settled, PolicyError> {
+) -> Result<Settled, RunError> {
     let mut refusals = Vec::new();
     let mut stage = String::new();
     for _ in 0..attempts {
@@ -145,15 +145,14 @@ pub(super) fn stop<T>(outcome: Outcome, why: impl Into<String>) -> Result<T, Box
 }
 
 /// Proposes an action, given the refusals so far.
-type Propose<'p> =
-    dyn FnMut(&[Refusal], &mut Exchange<'_, '_>) -> Result<Proposed, PolicyError> + 'p;
+type Propose<'p> = dyn FnMut(&[Refusal], &mut Exchange<'_, '_>) -> Result<Proposed, RunError> + 'p;
 
 /// Collects proposals of a policy without stages until one passes every check.
 pub(super) fn until_accepted(
     step: &StepView<'_>,
     exchange: &mut Exchange<'_, '_>,
     propose: &mut Propose<'_>,
-) -> Result<Decision, PolicyError> {
+) -> Result<Decision, RunError> {
     let texts = BTreeMap::new();
     let facts = step.facts(&texts, step.pixels());
     let attempts = step.program.verify.attempts;

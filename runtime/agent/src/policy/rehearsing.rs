@@ -6,7 +6,7 @@
 //! best. A policy without further answers has one, which is not tried.
 
 use super::{
-    Accepted, Again, Decision, Description, Exchange, Exchanged, Policy, PolicyError, StepView,
+    Accepted, Again, Decision, Description, Exchange, Exchanged, Policy, RunError, StepView,
 };
 use crate::action::Action;
 use crate::outcome::Outcome;
@@ -46,7 +46,7 @@ impl<'p> Rehearsing<'p> {
         &mut self,
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
-    ) -> Result<Decision, PolicyError> {
+    ) -> Result<Decision, RunError> {
         let first = self.inner.decide(step, exchange)?;
         let mut further = 0;
         let record = &mut *exchange.record;
@@ -76,7 +76,7 @@ impl<'p> Rehearsing<'p> {
         step: &StepView<'_>,
         first: Decision,
         exchange: &mut Exchange<'_, '_>,
-    ) -> Result<Decision, PolicyError> {
+    ) -> Result<Decision, RunError> {
         let interrupted = step.without_answer(Outcome::Interrupted);
         let rehearsal = self.twins.rehearsal;
         let mut stages = step.program.stages.iter();
@@ -230,7 +230,7 @@ impl Policy for Rehearsing<'_> {
         self.inner.varies()
     }
 
-    fn prepare(&self, program: &Program) -> Result<Option<String>, PolicyError> {
+    fn prepare(&self, program: &Program) -> Result<Option<String>, RunError> {
         self.inner.prepare(program)
     }
 
@@ -238,7 +238,7 @@ impl Policy for Rehearsing<'_> {
         &mut self,
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
-    ) -> Result<Decision, PolicyError> {
+    ) -> Result<Decision, RunError> {
         let seen = (step.observation, step.scene.cloth());
         let (executed, interrupt) = (step.executed, exchange.interrupt);
         let looked = self.twins.look(step.step, seen, executed, interrupt);

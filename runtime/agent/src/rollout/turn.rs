@@ -9,7 +9,7 @@ use super::{Event, Job, RunError};
 use crate::action::Action;
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
-use crate::policy::{self, Decision, Exchange, Exchanged, Policy, PolicyError, StepView, Truth};
+use crate::policy::{self, Decision, Exchange, Exchanged, Policy, StepView, Truth};
 use crate::record;
 use crate::result::StepResult;
 use crate::scene::{Scene, SceneError};
@@ -284,8 +284,7 @@ impl<'j> Turn<'j> {
                     ))
                 })?;
                 // Whoever decided, an action that a check refuses is not executed.
-                let is_accepted = policy::is_accepted(view, &proposal, &accepted);
-                if !is_accepted.map_err(PolicyError::from)? {
+                if !policy::is_accepted(view, &proposal, &accepted)? {
                     let why = "the policy decided an action that the task's checks refuse";
                     return Ok(self.stop(Outcome::PolicyFailed, why));
                 }
