@@ -6,6 +6,7 @@
 use crate::scene::Scene;
 use fab_picture::camera::center_of;
 use fab_picture::observation::Observation;
+use fab_program::facts::ExecutedAction;
 use fab_program::{Choices, PixelPoint, Program, Value};
 use fab_program::{Proposal, space};
 use fab_world::{Grip, WorldPoint};
@@ -54,6 +55,15 @@ impl Action {
             place_px,
             grip: Grip::new(pick, place).with_manner(space::manner(program, proposal)?),
         })
+    }
+
+    /// Returns what later questions say about the action, once it is executed.
+    pub fn executed(&self, proposal: Proposal) -> ExecutedAction {
+        ExecutedAction {
+            proposal,
+            pick: self.pick_on_cloth_px,
+            place: self.place_px,
+        }
     }
 }
 

@@ -32,14 +32,9 @@ pub struct RunFolder {
 /// Why a run cannot be stored.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
-    /// A file or folder cannot be written.
-    #[error("cannot write `{path}`: {why}")]
-    Unwritable {
-        /// The file or folder.
-        path: PathBuf,
-        /// The system's error.
-        why: String,
-    },
+    /// A file or folder cannot be written; says why.
+    #[error("cannot write `{0}`: {1}")]
+    Unwritable(PathBuf, String),
     /// A file of a rollout to be resumed cannot be read; says why.
     #[error("cannot read `{0}`: {1}")]
     Unreadable(PathBuf, String),
@@ -59,11 +54,15 @@ pub enum JournalError {
 
 impl JournalError {
     fn unwritable(path: &Path, error: io::Error) -> JournalError {
-        JournalError::Unwritable {
-            path: path.to_owned(),
-            why: error.to_string(),
-        }
+        JournalError::Unwritable(path.to_owned(), error.to_string())
     }
+}
+
+/// Writes a file atomically, and its folder if that is missing.
+pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), JournalError> {
+    let folder = path.parent().unwrap_or(path);
+    let written = fs::create_dir_all(folder).and_then(|()| files::write_whole(path, bytes));
+    written.map_err(|error| JournalError::unwritable(path, error))
 }
 
 impl RunFolder {
@@ -167,10 +166,7 @@ impl RunFolder {
 
     /// Writes a file of the run atomically, and returns its name for the journal.
     pub fn keep(&self, name: &str, bytes: &[u8]) -> Result<String, JournalError> {
-        let path = self.path.join(name);
-        let folder = path.parent().unwrap_or(&self.path);
-        let written = fs::create_dir_all(folder).and_then(|()| files::write_whole(&path, bytes));
-        written.map_err(|error| self.unwritable(name, error))?;
+        write(&self.path.join(name), bytes)?;
         Ok(name.to_owned())
     }
 

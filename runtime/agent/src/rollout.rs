@@ -233,15 +233,15 @@ pub fn run(
     } else {
         Ok(None)
     };
-    let (outcome, score) = match scored {
-        Ok(Some(score)) if meets(job.program.goal.as_ref(), score.distance_m) => {
-            (Outcome::GoalReached, Some(score))
+    let outcome = match scored {
+        Ok(Some(distance_m)) if meets(job.program.goal.as_ref(), distance_m) => {
+            Outcome::GoalReached
         }
-        Ok(score) => (end, score),
-        Err(RunError::World(WorldError::Interrupted)) => (Outcome::Interrupted, None),
+        Ok(_) => end,
+        Err(RunError::World(WorldError::Interrupted)) => Outcome::Interrupted,
         Err(error) => return Err(error),
     };
-    let ended = keeper.close(job, outcome, score, covered, begun.elapsed())?;
+    let ended = keeper.close(job, outcome, covered, begun.elapsed())?;
     progress(Event::End {
         report: Box::new(ended.clone()),
     });

@@ -230,7 +230,10 @@ impl<'a> Tree<'a> {
             None if has_ended => (End::Scored, Offers::default()),
             None => (End::Lost, Offers::default()),
             Some(scene) => {
-                let next = (self.step_of(&tries), Some(choice.executed()));
+                let next = (
+                    self.step_of(&tries),
+                    Some(choice.action.executed(choice.proposal.clone())),
+                );
                 let draw = format!("{parent} {number}");
                 let offers = self.offers(world.as_ref(), &after, &scene, next, &draw)?;
                 (End::Open, offers)

@@ -13,7 +13,7 @@ use fab_base::interrupt::Interrupt;
 use fab_base::wording::quoted;
 use fab_picture::SubpixelPoint;
 use fab_program::Proposal;
-use fab_program::facts::{ExecutedAction, Facts};
+use fab_program::facts::Facts;
 use fab_program::pointing::Pointing;
 use fab_program::render::RenderError;
 use fab_program::scene::SceneView;
@@ -259,11 +259,7 @@ fn demonstrate(
         if done.has_missed() {
             return Err(Unfit::Missed(number));
         }
-        last = Some(ExecutedAction {
-            proposal,
-            pick: action.pick_on_cloth_px,
-            place: action.place_px,
-        });
+        last = Some(action.executed(proposal));
         first.get_or_insert(scene);
     }
     Ok(())

@@ -12,12 +12,12 @@ use super::protocol::{
 use super::{
     Decision, Description, Exchange, Exchanged, Finding, Kind, Policy, Question, RunError, StepView,
 };
-use crate::journal::JournalError;
+use crate::journal::{self, JournalError};
 use crate::outcome::Outcome;
 use fab_base::child::{Child, ChildError, CommandLine, excerpt};
 use fab_base::interrupt::Interrupt;
 use fab_base::wording::quoted;
-use fab_base::{digest, files, npy};
+use fab_base::{digest, npy};
 use fab_model::Reply;
 use fab_picture::camera::Pinhole;
 use fab_picture::png;
@@ -303,14 +303,7 @@ fn write_files(step: &StepView<'_>, folder: &Path) -> Result<(), JournalError> {
             .map(|truth| ("particles.npy", npy::encode(truth.particles))),
     );
     for (name, bytes) in files {
-        let path = file(step, folder, name);
-        let parent = path.parent().unwrap_or(folder);
-        let written =
-            std::fs::create_dir_all(parent).and_then(|()| files::write_whole(&path, &bytes));
-        written.map_err(|error| JournalError::Unwritable {
-            path,
-            why: error.to_string(),
-        })?;
+        journal::write(&file(step, folder, name), &bytes)?;
     }
     Ok(())
 }

@@ -1,7 +1,6 @@
 //! The overlap of two silhouettes after their cloths are aligned.
 
-use fab_picture::Mask;
-use fab_program::PixelPoint;
+use fab_picture::{Mask, SubpixelPoint};
 use fab_vision::{Rectangle, VisionError};
 
 /// Rectangles whose sides differ by less than this factor count as squares.
@@ -78,8 +77,8 @@ impl Alignment {
 pub fn overlap(after: &Mask, goal: &Mask, alignment: &Alignment) -> f64 {
     let shares = alignment.ways.iter().map(|&way| {
         fab_picture::overlap(samples(goal).map(|at| {
-            let in_after = after.contains(pixel_at(alignment.back(way, at)));
-            (goal.contains(pixel_at(at)), in_after)
+            let in_after = after.contains(SubpixelPoint::at(alignment.back(way, at)).pixel);
+            (goal.contains(SubpixelPoint::at(at).pixel), in_after)
         }))
     });
     shares.fold(0.0, f64::max)
@@ -94,8 +93,4 @@ fn samples(picture: &Mask) -> impl Iterator<Item = [f64; 2]> {
     range(height).flat_map(move |row| {
         range(width).map(move |column| [column as f64 + half, row as f64 + half])
     })
-}
-
-fn pixel_at([column, row]: [f64; 2]) -> PixelPoint {
-    PixelPoint::new(column.floor() as i32, row.floor() as i32)
 }

@@ -3,7 +3,7 @@
 use super::RunError;
 use super::writer::RolloutWriter;
 use super::{Event, Job};
-use crate::record::ExpertDistance;
+use crate::record::{ExpertDistance, JudgedBy};
 use fab_base::npy;
 use fab_program::{Goal, Metric};
 use fab_world::World;
@@ -11,21 +11,8 @@ use fab_world::expert::{self, Sequences};
 use fab_world::metrics;
 use std::time::Instant;
 
-/// A final state's distances to the expert results.
-pub(super) struct Score {
-    /// The nearest sequence, from 1.
-    pub sequence: usize,
-    /// Distance to it, metres.
-    pub distance_m: f64,
-    /// All of them.
-    pub experts: Vec<ExpertDistance>,
-    /// How many expert results had to be simulated.
-    pub simulated: usize,
-    /// Name of the world that simulated them.
-    pub world: String,
-}
-
-/// Compares the final state with the expert results, and stores those beside it.
+/// Compares the final state with the expert results, stores those beside it, and returns its distance from the nearest,
+/// metres.
 ///
 /// `None` if there is nothing to score, or nothing to score it against. Fails also if it is interrupted.
 pub(super) fn score(
@@ -33,7 +20,7 @@ pub(super) fn score(
     world: &dyn World,
     keeper: &mut RolloutWriter,
     progress: &mut dyn FnMut(Event),
-) -> Result<Option<Score>, RunError> {
+) -> Result<Option<f64>, RunError> {
     let sequences = &job.program.experts;
     let particles = world.particles().filter(|_| !sequences.is_empty());
     let Some(particles) = particles else {
@@ -75,13 +62,19 @@ pub(super) fn score(
             nearest = Some((sequence, distance_m));
         }
     }
-    Ok(nearest.map(|(sequence, distance_m)| Score {
-        sequence,
-        distance_m,
-        experts,
-        simulated: results.simulated,
+    let Some((sequence, distance_m)) = nearest else {
+        return Ok(None);
+    };
+    keeper.experts_simulated = results.simulated;
+    let end = &mut keeper.end;
+    end.nearest_expert = Some(sequence);
+    end.experts = Some(experts);
+    end.report.mean_particle_distance_mm = Some(distance_m * 1000.0);
+    end.report.judged_by = Some(JudgedBy {
         world: results.world,
-    }))
+        grid: [job.start.grid.dimx, job.start.grid.dimy],
+    });
+    Ok(Some(distance_m))
 }
 
 /// Returns whether a final distance reaches the goal; goals judged after each step are already decided.

@@ -177,7 +177,9 @@ impl<'j> Turn<'j> {
                 Pictures::of(job.program, &scene, &observation, last, subgoals, examples);
             Ok::<_, RunError>(pictures?)
         })?;
-        let particles = world.particles().filter(|_| keeper.report.sees_particles);
+        let particles = world
+            .particles()
+            .filter(|_| keeper.end.report.sees_particles);
         let asking = Instant::now();
         let run = keeper.folder.path().to_owned();
         let start = job.start.digest();
@@ -185,7 +187,7 @@ impl<'j> Turn<'j> {
         let RolloutWriter {
             folder,
             asking: ledger,
-            report,
+            end,
             ..
         } = keeper;
         let mut record = |exchanged: Exchanged<'_>| {
@@ -201,7 +203,7 @@ impl<'j> Turn<'j> {
                     progress(Event::Question { of, files });
                 }
                 Exchanged::Attempt(attempt) => {
-                    report.count(attempt);
+                    end.report.count(attempt);
                     let of = AttemptOf::new(at, &attempt.stage, attempt.number);
                     let asked = folder.keep_attempt(&of, attempt)?;
                     self.timer.add(&attempt.stage, attempt.took);
@@ -340,11 +342,7 @@ impl<'j> Turn<'j> {
             Some(format!("{name} {}", space::text(field, value)))
         });
         let other_values = beside.collect();
-        memory.last = Some(ExecutedAction {
-            pick: action.pick_on_cloth_px,
-            place: action.place_px,
-            proposal,
-        });
+        memory.last = Some(action.executed(proposal));
         let accepted = self.line.accepted.as_ref();
         progress(Event::Motion {
             at,

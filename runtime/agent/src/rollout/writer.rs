@@ -1,7 +1,6 @@
 //! Writes a rollout's record and final report.
 
 use super::covered::Covered;
-use super::score::Score;
 use super::timer::Timer;
 use super::turn::Turn;
 use super::{Ended, Event, Job, RunError};
@@ -10,7 +9,7 @@ use crate::operator;
 use crate::outcome::Outcome;
 use crate::policy::{self, Asking, Attempt, Finding};
 use crate::record::{
-    self, End, Header, JudgedBy, Line, Progress, Report, RunCosts, Spent, StartFile, StepSpent,
+    self, End, Header, Line, Progress, Report, RunCosts, Spent, StartFile, StepSpent,
 };
 use crate::sheet::{SHEET_FILE, Sheet};
 use fab_base::{digest, npy};
@@ -29,12 +28,13 @@ pub(super) struct RolloutWriter<'j> {
     pub(super) asking: Asking<'j>,
     pub(super) sheet: Sheet,
     /// What is known of the rollout so far.
-    pub(super) report: Report,
+    pub(super) end: End,
+    /// How many expert results had to be simulated.
+    pub(super) experts_simulated: usize,
     run_id: String,
     /// Planning times of the actions that were asked for, seconds.
     planned_s: Vec<f64>,
     last_skip: Option<Outcome>,
-    final_positions: Option<String>,
 }
 
 impl<'j> RolloutWriter<'j> {
@@ -105,11 +105,14 @@ impl<'j> RolloutWriter<'j> {
             asking,
             timer: Timer::default(),
             sheet: Sheet::default(),
-            report,
+            end: End {
+                report,
+                ..End::default()
+            },
+            experts_simulated: 0,
             run_id,
             planned_s: Vec::new(),
             last_skip: None,
-            final_positions: None,
         })
     }
 
@@ -134,7 +137,7 @@ impl<'j> RolloutWriter<'j> {
             let name = self.folder.keep(&name, &npy::encode(&positions))?;
             line.files.positions = Some(name.clone());
             line.digest = Some(digest::of_positions(&positions));
-            self.final_positions = Some(name);
+            self.end.final_positions = Some(name);
         }
         Ok(())
     }
@@ -154,7 +157,7 @@ impl<'j> RolloutWriter<'j> {
         }))?;
         self.planned_s.extend(planning_s);
         self.timer.absorb(&turn.timer);
-        let report = &mut self.report;
+        let report = &mut self.end.report;
         report.stopped.clone_from(&line.stopped);
         if line.executed.is_some() {
             report.steps += 1;
@@ -180,7 +183,7 @@ impl<'j> RolloutWriter<'j> {
     /// A rollout in which nothing was ever executed ends as its last step would have.
     pub(super) fn outcome_at_horizon(&self, is_goal_met: bool) -> Outcome {
         match self.last_skip {
-            Some(skipped) if self.report.steps == 0 => skipped,
+            Some(skipped) if self.end.report.steps == 0 => skipped,
             _ if is_goal_met => Outcome::GoalReached,
             _ => Outcome::HorizonReached,
         }
@@ -191,25 +194,17 @@ impl<'j> RolloutWriter<'j> {
         mut self,
         job: &Job<'_>,
         outcome: Outcome,
-        score: Option<Score>,
         covered: Covered,
         wall: Duration,
     ) -> Result<Ended, RunError> {
         let goal = job.program.goal.as_ref().filter(|it| covered.judges(it));
-        let mut report = Report {
-            outcome,
-            goal_reached: goal.map(|_| outcome == Outcome::GoalReached),
-            mean_particle_distance_mm: score.as_ref().map(|score| score.distance_m * 1000.0),
-            judged_by: score.as_ref().map(|score| JudgedBy {
-                world: score.world.clone(),
-                grid: [job.start.grid.dimx, job.start.grid.dimy],
-            }),
-            coverage_source: covered.source,
-            measures: covered.now,
-            coverage_at_start: covered.at_start.coverage,
-            coverage_true_at_start: covered.at_start.coverage_true,
-            ..self.report
-        };
+        let report = &mut self.end.report;
+        report.outcome = outcome;
+        report.goal_reached = goal.map(|_| outcome == Outcome::GoalReached);
+        report.coverage_source = covered.source;
+        report.measures = covered.now;
+        report.coverage_at_start = covered.at_start.coverage;
+        report.coverage_true_at_start = covered.at_start.coverage_true;
         let spent = self.asking.spent();
         let n_planned = self.planned_s.len();
         let took = RunCosts {
@@ -225,26 +220,19 @@ impl<'j> RolloutWriter<'j> {
             cost_usd_at_most: spent.priced_at_most().map(Usd::dollars),
             run_dir: self.folder.path().display().to_string(),
             run_id: self.run_id,
-            experts_simulated: score.as_ref().map_or(0, |score| score.simulated),
+            experts_simulated: self.experts_simulated,
             seconds: self.timer.seconds,
             wall_s: wall.as_secs_f64(),
         };
         if let Some(operator) = job.operator.filter(|_| operator::is_judged(outcome)) {
-            report.operator = operator.judge(&report, self.folder.path());
+            report.operator = operator.judge(report, self.folder.path());
         }
         // A failed contact sheet must not lose a finished rollout.
-        let sheet = match self.sheet.picture(&report).unwrap_or_default() {
-            Some(picture) => Some(self.folder.keep(SHEET_FILE, &png::encode(&picture))?),
-            None => None,
-        };
-        let end = End {
-            report: report.clone(),
-            final_positions: self.final_positions,
-            nearest_expert: score.as_ref().map(|score| score.sequence),
-            experts: score.map(|score| score.experts),
-            sheet,
-        };
-        self.folder.append(&Line::End(Box::new(end)))?;
+        if let Some(picture) = self.sheet.picture(report).unwrap_or_default() {
+            self.end.sheet = Some(self.folder.keep(SHEET_FILE, &png::encode(&picture))?);
+        }
+        let report = report.clone();
+        self.folder.append(&Line::End(Box::new(self.end)))?;
         self.folder.spend(&Spent::End {
             report: Box::new(took.clone()),
         })?;
