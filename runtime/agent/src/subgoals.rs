@@ -10,9 +10,7 @@ use fab_base::interrupt::Interrupt;
 use fab_picture::observation::Observation;
 use fab_picture::png;
 use fab_picture::png::PictureError;
-use fab_program::{
-    Arrow, Effect, Fold, Program, StepTrial, SubgoalImage, SubgoalStep, Subgoals, Trial,
-};
+use fab_program::{Arrow, Effect, Fold, Program, StepTrial, SubgoalStep, Subgoals, Trial};
 use fab_vision::VisionError;
 use fab_world::metrics::{ClothMoved, cloth_moved};
 use fab_world::start::Start;
@@ -129,18 +127,14 @@ impl SubgoalSet {
         world: &mut dyn World,
         interrupt: &Interrupt,
     ) -> Result<SubgoalSet, SubgoalError> {
-        match &program.subgoals {
-            None => Ok(SubgoalSet::default()),
-            Some(Subgoals::Images { images }) => load_images(images, folder),
-            Some(Subgoals::Demonstrate { folds }) => {
-                match pins::load(program, folds, folder, world) {
-                    Ok(set) => Ok(set),
-                    Err(origin) => {
-                        let (drawn, _) =
-                            demonstrate(program, folds, world, interrupt, &mut |_| {})?;
-                        Ok(SubgoalSet { origin, ..drawn })
-                    }
-                }
+        let Some(Subgoals::Demonstrate { folds }) = &program.subgoals else {
+            return load_images(program, folder);
+        };
+        match pins::load(program, folds, folder, world) {
+            Ok(set) => Ok(set),
+            Err(origin) => {
+                let (drawn, _) = demonstrate(program, folds, world, interrupt, &mut |_| {})?;
+                Ok(SubgoalSet { origin, ..drawn })
             }
         }
     }
@@ -157,15 +151,12 @@ impl SubgoalSet {
         interrupt: &Interrupt,
         watch: &mut dyn FnMut(Demonstrated<'_>),
     ) -> Result<SubgoalSet, SubgoalError> {
-        match &program.subgoals {
-            None => Ok(SubgoalSet::default()),
-            Some(Subgoals::Images { images }) => load_images(images, folder),
-            Some(Subgoals::Demonstrate { folds }) => {
-                let (set, steps) = demonstrate(program, folds, world, interrupt, watch)?;
-                let trial = tried(program, steps, world, interrupt)?;
-                Ok(SubgoalSet { trial, ..set })
-            }
-        }
+        let Some(Subgoals::Demonstrate { folds }) = &program.subgoals else {
+            return load_images(program, folder);
+        };
+        let (set, steps) = demonstrate(program, folds, world, interrupt, watch)?;
+        let trial = tried(program, steps, world, interrupt)?;
+        Ok(SubgoalSet { trial, ..set })
     }
 
     /// Returns the pictures around step `number`, from 0; the last step's if there are fewer, `None` if there are none
@@ -204,7 +195,11 @@ impl StepPictures {
     }
 }
 
-fn load_images(images: &[SubgoalImage], folder: &Path) -> Result<SubgoalSet, SubgoalError> {
+/// Loads the author's pictures; none if the task names none.
+fn load_images(program: &Program, folder: &Path) -> Result<SubgoalSet, SubgoalError> {
+    let Some(Subgoals::Images { images }) = &program.subgoals else {
+        return Ok(SubgoalSet::default());
+    };
     let mut set = SubgoalSet {
         origin: Origin::Author,
         ..SubgoalSet::default()
