@@ -12,7 +12,7 @@ mod judge;
 mod onnx;
 mod prompted;
 mod proposing;
-pub mod protocol;
+mod protocol;
 mod random;
 mod rehearsing;
 
