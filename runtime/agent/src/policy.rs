@@ -40,7 +40,6 @@ use fab_model::calls::Fault;
 use fab_model::{Description as ModelDescription, Lowering, ModelKind, Reply, Request};
 use fab_picture::observation::Observation;
 use fab_program::facts::{ExecutedAction, Facts};
-use fab_program::pointing::Pointing;
 use fab_program::reply::Stated;
 use fab_program::verify::Verdict;
 use fab_program::{Exhausted, Program, Proposal, Value};
@@ -48,7 +47,6 @@ use fab_world::start::Start;
 use fab_world::{Motion, Reach, Refuses};
 use image::RgbImage;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 
@@ -260,17 +258,12 @@ impl<'a> StepView<'a> {
         }
     }
 
-    fn facts<'t>(self, texts: &'t BTreeMap<String, String>, pointing: Pointing) -> Facts<'t>
-    where
-        'a: 't,
-    {
+    /// Returns the facts of the step, with points as whole pixels of the camera's picture.
+    fn facts(self) -> Facts<'a> {
+        let pointing = Lowering::PIXELS.pointing(self.pictures.size());
         Facts {
-            scene: self.scene,
-            texts,
-            step: self.step,
             last: self.last,
-            proposal: None,
-            pointing,
+            ..Facts::of(self.scene, self.step, pointing)
         }
     }
 
@@ -283,11 +276,6 @@ impl<'a> StepView<'a> {
             reach: self.reach,
             refuses: self.refuses,
         }
-    }
-
-    /// Returns the notation of points as whole pixels of the camera's picture.
-    fn pixels(&self) -> Pointing {
-        Lowering::PIXELS.pointing(self.pictures.size())
     }
 
     /// Decides about a step without an answer: only faults of the policy are ever skipped.

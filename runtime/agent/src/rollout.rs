@@ -16,7 +16,7 @@ mod writer;
 use crate::demos::DemosError;
 use crate::examples::Examples;
 use crate::journal::{JournalError, RunFolder};
-use crate::operator::Operator;
+use crate::judgement::Operator;
 use crate::outcome::Outcome;
 use crate::policy::{Asking, MakePolicy, Rehearsing};
 use crate::record::{Report, RunCosts};

@@ -234,12 +234,9 @@ fn demonstrate(
             .map(|name| ((*name).to_owned(), instruction.clone()));
         let texts: BTreeMap<String, String> = texts.collect();
         let facts = Facts {
-            scene: &scene,
             texts: &texts,
-            step: number,
             last: last.as_ref(),
-            proposal: None,
-            pointing: Pointing::of_camera(&program.camera),
+            ..Facts::of(&scene, number, Pointing::of_camera(&program.camera))
         };
         let verdict = verify::verdict(program, facts, &proposal, Strictness::Full)?;
         if let Verdict::Reject { check, .. } = verdict {

@@ -250,12 +250,8 @@ fn question_and_answer(
     };
     let scene = DemoScene(&step.points);
     let facts = Facts {
-        scene: &scene,
         texts: &step.texts,
-        step: number,
-        last: None,
-        proposal: None,
-        pointing,
+        ..Facts::of(&scene, number, pointing)
     };
     let notation = facts.notation(program);
     let mut messages = render::messages(program, stage, Values::Known(facts))

@@ -16,7 +16,6 @@ use fab_program::reply::{self, Malformed, Stated};
 use fab_program::verify::{self, REACHABLE, Strictness, Verdict};
 use fab_program::{Program, Proposal, Read, Stage};
 use fab_world::{Reach, Refuses};
-use std::collections::BTreeMap;
 
 /// What an action is judged by, besides the facts of a prompt.
 #[derive(Clone, Copy)]
@@ -153,7 +152,6 @@ pub(crate) fn is_accepted(
     } else {
         Strictness::Relaxed
     };
-    let texts = BTreeMap::new();
-    let facts = view.facts(&texts, view.pixels());
-    Ok(view.ground().verdict(facts, proposal, strictness)? == Verdict::Accept)
+    let verdict = view.ground().verdict(view.facts(), proposal, strictness)?;
+    Ok(verdict == Verdict::Accept)
 }

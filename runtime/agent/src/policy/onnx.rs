@@ -16,7 +16,6 @@ use fab_base::{digest, files};
 use fab_program::verify::{Strictness, Verdict};
 use fab_program::{Choices, Face, Program, Proposal, Value as FieldValue, space};
 use rten::{DataType, Dimension, Model, Value, ValueType};
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -356,12 +355,9 @@ fn input(name: &str, step: &StepView<'_>, offers: &[Offer]) -> Vec<f32> {
 
 /// Keeps the actions that the task's checks accept; all of them if there is none, for a task that then drops a check.
 fn accepted_first(step: &StepView<'_>, offers: Vec<Offer>) -> Result<Vec<Offer>, RunError> {
-    let texts = BTreeMap::new();
-    let facts = step.facts(&texts, step.pixels());
+    let (ground, facts) = (step.ground(), step.facts());
     let verdicts = offers.iter().map(|offer| {
-        let verdict = step
-            .ground()
-            .verdict(facts, &offer.proposal, Strictness::Full);
+        let verdict = ground.verdict(facts, &offer.proposal, Strictness::Full);
         verdict.map(|verdict| verdict == Verdict::Accept)
     });
     let accepted = verdicts.collect::<Result<Vec<_>, _>>()?;

@@ -11,7 +11,6 @@ use fab_model::Reply;
 use fab_program::Proposal;
 use fab_program::facts::Facts;
 use fab_program::verify::{OFFERED, Strictness, Verdict};
-use std::collections::BTreeMap;
 use std::time::Instant;
 
 /// The stage name in attempts of a policy without stages.
@@ -153,8 +152,7 @@ pub(super) fn until_accepted(
     exchange: &mut Exchange<'_, '_>,
     propose: &mut Propose<'_>,
 ) -> Result<Decision, RunError> {
-    let texts = BTreeMap::new();
-    let facts = step.facts(&texts, step.pixels());
+    let facts = step.facts();
     let attempts = step.program.verify.attempts;
     let settled = settle(
         step,

@@ -5,7 +5,6 @@ use super::timer::Timer;
 use super::turn::Turn;
 use super::{Ended, Event, Job, RunError};
 use crate::journal::{JournalError, RunFolder};
-use crate::operator;
 use crate::outcome::Outcome;
 use crate::policy::{self, Asking, Attempt, Finding};
 use crate::record::{
@@ -224,7 +223,7 @@ impl<'j> RolloutWriter<'j> {
             seconds: self.timer.seconds,
             wall_s: wall.as_secs_f64(),
         };
-        if let Some(operator) = job.operator.filter(|_| operator::is_judged(outcome)) {
+        if let Some(operator) = job.operator.filter(|_| outcome.is_judged()) {
             report.operator = operator.judge(report, self.folder.path());
         }
         // A failed contact sheet must not lose a finished rollout.

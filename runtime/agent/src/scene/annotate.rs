@@ -8,7 +8,6 @@ use fab_program::scene::{Missing, SceneView};
 use fab_program::{Layer, Mark, PixelPoint, Point, Program, Spot};
 use fab_vision::{DrawnLayer, DrawnShape};
 use image::RgbImage;
-use std::collections::BTreeMap;
 
 impl Scene {
     /// Returns the camera's picture with the task's layers on it, later ones over earlier ones.
@@ -32,14 +31,10 @@ impl Scene {
         rgb: &RgbImage,
         last: Option<&ExecutedAction>,
     ) -> Result<RgbImage, SceneError> {
-        let texts = BTreeMap::new();
+        let pointing = Pointing::of_camera(&program.camera);
         let facts = Facts {
-            scene: self,
-            texts: &texts,
-            step: 1,
             last,
-            proposal: None,
-            pointing: Pointing::of_camera(&program.camera),
+            ..Facts::of(self, 1, pointing)
         };
         let mut drawn = Vec::with_capacity(layers.len());
         for layer in layers {

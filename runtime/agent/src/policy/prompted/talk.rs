@@ -29,7 +29,11 @@ pub(super) struct Setting<'a> {
 impl<'a> Setting<'a> {
     fn facts(&self) -> Facts<'a> {
         let pointing = self.model.lowering().pointing(self.view.pictures.size());
-        self.view.facts(self.texts, pointing)
+        Facts {
+            texts: self.texts,
+            pointing,
+            ..self.view.facts()
+        }
     }
 }
 
