@@ -7,7 +7,6 @@
 mod covered;
 pub mod event;
 mod first;
-mod score;
 mod timer;
 mod tries;
 mod turn;
@@ -30,12 +29,11 @@ use fab_base::interrupt::Interrupt;
 use fab_base::wording::counted;
 use fab_model::calls::{Budget, CallRefused};
 use fab_program::render::RenderError;
-use fab_program::{ActionField, Choices, Manner, Program, manner_field};
+use fab_program::{ActionField, Choices, Manner, Metric, Program, manner_field};
 use fab_vision::VisionError;
 use fab_world::expert::MakeWorld;
 use fab_world::start::{RESTING_HEIGHT_M, Start};
 use fab_world::{Grip, World, WorldError, WorldPoint};
-use score::{meets, score};
 use serde::{Deserialize, Serialize};
 use std::ops::Deref;
 use std::time::Instant;
@@ -229,12 +227,15 @@ pub fn run(
         Some(outcome) => outcome,
     };
     let scored = if end.is_scored() {
-        score(job, world.as_ref(), &mut keeper, progress)
+        keeper.score(job, world.as_ref(), progress)
     } else {
         Ok(None)
     };
+    // Goals judged after each step are already decided.
+    let goal = job.program.goal.as_ref();
+    let goal = goal.filter(|goal| goal.metric == Metric::ParticleDistance);
     let outcome = match scored {
-        Ok(Some(distance_m)) if meets(job.program.goal.as_ref(), distance_m) => {
+        Ok(Some(distance_m)) if goal.is_some_and(|goal| goal.is_met(distance_m)) => {
             Outcome::GoalReached
         }
         Ok(_) => end,

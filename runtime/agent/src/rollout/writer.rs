@@ -8,17 +8,19 @@ use crate::journal::{JournalError, RunFolder};
 use crate::outcome::Outcome;
 use crate::policy::{self, Asking, Attempt, Finding};
 use crate::record::{
-    self, End, Header, Line, Progress, Report, RunCosts, Spent, StartFile, StepSpent,
+    self, End, ExpertDistance, Header, JudgedBy, Line, Progress, Report, RunCosts, Spent,
+    StartFile, StepSpent,
 };
 use crate::sheet::{SHEET_FILE, Sheet};
 use fab_base::{digest, npy};
 use fab_model::calls::Usd;
 use fab_picture::png;
 use fab_program::verify::Verdict;
-use fab_world::World;
+use fab_world::expert::{self, Sequences};
 use fab_world::start::Up;
+use fab_world::{World, metrics};
 use image::RgbImage;
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// Writes a rollout into its folder.
 pub(super) struct RolloutWriter<'j> {
@@ -186,6 +188,72 @@ impl<'j> RolloutWriter<'j> {
             _ if is_goal_met => Outcome::GoalReached,
             _ => Outcome::HorizonReached,
         }
+    }
+
+    /// Compares the final state with the expert results, stores those beside it, and returns its distance from the nearest,
+    /// metres.
+    ///
+    /// `None` if there is nothing to score, or nothing to score it against. Fails also if it is interrupted.
+    pub(super) fn score(
+        &mut self,
+        job: &Job<'_>,
+        world: &dyn World,
+        progress: &mut dyn FnMut(Event),
+    ) -> Result<Option<f64>, RunError> {
+        let sequences = &job.program.experts;
+        let particles = world.particles().filter(|_| !sequences.is_empty());
+        let Some(particles) = particles else {
+            return Ok(None);
+        };
+        let begun = Instant::now();
+        let total = sequences.len();
+        let results = expert::ends(
+            Sequences {
+                folds: sequences,
+                manner: job.program.manner,
+            },
+            job.start,
+            job.make_expert_world,
+            job.cache,
+            job.interrupt,
+            &mut |missing| progress(Event::Experts { missing, total }),
+        )?;
+        self.timer.add("experts", begun.elapsed());
+        if let Some(note) = results.not_kept {
+            progress(Event::Note { note });
+        }
+        let mut nearest: Option<(usize, f64)> = None;
+        let mut experts = Vec::with_capacity(results.ends.len());
+        for end in &results.ends {
+            let distance_m = metrics::mean_particle_distance_m(&particles, &end.positions);
+            let Some(distance_m) = distance_m else {
+                continue;
+            };
+            let sequence = end.sequence + 1;
+            let file = format!("experts/{sequence}.npy");
+            experts.push(ExpertDistance {
+                sequence,
+                file: self.folder.keep(&file, &npy::encode(&end.positions))?,
+                distance_mm: distance_m * 1000.0,
+                folds: sequences[end.sequence].folds.clone(),
+            });
+            if nearest.is_none_or(|(_, least_m)| distance_m < least_m) {
+                nearest = Some((sequence, distance_m));
+            }
+        }
+        let Some((sequence, distance_m)) = nearest else {
+            return Ok(None);
+        };
+        self.experts_simulated = results.simulated;
+        let end = &mut self.end;
+        end.nearest_expert = Some(sequence);
+        end.experts = Some(experts);
+        end.report.mean_particle_distance_mm = Some(distance_m * 1000.0);
+        end.report.judged_by = Some(JudgedBy {
+            world: results.world,
+            grid: [job.start.grid.dimx, job.start.grid.dimy],
+        });
+        Ok(Some(distance_m))
     }
 
     /// Writes contact sheet and end line, and returns the report.
