@@ -114,9 +114,9 @@ impl RunFolder {
         !self.earlier.lines.is_empty()
     }
 
-    /// Returns how many steps an earlier part of the rollout took.
+    /// Returns how many steps of an earlier part of the rollout are to be repeated.
     pub fn earlier_steps(&self) -> u32 {
-        self.earlier.steps
+        self.earlier.lines.len().saturating_sub(1) as u32
     }
 
     /// Makes the first free folder `NAME-0001`, `NAME-0002`, … in `parent`.
@@ -189,7 +189,14 @@ impl RunFolder {
         let text = match question {
             Question::Line { text, .. } => text.clone().into_bytes(),
             Question::Prompt(request) => {
-                self.keep_images(request)?;
+                for part in request.messages.iter().flat_map(|message| &message.parts) {
+                    let Part::Image(png) = part else { continue };
+                    let name = image_name(png.sha256());
+                    // Files are written whole, so one that is there is complete.
+                    if !self.path.join(&name).exists() {
+                        self.keep(&name, png.bytes())?;
+                    }
+                }
                 if let Some(file) = &files.prompt {
                     self.keep(file, transcript(request).as_bytes())?;
                 }
@@ -225,18 +232,6 @@ impl RunFolder {
             result: attempt.finding.clone(),
             usage: reply.and_then(|reply| reply.usage),
         })
-    }
-
-    fn keep_images(&self, request: &Request) -> Result<(), JournalError> {
-        for part in request.messages.iter().flat_map(|message| &message.parts) {
-            let Part::Image(png) = part else { continue };
-            let name = image_name(png.sha256());
-            // Files are written whole, so one that is there is complete.
-            if !self.path.join(&name).exists() {
-                self.keep(&name, png.bytes())?;
-            }
-        }
-        Ok(())
     }
 
     fn unwritable(&self, name: &str, error: io::Error) -> JournalError {
@@ -286,8 +281,6 @@ fn transcript(request: &Request) -> String {
 struct ExistingLines {
     /// Those that have not been repeated yet, oldest first.
     lines: VecDeque<String>,
-    /// How many steps there were.
-    steps: u32,
     /// Bytes up to the end of the last line.
     bytes: u64,
 }
@@ -303,9 +296,7 @@ impl ExistingLines {
         while let Some(line) = reader.next_line()? {
             match serde_json::from_slice(line) {
                 Ok(Line::Header(_)) if earlier.lines.is_empty() => {}
-                Ok(Line::Step(step)) if !earlier.lines.is_empty() && step.stopped.is_none() => {
-                    earlier.steps += 1;
-                }
+                Ok(Line::Step(step)) if !earlier.lines.is_empty() && step.stopped.is_none() => {}
                 Err(error) if error.is_data() => {
                     let number = earlier.lines.len() + 1;
                     return Err(format!(
