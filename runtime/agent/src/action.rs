@@ -4,6 +4,7 @@
 //! points.
 
 use crate::scene::Scene;
+use fab_picture::SubpixelPoint;
 use fab_picture::camera::center_of;
 use fab_picture::observation::Observation;
 use fab_program::facts::ExecutedAction;
@@ -148,8 +149,7 @@ fn carried(
     let camera = &observation.camera;
     let way = camera.table_direction(camera.pixel_from_world(pick)?, [right, down])?;
     let place = pick + way * length_m;
-    let [column, row] = camera.pixel_from_world(place)?;
-    let pixel = PixelPoint::new(column.floor() as i32, row.floor() as i32);
+    let pixel = SubpixelPoint::at(camera.pixel_from_world(place)?).pixel;
     Some((pixel, place))
 }
 

@@ -8,6 +8,7 @@ use super::proposing::{Proposed, stop, until_accepted};
 use super::{Decision, Description, Exchange, Kind, Policy, RunError, StepView};
 use crate::action::{Action, combinations};
 use crate::outcome::Outcome;
+use fab_picture::SubpixelPoint;
 use fab_picture::observation::Observation;
 use fab_program::space;
 use fab_program::{ActionField, Choices, Fold, PixelPoint, Program, Proposal, Subgoals, Value};
@@ -161,8 +162,7 @@ pub(super) fn least_refused(
 fn candidates(step: &StepView<'_>, field: &ActionField, [pick, place]: Aim) -> Vec<Value> {
     let target = if field.name == "place" { place } else { pick };
     if let Choices::Region { mask } = &field.choices {
-        let pixel = PixelPoint::new(target[0].floor() as i32, target[1].floor() as i32);
-        let nearest = step.scene.nearest_in(mask, pixel);
+        let nearest = step.scene.nearest_in(mask, SubpixelPoint::at(target).pixel);
         return nearest.map(Value::Point).into_iter().collect();
     }
     let mut values = space::choices(field, step.scene);
