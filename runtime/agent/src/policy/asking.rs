@@ -9,7 +9,7 @@ use fab_model::{Model, ModelError, ModelKind, Reply, Request};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The questions of one rollout.
+/// The questions of one rollout; by default, of none: nothing is stored.
 #[derive(Debug, Default)]
 pub struct Asking<'a> {
     ledger: Option<Ledger<'a>>,
@@ -24,11 +24,6 @@ impl<'a> Asking<'a> {
             ledger: Some(Ledger::open(folder, budget)?),
             repeats: false,
         })
-    }
-
-    /// Stores nothing: for questions outside any run.
-    pub fn unrecorded() -> Asking<'a> {
-        Asking::default()
     }
 
     /// Returns the model's reply.

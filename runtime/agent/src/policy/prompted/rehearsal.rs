@@ -83,7 +83,7 @@ pub fn rehearse(
         let n_asked_first = talk.messages.len();
         let mut findings = Vec::new();
         let mut exchange = Exchange {
-            asking: &mut Asking::unrecorded(),
+            asking: &mut Asking::default(),
             record: &mut |exchanged| {
                 if let Exchanged::Attempt(attempt) = exchanged
                     && attempt.reply.is_some()
