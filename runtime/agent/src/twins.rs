@@ -75,10 +75,6 @@ struct Folded {
     picture: RgbImage,
 }
 
-/// A stop was requested.
-#[derive(Clone, Copy, Debug)]
-pub struct Interrupted;
-
 const NO_CLOTH: &str = "the picture shows no cloth";
 const NOT_SEEN: &str = "a twin cannot be seen";
 const UNREADABLE: &str = "the picture cannot be read";
@@ -127,21 +123,13 @@ impl<'p> Twins<'p> {
         seen: (&Observation, Option<&Mask>),
         executed: Option<&Motion>,
         interrupt: &Interrupt,
-    ) -> Result<(), Interrupted> {
+    ) {
         let begun = Instant::now();
         self.step = step;
         self.line = RehearsedStep::default();
-        let compared = self.compare(seen, executed, interrupt);
+        self.line.aside = self.compare(seen, executed, interrupt).err();
         self.tried.clear();
         self.took += begun.elapsed();
-        match compared {
-            Ok(()) => Ok(()),
-            Err(_) if interrupt.is_raised() => Err(Interrupted),
-            Err(why) => {
-                self.line.aside = Some(why);
-                Ok(())
-            }
-        }
     }
 
     /// Fails with why the step is not rehearsed.
@@ -259,13 +247,13 @@ impl<'p> Twins<'p> {
     ///
     /// - `attempt`: the number of its question among those of the stage.
     ///
-    /// Returns the mean of the declared measure; `None` if none is declared, or a twin failed.
+    /// Returns the mean of the declared measure; `None` if none is declared, a twin failed, or a stop was requested.
     pub(crate) fn try_motion(
         &mut self,
         attempt: u32,
         motion: &Motion,
         interrupt: &Interrupt,
-    ) -> Result<Option<f64>, Interrupted> {
+    ) -> Option<f64> {
         let begun = Instant::now();
         let mut failed = None;
         if !self.tried.iter().any(|it| it.motion == *motion) {
@@ -276,7 +264,7 @@ impl<'p> Twins<'p> {
         }
         self.took += begun.elapsed();
         if let Some(WorldError::Interrupted) = failed {
-            return Err(Interrupted);
+            return None;
         }
         let tried = self.tried.iter().filter(|it| it.motion == *motion);
         let results = tried.flat_map(|it| &it.results);
@@ -288,7 +276,7 @@ impl<'p> Twins<'p> {
             twins,
             failed: failed.map(|error| error.to_string()),
         });
-        Ok(measure)
+        measure
     }
 
     fn fold(&self, motion: &Motion, interrupt: &Interrupt) -> Result<Tried, WorldError> {

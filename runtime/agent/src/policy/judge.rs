@@ -12,7 +12,7 @@ use fab_picture::observation::Observation;
 use fab_program::facts::Facts;
 use fab_program::pointing::Notation;
 use fab_program::render::RenderError;
-use fab_program::reply::{self, Malformed, Stated};
+use fab_program::reply::{self, Malformed};
 use fab_program::verify::{self, REACHABLE, Strictness, Verdict};
 use fab_program::{Program, Proposal, Read, Stage};
 use fab_world::{Reach, Refuses};
@@ -108,19 +108,15 @@ pub(super) fn judge(
             after,
         } => {
             let read = reply::read_text(before, after, text);
-            Ok(read.map_or_else(malformed, |read| {
-                let field = || name.clone();
-                let stated = read.stated.into_iter();
+            Ok(read.map_or_else(malformed, |mut read| {
+                for stated in &mut read.stated {
+                    stated.field.clone_from(name);
+                }
                 Finding::Text {
                     name: name.clone(),
                     value: read.value,
                     repairs: read.repairs,
-                    stated: stated
-                        .map(|it| Stated {
-                            field: field(),
-                            ..it
-                        })
-                        .collect(),
+                    stated: read.stated,
                 }
             }))
         }
