@@ -53,7 +53,7 @@ pub enum JournalError {
 }
 
 impl JournalError {
-    fn unwritable(path: &Path, error: io::Error) -> JournalError {
+    pub(crate) fn unwritable(path: &Path, error: io::Error) -> JournalError {
         JournalError::Unwritable(path.to_owned(), error.to_string())
     }
 }

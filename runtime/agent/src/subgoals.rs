@@ -5,6 +5,7 @@
 
 mod pins;
 
+use crate::journal::JournalError;
 use crate::task_files::{self, FileError};
 use fab_base::interrupt::Interrupt;
 use fab_picture::observation::Observation;
@@ -18,7 +19,7 @@ use fab_world::{Grip, World, WorldError, expert, smallest_fold};
 use image::RgbImage;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Tail and tip of an arrow in a picture's pixels, `[column, row]`.
 pub type ArrowPx = [[f64; 2]; 2];
@@ -106,9 +107,9 @@ pub enum SubgoalError {
     /// A picture cannot be used.
     #[error("a subgoal picture cannot be used: {0}")]
     Picture(#[from] PictureError),
-    /// A file cannot be written; says why.
-    #[error("cannot write the subgoal picture `{0}`: {1}")]
-    Unwritable(PathBuf, String),
+    /// A file cannot be written.
+    #[error(transparent)]
+    Unwritable(#[from] JournalError),
     /// An arrow cannot be drawn.
     #[error(transparent)]
     Vision(#[from] VisionError),
