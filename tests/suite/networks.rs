@@ -102,7 +102,7 @@ fn decided(mut policy: Onnx) -> Decision {
     let pictures = Pictures::of(&program, &scene, &observation, None, None, examples).unwrap();
     let view = StepView::without_rollout(&program, &scene, &observation, 1, None, &pictures);
     let mut exchange = Exchange {
-        asking: &mut Asking::unrecorded(),
+        asking: &mut Asking::default(),
         record: &mut |_| Ok(()),
         interrupt: &Interrupt::default(),
     };

@@ -4,13 +4,10 @@ use super::bench::project;
 use super::seen_coverage::{Blind, flat};
 use super::support::{self, ProjectFiles, fabc, finish};
 use fab_agent::examples::Examples;
+use fab_agent::judgement::{Cause, Judgement, Operator};
 use fab_agent::policy::{Policy, Prompted};
 use fab_agent::record::Report;
 use fab_agent::subgoals::{Origin, SubgoalSet};
-use fab_agent::{
-    judgement::{Cause, Judgement},
-    operator::Operator,
-};
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_bench::suite::Suite;

@@ -46,31 +46,29 @@ fn demonstrations_are_told_in_the_frame_of_the_model() {
     };
     let in_pixels = first_example(Lowering::PIXELS);
     assert_eq!(
-        in_pixels.answer.text,
+        in_pixels[1].text,
         "Pick Point = (65, 28)\nPlace Point = (158, 195)\n\
          Of the listed points (65, 28) is the corner at the top left, and (158, 195) is the corner at the bottom right."
     );
     let in_thousandths = first_example(THOUSANDTHS_Y_FIRST);
     assert_eq!(
-        in_thousandths.answer.text,
+        in_thousandths[1].text,
         "Pick Point = [127, 292]\nPlace Point = [873, 708]\n\
          Of the listed points [127, 292] is the corner at the top left, and [873, 708] is the corner at the bottom right."
     );
     assert!(
-        in_thousandths
-            .question
+        in_thousandths[0]
             .text
             .contains("- Cloth corners: [873, 708], [292, 873], [708, 127], [127, 292]\n")
     );
     let by_number = first_example(MARKS);
     assert_eq!(
-        by_number.answer.text,
+        by_number[1].text,
         "Pick Point = 4\nPlace Point = 1\n\
          Of the listed points 4 at (65, 28) is the corner at the top left, and 1 at (158, 195) is the corner at the bottom right."
     );
     assert!(
-        by_number
-            .question
+        by_number[0]
             .text
             .contains("- Cloth corners: 1 at (158, 195), 2 at (195, 65), ")
     );

@@ -5,7 +5,7 @@ use super::support::{self, Trial};
 use fab_agent::outcome::Outcome;
 use fab_agent::policy::{
     Accepted, Decision, Description, Exchange, Expert, External, Finding, Kind, MakePolicy, Policy,
-    PolicyError, Random, Sight, StepView,
+    Random, Sight, StepView,
 };
 use fab_agent::record::{RECORD_FILE, Record};
 use fab_agent::rollout::{Ended, Event, RunError};
@@ -330,11 +330,7 @@ impl Policy for Stubborn {
         }
     }
 
-    fn decide(
-        &mut self,
-        _: &StepView<'_>,
-        _: &mut Exchange<'_, '_>,
-    ) -> Result<Decision, PolicyError> {
+    fn decide(&mut self, _: &StepView<'_>, _: &mut Exchange<'_, '_>) -> Result<Decision, RunError> {
         Ok(Decision::Act {
             grips: self.0.clone(),
             accepted: Accepted {

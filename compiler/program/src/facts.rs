@@ -37,6 +37,19 @@ pub struct Facts<'a> {
 }
 
 impl<'a> Facts<'a> {
+    /// Collects the facts of a step, from 1, of which nothing is read, done or proposed yet.
+    pub fn of(scene: &'a dyn SceneView, step: u32, pointing: Pointing) -> Facts<'a> {
+        static NO_TEXTS: BTreeMap<String, String> = BTreeMap::new();
+        Facts {
+            scene,
+            texts: &NO_TEXTS,
+            step,
+            last: None,
+            proposal: None,
+            pointing,
+        }
+    }
+
     /// Returns the same facts with an action to judge.
     pub fn judging(self, proposal: &'a Proposal) -> Facts<'a> {
         Facts {

@@ -4,8 +4,10 @@
 //! points.
 
 use crate::scene::Scene;
+use fab_picture::SubpixelPoint;
 use fab_picture::camera::center_of;
 use fab_picture::observation::Observation;
+use fab_program::facts::ExecutedAction;
 use fab_program::{Choices, PixelPoint, Program, Value};
 use fab_program::{Proposal, space};
 use fab_world::{Grip, WorldPoint};
@@ -54,6 +56,15 @@ impl Action {
             place_px,
             grip: Grip::new(pick, place).with_manner(space::manner(program, proposal)?),
         })
+    }
+
+    /// Returns what later questions say about the action, once it is executed.
+    pub fn executed(&self, proposal: Proposal) -> ExecutedAction {
+        ExecutedAction {
+            proposal,
+            pick: self.pick_on_cloth_px,
+            place: self.place_px,
+        }
     }
 }
 
@@ -138,8 +149,7 @@ fn carried(
     let camera = &observation.camera;
     let way = camera.table_direction(camera.pixel_from_world(pick)?, [right, down])?;
     let place = pick + way * length_m;
-    let [column, row] = camera.pixel_from_world(place)?;
-    let pixel = PixelPoint::new(column.floor() as i32, row.floor() as i32);
+    let pixel = SubpixelPoint::at(camera.pixel_from_world(place)?).pixel;
     Some((pixel, place))
 }
 

@@ -18,9 +18,7 @@ pub const SIGHT: Sight = Sight {
     find_again: |first, marks, second| {
         fab_vision::find_again(first, marks, second).map_err(|error| error.to_string())
     },
-    draw_plan: |plan, picture, calibration, settings, reach| {
-        draw_plan(plan, picture, calibration, settings, reach).map_err(|error| error.to_string())
-    },
+    draw_plan,
 };
 
 /// Length of a drawn error as a multiple of the error.
@@ -59,7 +57,7 @@ fn draw_plan(
     calibration: &Calibration,
     settings: &Settings,
     reach: &Reach,
-) -> Result<RgbImage, VisionError> {
+) -> Result<RgbImage, String> {
     let table_z = settings.table.center_m[2];
     let pixel = |x: f64, y: f64, z: f64| {
         let [column, row] = calibration.fit.pixel_from_world(Point3::new(x, y, z))?;
@@ -110,5 +108,5 @@ fn draw_plan(
             ring(to, PURPLE),
         ]);
     }
-    draw_layers(picture, &layers)
+    draw_layers(picture, &layers).map_err(|error| error.to_string())
 }

@@ -7,24 +7,15 @@ use crate::demos::{Demonstrations, DemosError};
 use crate::task_files::{self, FileError};
 use fab_model::Png;
 use fab_picture::png;
-use fab_program::render::PromptText;
-use fab_program::{FileRef, Program};
+use fab_program::Program;
 use std::collections::BTreeMap;
 use std::path::Path;
-
-/// A question with its answer.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct AnsweredExample {
-    /// What was asked.
-    pub question: PromptText,
-    /// What was answered.
-    pub answer: PromptText,
-}
 
 /// The examples of one task.
 #[derive(Clone, Debug, Default)]
 pub struct Examples {
-    pictures: BTreeMap<String, Png>,
+    /// By path.
+    pub(crate) pictures: BTreeMap<String, Png>,
     /// What was done to show the pictures as a viewer does.
     pub notes: Vec<String>,
     /// The demonstrations, if the task shows any.
@@ -62,10 +53,5 @@ impl Examples {
             notes,
             demonstrations,
         })
-    }
-
-    /// Returns a picture; `None` for one that no example names.
-    pub fn picture(&self, file: &FileRef) -> Option<&Png> {
-        self.pictures.get(&file.path)
     }
 }

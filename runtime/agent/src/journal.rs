@@ -32,14 +32,9 @@ pub struct RunFolder {
 /// Why a run cannot be stored.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
-    /// A file or folder cannot be written.
-    #[error("cannot write `{path}`: {why}")]
-    Unwritable {
-        /// The file or folder.
-        path: PathBuf,
-        /// The system's error.
-        why: String,
-    },
+    /// A file or folder cannot be written; says why.
+    #[error("cannot write `{0}`: {1}")]
+    Unwritable(PathBuf, String),
     /// A file of a rollout to be resumed cannot be read; says why.
     #[error("cannot read `{0}`: {1}")]
     Unreadable(PathBuf, String),
@@ -58,12 +53,16 @@ pub enum JournalError {
 }
 
 impl JournalError {
-    fn unwritable(path: &Path, error: io::Error) -> JournalError {
-        JournalError::Unwritable {
-            path: path.to_owned(),
-            why: error.to_string(),
-        }
+    pub(crate) fn unwritable(path: &Path, error: io::Error) -> JournalError {
+        JournalError::Unwritable(path.to_owned(), error.to_string())
     }
+}
+
+/// Writes a file atomically, and its folder if that is missing.
+pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), JournalError> {
+    let folder = path.parent().unwrap_or(path);
+    let written = fs::create_dir_all(folder).and_then(|()| files::write_whole(path, bytes));
+    written.map_err(|error| JournalError::unwritable(path, error))
 }
 
 impl RunFolder {
@@ -115,9 +114,9 @@ impl RunFolder {
         !self.earlier.lines.is_empty()
     }
 
-    /// Returns how many steps an earlier part of the rollout took.
+    /// Returns how many steps of an earlier part of the rollout are to be repeated.
     pub fn earlier_steps(&self) -> u32 {
-        self.earlier.steps
+        self.earlier.lines.len().saturating_sub(1) as u32
     }
 
     /// Makes the first free folder `NAME-0001`, `NAME-0002`, … in `parent`.
@@ -167,10 +166,7 @@ impl RunFolder {
 
     /// Writes a file of the run atomically, and returns its name for the journal.
     pub fn keep(&self, name: &str, bytes: &[u8]) -> Result<String, JournalError> {
-        let path = self.path.join(name);
-        let folder = path.parent().unwrap_or(&self.path);
-        let written = fs::create_dir_all(folder).and_then(|()| files::write_whole(&path, bytes));
-        written.map_err(|error| self.unwritable(name, error))?;
+        write(&self.path.join(name), bytes)?;
         Ok(name.to_owned())
     }
 
@@ -193,7 +189,14 @@ impl RunFolder {
         let text = match question {
             Question::Line { text, .. } => text.clone().into_bytes(),
             Question::Prompt(request) => {
-                self.keep_images(request)?;
+                for part in request.messages.iter().flat_map(|message| &message.parts) {
+                    let Part::Image(png) = part else { continue };
+                    let name = image_name(png.sha256());
+                    // Files are written whole, so one that is there is complete.
+                    if !self.path.join(&name).exists() {
+                        self.keep(&name, png.bytes())?;
+                    }
+                }
                 if let Some(file) = &files.prompt {
                     self.keep(file, transcript(request).as_bytes())?;
                 }
@@ -229,18 +232,6 @@ impl RunFolder {
             result: attempt.finding.clone(),
             usage: reply.and_then(|reply| reply.usage),
         })
-    }
-
-    fn keep_images(&self, request: &Request) -> Result<(), JournalError> {
-        for part in request.messages.iter().flat_map(|message| &message.parts) {
-            let Part::Image(png) = part else { continue };
-            let name = image_name(png.sha256());
-            // Files are written whole, so one that is there is complete.
-            if !self.path.join(&name).exists() {
-                self.keep(&name, png.bytes())?;
-            }
-        }
-        Ok(())
     }
 
     fn unwritable(&self, name: &str, error: io::Error) -> JournalError {
@@ -290,8 +281,6 @@ fn transcript(request: &Request) -> String {
 struct ExistingLines {
     /// Those that have not been repeated yet, oldest first.
     lines: VecDeque<String>,
-    /// How many steps there were.
-    steps: u32,
     /// Bytes up to the end of the last line.
     bytes: u64,
 }
@@ -308,9 +297,7 @@ impl ExistingLines {
             let text = String::from_utf8_lossy(line).into_owned();
             match serde_json::from_str(&text) {
                 Ok(Line::Header(_)) if earlier.lines.is_empty() => {}
-                Ok(Line::Step(step)) if !earlier.lines.is_empty() && step.stopped.is_none() => {
-                    earlier.steps += 1;
-                }
+                Ok(Line::Step(step)) if !earlier.lines.is_empty() && step.stopped.is_none() => {}
                 Err(error) if error.is_data() => {
                     let number = earlier.lines.len() + 1;
                     return Err(format!(

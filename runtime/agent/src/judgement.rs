@@ -1,6 +1,20 @@
 //! A person's judgement of a finished rollout: whether the task was reached, and why not.
+//!
+//! On a real table the positions of the cloth's particles are unknown, so a person judges a fold, as in the paper. The
+//! caller decides who is asked, and how; nothing here prints.
 
+use crate::record::Report;
 use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Somebody who judges the result of a rollout.
+pub trait Operator: Sync {
+    /// Returns the operator's judgement of a rollout with the run folder `folder`; `None` if nobody answers, which is
+    /// recorded as such.
+    ///
+    /// Asked once, when the rest of the report is known, and never again when the run folder is read.
+    fn judge(&self, report: &Report, folder: &Path) -> Option<Judgement>;
+}
 
 /// A person's judgement of a rollout.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -121,7 +121,6 @@ pub mod demos;
 pub mod draft;
 pub mod examples;
 pub mod judgement;
-pub mod operator;
 pub mod outcome;
 pub mod pictures;
 pub mod result;

@@ -46,4 +46,16 @@ impl Outcome {
             Outcome::HorizonReached | Outcome::GoalReached | Outcome::PolicyStopped
         )
     }
+
+    /// Returns whether there is something for an operator to judge: not if the rollout was interrupted, ran out of budget,
+    /// lost its model, or was only planned.
+    pub(crate) fn is_judged(self) -> bool {
+        !matches!(
+            self,
+            Outcome::Interrupted
+                | Outcome::BudgetExhausted
+                | Outcome::ModelFailed
+                | Outcome::Planned
+        )
+    }
 }

@@ -64,7 +64,7 @@ impl Pictures {
         let encoded = |picture: &RgbImage| Png::new(png::encode(&lowering.resized(picture)));
         match picture {
             PromptPicture::File(file) => {
-                let png = self.examples.picture(file)?;
+                let png = self.examples.pictures.get(&file.path)?;
                 if *lowering == Lowering::PIXELS {
                     return Some(png.clone());
                 }

@@ -12,16 +12,16 @@ mod judge;
 mod onnx;
 mod prompted;
 mod proposing;
-pub mod protocol;
+mod protocol;
 mod random;
 mod rehearsing;
 
-pub use asking::{Asking, StepKind};
+pub use asking::Asking;
 pub use expert::Expert;
 pub use external::{External, Sight};
 pub use onnx::Onnx;
 pub use prompted::{
-    MessagePart, PromptError, Prompted, Rehearsed, StageMessage, conversation, opening, rehearse,
+    MessagePart, Prompted, Rehearsed, StageMessage, conversation, opening, rehearse,
 };
 pub use random::Random;
 pub use rehearsing::Rehearsing;
@@ -33,14 +33,13 @@ use crate::outcome::Outcome;
 use crate::pictures::Pictures;
 use crate::record::RehearsedStep;
 use crate::result::StepResult;
+use crate::rollout::RunError;
 use crate::scene::Scene;
 use fab_base::interrupt::Interrupt;
-use fab_model::calls::{CallRefused, Fault};
+use fab_model::calls::Fault;
 use fab_model::{Description as ModelDescription, Lowering, ModelKind, Reply, Request};
 use fab_picture::observation::Observation;
 use fab_program::facts::{ExecutedAction, Facts};
-use fab_program::pointing::Pointing;
-use fab_program::render::RenderError;
 use fab_program::reply::Stated;
 use fab_program::verify::Verdict;
 use fab_program::{Exhausted, Program, Proposal, Value};
@@ -48,7 +47,6 @@ use fab_world::start::Start;
 use fab_world::{Motion, Reach, Refuses};
 use image::RgbImage;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 
@@ -67,7 +65,7 @@ pub trait Policy {
     /// Returns a note for the user before the first step, if any.
     ///
     /// Fails if this policy cannot do the task at all.
-    fn prepare(&self, _program: &Program) -> Result<Option<String>, PolicyError> {
+    fn prepare(&self, _program: &Program) -> Result<Option<String>, RunError> {
         Ok(None)
     }
 
@@ -76,7 +74,7 @@ pub trait Policy {
         &mut self,
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
-    ) -> Result<Decision, PolicyError>;
+    ) -> Result<Decision, RunError>;
 
     /// Returns whether its answers are tried on twins where the task rehearses: [`Policy::again`] gives further ones.
     fn rehearses(&self) -> bool {
@@ -89,7 +87,7 @@ pub trait Policy {
         _step: &StepView<'_>,
         _exchange: &mut Exchange<'_, '_>,
         _again: Again<'_>,
-    ) -> Result<Option<Decision>, PolicyError> {
+    ) -> Result<Option<Decision>, RunError> {
         Ok(None)
     }
 }
@@ -260,17 +258,12 @@ impl<'a> StepView<'a> {
         }
     }
 
-    fn facts<'t>(self, texts: &'t BTreeMap<String, String>, pointing: Pointing) -> Facts<'t>
-    where
-        'a: 't,
-    {
+    /// Returns the facts of the step, with points as whole pixels of the camera's picture.
+    fn facts(self) -> Facts<'a> {
+        let pointing = Lowering::PIXELS.pointing(self.pictures.size());
         Facts {
-            scene: self.scene,
-            texts,
-            step: self.step,
             last: self.last,
-            proposal: None,
-            pointing,
+            ..Facts::of(self.scene, self.step, pointing)
         }
     }
 
@@ -283,11 +276,6 @@ impl<'a> StepView<'a> {
             reach: self.reach,
             refuses: self.refuses,
         }
-    }
-
-    /// Returns the notation of points as whole pixels of the camera's picture.
-    fn pixels(&self) -> Pointing {
-        Lowering::PIXELS.pointing(self.pictures.size())
     }
 
     /// Decides about a step without an answer: only faults of the policy are ever skipped.
@@ -485,24 +473,4 @@ pub struct Accepted {
     pub attempt: u32,
     /// The checks that were dropped after all questions were used up; empty if it passes every check.
     pub without: Vec<String>,
-}
-
-/// Why a step could not be decided.
-#[derive(Debug, thiserror::Error)]
-pub enum PolicyError {
-    /// The policy cannot do this task in this world.
-    #[error("{0}")]
-    Unfit(String),
-    /// A template and its values do not match; happens only in a hand-edited program.
-    #[error(transparent)]
-    Render(#[from] RenderError),
-    /// The messages of a stage cannot be written.
-    #[error(transparent)]
-    Prompt(#[from] PromptError),
-    /// An answer could not be stored, or is lost: nothing further may be asked.
-    #[error(transparent)]
-    Calls(CallRefused),
-    /// The run folder cannot be written.
-    #[error(transparent)]
-    Record(#[from] JournalError),
 }

@@ -229,7 +229,7 @@ pub struct Asked {
 }
 
 /// The results of a rollout.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct End {
     /// Its figures.
     pub report: Report,

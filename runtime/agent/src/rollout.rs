@@ -7,17 +7,17 @@
 mod covered;
 pub mod event;
 mod first;
-mod score;
 mod timer;
 mod tries;
 mod turn;
 mod writer;
 
+use crate::demos::DemosError;
 use crate::examples::Examples;
 use crate::journal::{JournalError, RunFolder};
-use crate::operator::Operator;
+use crate::judgement::Operator;
 use crate::outcome::Outcome;
-use crate::policy::{Asking, MakePolicy, PolicyError, PromptError, Rehearsing, StepKind};
+use crate::policy::{Asking, MakePolicy, Rehearsing};
 use crate::record::{Report, RunCosts};
 use crate::scene::SceneError;
 use crate::subgoals::SubgoalSet;
@@ -27,13 +27,13 @@ use event::At;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_base::wording::counted;
-use fab_model::calls::Budget;
-use fab_program::{ActionField, Choices, Manner, Program, manner_field};
+use fab_model::calls::{Budget, CallRefused};
+use fab_program::render::RenderError;
+use fab_program::{ActionField, Choices, Manner, Metric, Program, manner_field};
 use fab_vision::VisionError;
 use fab_world::expert::MakeWorld;
 use fab_world::start::{RESTING_HEIGHT_M, Start};
 use fab_world::{Grip, World, WorldError, WorldPoint};
-use score::{meets, score};
 use serde::{Deserialize, Serialize};
 use std::ops::Deref;
 use std::time::Instant;
@@ -121,42 +121,24 @@ pub enum RunError {
     /// The world cannot be set up.
     #[error(transparent)]
     World(#[from] WorldError),
-    /// The policy cannot do this task in this world.
+    /// The task cannot be done by this policy or in this world, or its results cannot be measured there.
     #[error("{0}")]
     Unfit(String),
-    /// A message could not be written, or an answer could not be stored or found.
+    /// A template and its values do not match, or a stage does not support the model's point convention.
     #[error(transparent)]
-    Policy(PolicyError),
+    Render(#[from] RenderError),
+    /// The demonstrations cannot be shown.
+    #[error(transparent)]
+    Demos(#[from] DemosError),
+    /// An answer could not be stored, or is lost: nothing further may be asked.
+    #[error(transparent)]
+    Calls(CallRefused),
     /// The picture of the start gives nothing to ask about.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The picture of the flat cloth cannot be compared with the camera's.
-    #[error("the picture of the flat cloth cannot be used: {0}")]
-    Flat(String),
-    /// The goal is a measure of coverage, which cannot be measured in this world.
-    #[error(
-        "the task's goal is a measure of coverage, and `{0}` knows neither its cloth's particles nor a picture of the flat cloth: give it one"
-    )]
-    Unmeasured(String),
     /// A picture cannot be drawn on.
     #[error(transparent)]
     Vision(#[from] VisionError),
-}
-
-impl From<PolicyError> for RunError {
-    fn from(error: PolicyError) -> Self {
-        match error {
-            PolicyError::Unfit(why) => RunError::Unfit(why),
-            PolicyError::Record(error) => RunError::Journal(error),
-            error => RunError::Policy(error),
-        }
-    }
-}
-
-impl From<PromptError> for RunError {
-    fn from(error: PromptError) -> Self {
-        RunError::from(PolicyError::from(error))
-    }
 }
 
 /// Runs a job to its end and writes everything into `folder`.
@@ -207,11 +189,7 @@ pub fn run(
     let mut tries = Tries::default();
     while let (None, Some(step)) = (ended, tries.step(job.horizon())) {
         tries.number += 1;
-        keeper.asking.step_kind = if keeper.folder.repeats() {
-            StepKind::Repeated
-        } else {
-            StepKind::New
-        };
+        keeper.asking.repeats = keeper.folder.repeats();
         let action = tries.number;
         let mut turn = Turn::new(job, At { action, step }, tries.before);
         let world = world.as_mut();
@@ -249,19 +227,22 @@ pub fn run(
         Some(outcome) => outcome,
     };
     let scored = if end.is_scored() {
-        score(job, world.as_ref(), &mut keeper, progress)
+        keeper.score(job, world.as_ref(), progress)
     } else {
         Ok(None)
     };
-    let (outcome, score) = match scored {
-        Ok(Some(score)) if meets(job.program.goal.as_ref(), score.distance_m) => {
-            (Outcome::GoalReached, Some(score))
+    // Goals judged after each step are already decided.
+    let goal = job.program.goal.as_ref();
+    let goal = goal.filter(|goal| goal.metric == Metric::ParticleDistance);
+    let outcome = match scored {
+        Ok(Some(distance_m)) if goal.is_some_and(|goal| goal.is_met(distance_m)) => {
+            Outcome::GoalReached
         }
-        Ok(score) => (end, score),
-        Err(RunError::World(WorldError::Interrupted)) => (Outcome::Interrupted, None),
+        Ok(_) => end,
+        Err(RunError::World(WorldError::Interrupted)) => Outcome::Interrupted,
         Err(error) => return Err(error),
     };
-    let ended = keeper.close(job, outcome, score, covered, begun.elapsed())?;
+    let ended = keeper.close(job, outcome, covered, begun.elapsed())?;
     progress(Event::End {
         report: Box::new(ended.clone()),
     });

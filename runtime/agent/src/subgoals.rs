@@ -5,14 +5,13 @@
 
 mod pins;
 
+use crate::journal::JournalError;
 use crate::task_files::{self, FileError};
 use fab_base::interrupt::Interrupt;
 use fab_picture::observation::Observation;
 use fab_picture::png;
 use fab_picture::png::PictureError;
-use fab_program::{
-    Arrow, Effect, Fold, Program, StepTrial, SubgoalImage, SubgoalStep, Subgoals, Trial,
-};
+use fab_program::{Arrow, Effect, Fold, Program, StepTrial, SubgoalStep, Subgoals, Trial};
 use fab_vision::VisionError;
 use fab_world::metrics::{ClothMoved, cloth_moved};
 use fab_world::start::Start;
@@ -20,7 +19,7 @@ use fab_world::{Grip, World, WorldError, expert, smallest_fold};
 use image::RgbImage;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Tail and tip of an arrow in a picture's pixels, `[column, row]`.
 pub type ArrowPx = [[f64; 2]; 2];
@@ -108,9 +107,9 @@ pub enum SubgoalError {
     /// A picture cannot be used.
     #[error("a subgoal picture cannot be used: {0}")]
     Picture(#[from] PictureError),
-    /// A file cannot be written; says why.
-    #[error("cannot write the subgoal picture `{0}`: {1}")]
-    Unwritable(PathBuf, String),
+    /// A file cannot be written.
+    #[error(transparent)]
+    Unwritable(#[from] JournalError),
     /// An arrow cannot be drawn.
     #[error(transparent)]
     Vision(#[from] VisionError),
@@ -129,18 +128,14 @@ impl SubgoalSet {
         world: &mut dyn World,
         interrupt: &Interrupt,
     ) -> Result<SubgoalSet, SubgoalError> {
-        match &program.subgoals {
-            None => Ok(SubgoalSet::default()),
-            Some(Subgoals::Images { images }) => load_images(images, folder),
-            Some(Subgoals::Demonstrate { folds }) => {
-                match pins::load(program, folds, folder, world) {
-                    Ok(set) => Ok(set),
-                    Err(origin) => {
-                        let (drawn, _) =
-                            demonstrate(program, folds, world, interrupt, &mut |_| {})?;
-                        Ok(SubgoalSet { origin, ..drawn })
-                    }
-                }
+        let Some(Subgoals::Demonstrate { folds }) = &program.subgoals else {
+            return load_images(program, folder);
+        };
+        match pins::load(program, folds, folder, world) {
+            Ok(set) => Ok(set),
+            Err(origin) => {
+                let (drawn, _) = demonstrate(program, folds, world, interrupt, &mut |_| {})?;
+                Ok(SubgoalSet { origin, ..drawn })
             }
         }
     }
@@ -157,15 +152,12 @@ impl SubgoalSet {
         interrupt: &Interrupt,
         watch: &mut dyn FnMut(Demonstrated<'_>),
     ) -> Result<SubgoalSet, SubgoalError> {
-        match &program.subgoals {
-            None => Ok(SubgoalSet::default()),
-            Some(Subgoals::Images { images }) => load_images(images, folder),
-            Some(Subgoals::Demonstrate { folds }) => {
-                let (set, steps) = demonstrate(program, folds, world, interrupt, watch)?;
-                let trial = tried(program, steps, world, interrupt)?;
-                Ok(SubgoalSet { trial, ..set })
-            }
-        }
+        let Some(Subgoals::Demonstrate { folds }) = &program.subgoals else {
+            return load_images(program, folder);
+        };
+        let (set, steps) = demonstrate(program, folds, world, interrupt, watch)?;
+        let trial = tried(program, steps, world, interrupt)?;
+        Ok(SubgoalSet { trial, ..set })
     }
 
     /// Returns the pictures around step `number`, from 0; the last step's if there are fewer, `None` if there are none
@@ -204,7 +196,11 @@ impl StepPictures {
     }
 }
 
-fn load_images(images: &[SubgoalImage], folder: &Path) -> Result<SubgoalSet, SubgoalError> {
+/// Loads the author's pictures; none if the task names none.
+fn load_images(program: &Program, folder: &Path) -> Result<SubgoalSet, SubgoalError> {
+    let Some(Subgoals::Images { images }) = &program.subgoals else {
+        return Ok(SubgoalSet::default());
+    };
     let mut set = SubgoalSet {
         origin: Origin::Author,
         ..SubgoalSet::default()

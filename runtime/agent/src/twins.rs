@@ -12,10 +12,11 @@ use fab_base::interrupt::Interrupt;
 use fab_picture::Mask;
 use fab_picture::observation::Observation;
 use fab_program::{Distrusted, Program, Rehearsal, RehearsalMeasure};
-use fab_vision::{Rectangle, VisionError};
+use fab_vision::Rectangle;
 use fab_world::twin::{Drawn, Kind, Sighting, Twin, TwinView};
 use fab_world::{Motion, WorldError};
 use image::RgbImage;
+use std::fmt::Display;
 use std::time::{Duration, Instant};
 
 /// How much higher than its flat surface a cloth may lie in the first picture, metres, where all but [`HIGHEST`] of it
@@ -74,39 +75,14 @@ struct Folded {
     picture: RgbImage,
 }
 
-/// A stop was requested.
-#[derive(Clone, Copy, Debug)]
-pub struct Interrupted;
-
-/// Why a step is not rehearsed.
-enum Aside {
-    Interrupted,
-    Because(String),
-}
-
-impl Aside {
-    fn of(what: &str) -> impl Fn(WorldError) -> Aside {
-        move |error| match error {
-            WorldError::Interrupted => Aside::Interrupted,
-            error => Aside::Because(format!("{what}: {error}")),
-        }
-    }
-}
-
-impl From<VisionError> for Aside {
-    fn from(error: VisionError) -> Aside {
-        Aside::Because(format!("the picture cannot be read: {error}"))
-    }
-}
-
-impl From<&str> for Aside {
-    fn from(why: &str) -> Aside {
-        Aside::Because(why.to_owned())
-    }
-}
-
 const NO_CLOTH: &str = "the picture shows no cloth";
 const NOT_SEEN: &str = "a twin cannot be seen";
+const UNREADABLE: &str = "the picture cannot be read";
+
+/// Says what could not be done, and why.
+fn because<E: Display>(what: &str) -> impl Fn(E) -> String {
+    move |error| format!("{what}: {error}")
+}
 
 impl<'p> Twins<'p> {
     /// Prepares the twins of a rollout; `None` if the task does not rehearse.
@@ -147,85 +123,74 @@ impl<'p> Twins<'p> {
         seen: (&Observation, Option<&Mask>),
         executed: Option<&Motion>,
         interrupt: &Interrupt,
-    ) -> Result<(), Interrupted> {
+    ) {
         let begun = Instant::now();
         self.step = step;
         self.line = RehearsedStep::default();
-        let compared = self.compare(seen, executed, interrupt);
+        self.line.aside = self.compare(seen, executed, interrupt).err();
         self.tried.clear();
         self.took += begun.elapsed();
-        match compared {
-            Ok(()) => Ok(()),
-            Err(Aside::Interrupted) => Err(Interrupted),
-            Err(Aside::Because(why)) => {
-                self.line.aside = Some(why);
-                Ok(())
-            }
-        }
     }
 
+    /// Fails with why the step is not rehearsed.
     fn compare(
         &mut self,
         (observation, cloth): (&Observation, Option<&Mask>),
         executed: Option<&Motion>,
         interrupt: &Interrupt,
-    ) -> Result<(), Aside> {
+    ) -> Result<(), String> {
         if let Some((since, why)) = &self.without {
-            let why = format!("there are no twins since step {since}: {why}");
-            return Err(Aside::Because(why));
+            return Err(format!("there are no twins since step {since}: {why}"));
         }
         let ready = if self.laid.is_empty() {
             self.lay(observation, cloth)
         } else {
             self.follow(executed, interrupt)
         };
-        if let Err(error) = ready {
-            let why = match &error {
-                Aside::Interrupted => "a stop was requested".to_owned(),
-                Aside::Because(why) => why.clone(),
-            };
-            self.without = Some((self.step, why));
-            return Err(error);
+        if let Err(why) = ready {
+            self.without = Some((self.step, why.clone()));
+            return Err(why);
         }
         let cloth = cloth.ok_or(NO_CLOTH)?;
         let mut overlaps = Vec::new();
         for it in &mut self.laid {
-            let view = it.twin.view().map_err(Aside::of(NOT_SEEN))?;
+            let view = it.twin.view().map_err(because(NOT_SEEN))?;
             overlaps.push(view.overlap_with(cloth, observation));
         }
         let (overlap, trusted) = (mean(&overlaps), self.rehearsal.trust_above);
         self.line.overlap = Some(overlap);
         if overlap <= trusted {
-            return Err(Aside::Because(format!(
+            return Err(format!(
                 "twins and camera overlap by {overlap:.3}, and the task trusts more than {trusted}"
-            )));
+            ));
         }
         let goal = self.subgoals.get(self.step as usize);
         let has_subgoal = goal.is_some_and(|goal| goal.area_px() > 0)
             && self.laid.iter().all(|it| it.alignment.is_some());
         if self.rehearsal.choose == Some(RehearsalMeasure::Overlap) && !has_subgoal {
-            return Err(Aside::Because(format!(
+            return Err(format!(
                 "no result of step {} can be compared: a subgoal picture shows no cloth",
                 self.step
-            )));
+            ));
         }
         Ok(())
     }
 
     /// Lays the twins where the camera sees the cloth.
-    fn lay(&mut self, observation: &Observation, cloth: Option<&Mask>) -> Result<(), Aside> {
+    fn lay(&mut self, observation: &Observation, cloth: Option<&Mask>) -> Result<(), String> {
         let cloth = cloth.ok_or(NO_CLOTH)?;
         let flat_m = self.program.cloth.rest_height_m();
         if let Some(raised_m) = raised_m(observation, cloth)
             && raised_m > flat_m + RAISED_M
         {
-            return Err(Aside::Because(format!(
+            return Err(format!(
                 "the cloth does not lie flat at first: more than a tenth of it is {:.0} mm above the table, and a flat cloth {:.1} mm",
                 raised_m * 1000.0,
                 flat_m * 1000.0
-            )));
+            ));
         }
-        let rectangle = fab_vision::rectangle_around(cloth)?.ok_or(NO_CLOTH)?;
+        let rectangle = fab_vision::rectangle_around(cloth).map_err(because(UNREADABLE))?;
+        let rectangle = rectangle.ok_or(NO_CLOTH)?;
         let seen = Sighting::of(observation, corners_px(&rectangle))
             .ok_or("the camera does not tell where on the table the cloth lies")?;
         let kind = Kind {
@@ -237,22 +202,22 @@ impl<'p> Twins<'p> {
         let twins = (1..=self.rehearsal.twin.draws).map(|draw| {
             let drawn = Drawn::by(kind.ranges, &format!("{} {draw}", self.seed));
             let twin = Twin::lay(&seen, &kind, drawn);
-            let mut twin = twin.map_err(Aside::of("a twin cannot be laid"))?;
-            let flat = twin.view().map_err(Aside::of(NOT_SEEN))?.silhouette;
+            let mut twin = twin.map_err(because("a twin cannot be laid"))?;
+            let flat = twin.view().map_err(because(NOT_SEEN))?.silhouette;
             let shown = self.subgoals.first();
-            let alignment = shown.map(|shown| Alignment::of(&flat, shown)).transpose()?;
+            let alignment = shown.map(|shown| Alignment::of(&flat, shown)).transpose();
             Ok(Laid {
                 twin,
                 flat_px: flat.area_px(),
-                alignment: alignment.flatten(),
+                alignment: alignment.map_err(because(UNREADABLE))?.flatten(),
             })
         });
-        self.laid = twins.collect::<Result<_, Aside>>()?;
+        self.laid = twins.collect::<Result<_, String>>()?;
         Ok(())
     }
 
     /// Does on the twins what the world has done since they were last compared.
-    fn follow(&mut self, executed: Option<&Motion>, interrupt: &Interrupt) -> Result<(), Aside> {
+    fn follow(&mut self, executed: Option<&Motion>, interrupt: &Interrupt) -> Result<(), String> {
         let Some(executed) = executed else {
             return Ok(());
         };
@@ -266,7 +231,7 @@ impl<'p> Twins<'p> {
         }
         for it in &mut self.laid {
             let followed = it.twin.fold(executed, interrupt);
-            followed.map_err(Aside::of("a twin could not follow the last action"))?;
+            followed.map_err(because("a twin could not follow the last action"))?;
         }
         Ok(())
     }
@@ -282,13 +247,13 @@ impl<'p> Twins<'p> {
     ///
     /// - `attempt`: the number of its question among those of the stage.
     ///
-    /// Returns the mean of the declared measure; `None` if none is declared, or a twin failed.
+    /// Returns the mean of the declared measure; `None` if none is declared, a twin failed, or a stop was requested.
     pub(crate) fn try_motion(
         &mut self,
         attempt: u32,
         motion: &Motion,
         interrupt: &Interrupt,
-    ) -> Result<Option<f64>, Interrupted> {
+    ) -> Option<f64> {
         let begun = Instant::now();
         let mut failed = None;
         if !self.tried.iter().any(|it| it.motion == *motion) {
@@ -299,7 +264,7 @@ impl<'p> Twins<'p> {
         }
         self.took += begun.elapsed();
         if let Some(WorldError::Interrupted) = failed {
-            return Err(Interrupted);
+            return None;
         }
         let tried = self.tried.iter().filter(|it| it.motion == *motion);
         let results = tried.flat_map(|it| &it.results);
@@ -311,7 +276,7 @@ impl<'p> Twins<'p> {
             twins,
             failed: failed.map(|error| error.to_string()),
         });
-        Ok(measure)
+        measure
     }
 
     fn fold(&self, motion: &Motion, interrupt: &Interrupt) -> Result<Tried, WorldError> {

@@ -27,7 +27,7 @@ pub use first_questions::first_questions_of;
 
 use fab_agent::demos::Demonstrations;
 use fab_agent::examples::Examples;
-use fab_agent::operator::Operator;
+use fab_agent::judgement::Operator;
 use fab_agent::policy::{self, MakePolicy};
 use fab_agent::rollout::{Event, RunError};
 use fab_agent::subgoals::SubgoalSet;

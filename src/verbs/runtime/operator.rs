@@ -5,8 +5,7 @@
 
 use crate::io::Io;
 use crate::verbs::runtime::robot::terminal::{self, choose, yes_or_no};
-use fab_agent::judgement::{Cause, Judgement};
-use fab_agent::operator::Operator;
+use fab_agent::judgement::{Cause, Judgement, Operator};
 use fab_agent::record::Report;
 use std::path::Path;
 

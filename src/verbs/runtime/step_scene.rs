@@ -118,7 +118,7 @@ fn stand_in_action(
         text: &Geometric,
     };
     let mut exchange = Exchange {
-        asking: &mut Asking::unrecorded(),
+        asking: &mut Asking::default(),
         record: &mut |_| Ok(()),
         interrupt: &Interrupt::default(),
     };

@@ -27,7 +27,6 @@ use crate::scene::SceneError;
 use crate::subgoals::SubgoalSet;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
-use fab_program::facts::ExecutedAction;
 use fab_program::render::RenderError;
 use fab_program::{Metric, Program, Proposal, space};
 use fab_world::WorldError;
@@ -89,14 +88,6 @@ pub struct Choice {
 }
 
 impl Choice {
-    fn executed(&self) -> ExecutedAction {
-        ExecutedAction {
-            proposal: self.proposal.clone(),
-            pick: self.action.pick_on_cloth_px,
-            place: self.action.place_px,
-        }
-    }
-
     /// Returns the action of a step of a record; `None` if it executed none.
     pub fn of(step: &record::Step) -> Option<Choice> {
         step.executed.as_ref()?;

@@ -16,7 +16,7 @@ use fab_program::Exhausted;
 use fab_program::facts::Facts;
 use fab_program::pointing::Pointing;
 use fab_world::{Fork, World, WorldError};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::time::Instant;
 
 /// States of one depth whose worlds are kept; any other state is reached again from the start.
@@ -286,14 +286,13 @@ impl<'a> Tree<'a> {
             reach: &|point| world.out_of_reach(point),
             refuses: &|motion| world.refuses(motion),
         };
-        let last = last.flatten().map(Choice::executed);
+        let pointing = Pointing::of_camera(&search.program.camera);
+        let last = last
+            .flatten()
+            .map(|it| it.action.executed(it.proposal.clone()));
         let facts = Facts {
-            scene: &scene,
-            texts: &BTreeMap::new(),
-            step,
             last: last.as_ref(),
-            proposal: None,
-            pointing: Pointing::of_camera(&search.program.camera),
+            ..Facts::of(&scene, step, pointing)
         };
         let chance = Chance::of(&format!("offered actions {} {node}", search.limits.seed));
         Offers::of(ground, facts, &experts, chance, search.interrupt)

@@ -13,7 +13,7 @@ use fab_base::interrupt::Interrupt;
 use fab_base::wording::quoted;
 use fab_picture::SubpixelPoint;
 use fab_program::Proposal;
-use fab_program::facts::{ExecutedAction, Facts};
+use fab_program::facts::Facts;
 use fab_program::pointing::Pointing;
 use fab_program::render::RenderError;
 use fab_program::scene::SceneView;
@@ -234,12 +234,9 @@ fn demonstrate(
             .map(|name| ((*name).to_owned(), instruction.clone()));
         let texts: BTreeMap<String, String> = texts.collect();
         let facts = Facts {
-            scene: &scene,
             texts: &texts,
-            step: number,
             last: last.as_ref(),
-            proposal: None,
-            pointing: Pointing::of_camera(&program.camera),
+            ..Facts::of(&scene, number, Pointing::of_camera(&program.camera))
         };
         let verdict = verify::verdict(program, facts, &proposal, Strictness::Full)?;
         if let Verdict::Reject { check, .. } = verdict {
@@ -259,11 +256,7 @@ fn demonstrate(
         if done.has_missed() {
             return Err(Unfit::Missed(number));
         }
-        last = Some(ExecutedAction {
-            proposal,
-            pick: action.pick_on_cloth_px,
-            place: action.place_px,
-        });
+        last = Some(action.executed(proposal));
         first.get_or_insert(scene);
     }
     Ok(())

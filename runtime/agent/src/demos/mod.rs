@@ -8,7 +8,6 @@ mod words;
 
 pub use make::{DemoRequest, MakeError, make};
 
-use crate::examples::AnsweredExample;
 use crate::task_files::{self, FileError};
 use fab_base::files;
 use fab_program::Proposal;
@@ -167,7 +166,8 @@ impl Demonstrations {
         Ok(())
     }
 
-    /// Writes the demonstrations of a stage in a step, which counts from 1, in a model's point convention.
+    /// Writes the demonstrations of a stage in a step, which counts from 1, in a model's point convention: each a question
+    /// and its answer.
     ///
     /// Fails if a question cannot be written in that convention, or an answer would not be read back as chosen.
     pub fn answered_examples(
@@ -176,7 +176,7 @@ impl Demonstrations {
         stage: &str,
         step: u32,
         pointing: Pointing,
-    ) -> Result<Vec<AnsweredExample>, DemosError> {
+    ) -> Result<Vec<[PromptText; 2]>, DemosError> {
         let steps = match self.by_step.get(step.saturating_sub(1) as usize) {
             Some(steps) if stage == self.stage => steps.as_slice(),
             _ => &[],
@@ -194,10 +194,7 @@ impl Demonstrations {
                         line: *line,
                     }),
                 };
-                Ok(AnsweredExample {
-                    question: PromptText::of(question, origin.clone()),
-                    answer: PromptText::of(answer, origin),
-                })
+                Ok([question, answer].map(|text| PromptText::of(text, origin.clone())))
             })
             .collect::<Result<_, _>>()
             .map_err(DemosError::Frame)
@@ -253,12 +250,8 @@ fn question_and_answer(
     };
     let scene = DemoScene(&step.points);
     let facts = Facts {
-        scene: &scene,
         texts: &step.texts,
-        step: number,
-        last: None,
-        proposal: None,
-        pointing,
+        ..Facts::of(&scene, number, pointing)
     };
     let notation = facts.notation(program);
     let mut messages = render::messages(program, stage, Values::Known(facts))

@@ -3,28 +3,18 @@
 //! In: a model and a request. Out: its reply: either the one already in the rollout's ledger, or a new one, which is
 //! then stored there.
 
-use super::PolicyError;
+use crate::rollout::RunError;
 use fab_model::calls::{Budget, CallRefused, Ledger, LedgerError, Spent, Unrecorded};
 use fab_model::{Model, ModelError, ModelKind, Reply, Request};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The questions of one rollout.
+/// The questions of one rollout; by default, of none: nothing is stored.
 #[derive(Debug, Default)]
 pub struct Asking<'a> {
     ledger: Option<Ledger<'a>>,
-    /// What kind of step the next questions belong to.
-    pub step_kind: StepKind,
-}
-
-/// What kind of step the questions belong to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum StepKind {
-    /// A new step.
-    #[default]
-    New,
-    /// A completed step that is being repeated: its answers must be in the ledger, and nothing is sent.
-    Repeated,
+    /// Whether a completed step is being repeated: its answers must be in the ledger, and nothing is sent.
+    pub repeats: bool,
 }
 
 impl<'a> Asking<'a> {
@@ -32,13 +22,8 @@ impl<'a> Asking<'a> {
     pub fn in_folder(folder: &Path, budget: &'a Budget) -> Result<Asking<'a>, LedgerError> {
         Ok(Asking {
             ledger: Some(Ledger::open(folder, budget)?),
-            step_kind: StepKind::New,
+            repeats: false,
         })
-    }
-
-    /// Stores nothing: for questions outside any run.
-    pub fn unrecorded() -> Asking<'a> {
-        Asking::default()
     }
 
     /// Returns the model's reply.
@@ -54,7 +39,7 @@ impl<'a> Asking<'a> {
         if let Some(reply) = ledger.answered(&key) {
             return Ok(reply.clone());
         }
-        if self.step_kind == StepKind::Repeated {
+        if self.repeats {
             return Err(CallRefused::Lost.into());
         }
         ledger.asks(model, request);
@@ -71,19 +56,19 @@ impl<'a> Asking<'a> {
         &mut self,
         key: &str,
         ask: impl FnOnce() -> Result<Reply, E>,
-    ) -> Result<Result<Reply, E>, PolicyError> {
+    ) -> Result<Result<Reply, E>, RunError> {
         let Some(ledger) = &mut self.ledger else {
             return Ok(ask());
         };
         if let Some(reply) = ledger.answered(key) {
             return Ok(Ok(reply.clone()));
         }
-        if self.step_kind == StepKind::Repeated {
-            return Err(PolicyError::Calls(CallRefused::Lost));
+        if self.repeats {
+            return Err(RunError::Calls(CallRefused::Lost));
         }
         let answered = ask();
         if let Ok(reply) = &answered {
-            ledger.keep(key, reply).map_err(PolicyError::Calls)?;
+            ledger.keep(key, reply).map_err(RunError::Calls)?;
         }
         Ok(answered)
     }

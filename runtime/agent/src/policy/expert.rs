@@ -5,9 +5,10 @@
 //! lose against the demonstration. It sees true particles, so it must not be compared with other policies.
 
 use super::proposing::{Proposed, stop, until_accepted};
-use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, StepView};
+use super::{Decision, Description, Exchange, Kind, Policy, RunError, StepView};
 use crate::action::{Action, combinations};
 use crate::outcome::Outcome;
+use fab_picture::SubpixelPoint;
 use fab_picture::observation::Observation;
 use fab_program::space;
 use fab_program::{ActionField, Choices, Fold, PixelPoint, Program, Proposal, Subgoals, Value};
@@ -38,7 +39,7 @@ impl Policy for Expert {
         false
     }
 
-    fn prepare(&self, program: &Program) -> Result<Option<String>, PolicyError> {
+    fn prepare(&self, program: &Program) -> Result<Option<String>, RunError> {
         folds(program).map(|_| None)
     }
 
@@ -46,7 +47,7 @@ impl Policy for Expert {
         &mut self,
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
-    ) -> Result<Decision, PolicyError> {
+    ) -> Result<Decision, RunError> {
         let folds = folds(step.program)?;
         let aim = match folds.get(step.step as usize - 1) {
             Some(fold) => wanted(fold, step),
@@ -73,10 +74,10 @@ impl Policy for Expert {
 }
 
 /// Returns the folds that a task demonstrates.
-fn folds(program: &Program) -> Result<&[Fold], PolicyError> {
+fn folds(program: &Program) -> Result<&[Fold], RunError> {
     match &program.subgoals {
         Some(Subgoals::Demonstrate { folds }) => Ok(folds),
-        _ => Err(PolicyError::Unfit(format!(
+        _ => Err(RunError::Unfit(format!(
             "`{}` demonstrates no folds, so there is no expert for it: the expert policy follows `demonstrate` in `subgoals`",
             program.title()
         ))),
@@ -161,8 +162,7 @@ pub(super) fn least_refused(
 fn candidates(step: &StepView<'_>, field: &ActionField, [pick, place]: Aim) -> Vec<Value> {
     let target = if field.name == "place" { place } else { pick };
     if let Choices::Region { mask } = &field.choices {
-        let pixel = PixelPoint::new(target[0].floor() as i32, target[1].floor() as i32);
-        let nearest = step.scene.nearest_in(mask, pixel);
+        let nearest = step.scene.nearest_in(mask, SubpixelPoint::at(target).pixel);
         return nearest.map(Value::Point).into_iter().collect();
     }
     let mut values = space::choices(field, step.scene);

@@ -10,15 +10,14 @@ use super::protocol::{
     self, Decide, FieldValue, Last, Line, Offered, PROTOCOL, Pictures, Refused, grip,
 };
 use super::{
-    Decision, Description, Exchange, Exchanged, Finding, Kind, Policy, PolicyError, Question,
-    StepView,
+    Decision, Description, Exchange, Exchanged, Finding, Kind, Policy, Question, RunError, StepView,
 };
-use crate::journal::JournalError;
+use crate::journal::{self, JournalError};
 use crate::outcome::Outcome;
 use fab_base::child::{Child, ChildError, CommandLine, excerpt};
 use fab_base::interrupt::Interrupt;
 use fab_base::wording::quoted;
-use fab_base::{digest, files, npy};
+use fab_base::{digest, npy};
 use fab_model::Reply;
 use fab_picture::camera::Pinhole;
 use fab_picture::png;
@@ -86,14 +85,14 @@ impl Policy for External {
         &mut self,
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
-    ) -> Result<Decision, PolicyError> {
+    ) -> Result<Decision, RunError> {
         let Some(folder) = step.folder else {
             let why = "a program is asked in a rollout only: it gets files by their paths";
-            return Err(PolicyError::Unfit(why.to_owned()));
+            return Err(RunError::Unfit(why.to_owned()));
         };
         let folder = &std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
         if folder.to_str().is_none() {
-            return Err(PolicyError::Unfit(format!(
+            return Err(RunError::Unfit(format!(
                 "the run folder `{}` is not UTF-8, so no line can name it: choose another one with `--out`",
                 folder.display()
             )));
@@ -304,14 +303,7 @@ fn write_files(step: &StepView<'_>, folder: &Path) -> Result<(), JournalError> {
             .map(|truth| ("particles.npy", npy::encode(truth.particles))),
     );
     for (name, bytes) in files {
-        let path = file(step, folder, name);
-        let parent = path.parent().unwrap_or(folder);
-        let written =
-            std::fs::create_dir_all(parent).and_then(|()| files::write_whole(&path, &bytes));
-        written.map_err(|error| JournalError::Unwritable {
-            path,
-            why: error.to_string(),
-        })?;
+        journal::write(&file(step, folder, name), &bytes)?;
     }
     Ok(())
 }

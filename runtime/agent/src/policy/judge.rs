@@ -12,11 +12,10 @@ use fab_picture::observation::Observation;
 use fab_program::facts::Facts;
 use fab_program::pointing::Notation;
 use fab_program::render::RenderError;
-use fab_program::reply::{self, Malformed, Stated};
+use fab_program::reply::{self, Malformed};
 use fab_program::verify::{self, REACHABLE, Strictness, Verdict};
 use fab_program::{Program, Proposal, Read, Stage};
 use fab_world::{Reach, Refuses};
-use std::collections::BTreeMap;
 
 /// What an action is judged by, besides the facts of a prompt.
 #[derive(Clone, Copy)]
@@ -109,19 +108,15 @@ pub(super) fn judge(
             after,
         } => {
             let read = reply::read_text(before, after, text);
-            Ok(read.map_or_else(malformed, |read| {
-                let field = || name.clone();
-                let stated = read.stated.into_iter();
+            Ok(read.map_or_else(malformed, |mut read| {
+                for stated in &mut read.stated {
+                    stated.field.clone_from(name);
+                }
                 Finding::Text {
                     name: name.clone(),
                     value: read.value,
                     repairs: read.repairs,
-                    stated: stated
-                        .map(|it| Stated {
-                            field: field(),
-                            ..it
-                        })
-                        .collect(),
+                    stated: read.stated,
                 }
             }))
         }
@@ -153,7 +148,6 @@ pub(crate) fn is_accepted(
     } else {
         Strictness::Relaxed
     };
-    let texts = BTreeMap::new();
-    let facts = view.facts(&texts, view.pixels());
-    Ok(view.ground().verdict(facts, proposal, strictness)? == Verdict::Accept)
+    let verdict = view.ground().verdict(view.facts(), proposal, strictness)?;
+    Ok(verdict == Verdict::Accept)
 }

@@ -8,7 +8,7 @@
 
 use super::expert::least_refused;
 use super::proposing::{Proposed, stop, until_accepted};
-use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, StepView};
+use super::{Decision, Description, Exchange, Kind, Policy, RunError, StepView};
 use crate::action::{Action, combinations};
 use crate::outcome::Outcome;
 use fab_base::wording::quoted;
@@ -16,7 +16,6 @@ use fab_base::{digest, files};
 use fab_program::verify::{Strictness, Verdict};
 use fab_program::{Choices, Face, Program, Proposal, Value as FieldValue, space};
 use rten::{DataType, Dimension, Model, Value, ValueType};
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -176,8 +175,8 @@ impl Policy for Onnx {
         false
     }
 
-    fn prepare(&self, program: &Program) -> Result<Option<String>, PolicyError> {
-        let unfit = |why: String| Err(PolicyError::Unfit(why));
+    fn prepare(&self, program: &Program) -> Result<Option<String>, RunError> {
+        let unfit = |why: String| Err(RunError::Unfit(why));
         let (task, policy) = (program.title(), &self.name);
         for name in ["pick", "place"] {
             let field = program.field(name).map(|field| &field.choices);
@@ -209,7 +208,7 @@ impl Policy for Onnx {
         &mut self,
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
-    ) -> Result<Decision, PolicyError> {
+    ) -> Result<Decision, RunError> {
         let ranked = match self.offers(step) {
             Ok(offers) => self.ranked(step, accepted_first(step, offers)?),
             Err(why) => Err(why),
@@ -355,13 +354,10 @@ fn input(name: &str, step: &StepView<'_>, offers: &[Offer]) -> Vec<f32> {
 }
 
 /// Keeps the actions that the task's checks accept; all of them if there is none, for a task that then drops a check.
-fn accepted_first(step: &StepView<'_>, offers: Vec<Offer>) -> Result<Vec<Offer>, PolicyError> {
-    let texts = BTreeMap::new();
-    let facts = step.facts(&texts, step.pixels());
+fn accepted_first(step: &StepView<'_>, offers: Vec<Offer>) -> Result<Vec<Offer>, RunError> {
+    let (ground, facts) = (step.ground(), step.facts());
     let verdicts = offers.iter().map(|offer| {
-        let verdict = step
-            .ground()
-            .verdict(facts, &offer.proposal, Strictness::Full);
+        let verdict = ground.verdict(facts, &offer.proposal, Strictness::Full);
         verdict.map(|verdict| verdict == Verdict::Accept)
     });
     let accepted = verdicts.collect::<Result<Vec<_>, _>>()?;

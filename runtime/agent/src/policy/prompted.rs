@@ -8,11 +8,9 @@ mod rehearsal;
 mod talk;
 
 use super::proposing::{Refusal, Settled};
-use super::{
-    Again, Decision, Description, Exchange, Kind, Policy, PolicyError, RoleModels, StepView,
-};
+use super::{Again, Decision, Description, Exchange, Kind, Policy, RoleModels, RunError, StepView};
 use crate::outcome::Outcome;
-pub use conversation::{MessagePart, PromptError, StageMessage, conversation, opening};
+pub use conversation::{MessagePart, StageMessage, conversation, opening};
 use fab_model::{Description as ModelDescription, Models, Png, lowering};
 use fab_picture::png;
 use fab_program::render::{RenderError, Values};
@@ -74,7 +72,7 @@ impl Policy for Prompted<'_> {
         self.models.varies()
     }
 
-    fn prepare(&self, program: &Program) -> Result<Option<String>, PolicyError> {
+    fn prepare(&self, program: &Program) -> Result<Option<String>, RunError> {
         lowering::check(program, self.models).map_err(RenderError::from)?;
         Ok(lowering::note(program, self.models))
     }
@@ -88,7 +86,7 @@ impl Policy for Prompted<'_> {
         &mut self,
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
-    ) -> Result<Decision, PolicyError> {
+    ) -> Result<Decision, RunError> {
         self.texts.clear();
         self.acting.1.clear();
         let mut decision = step.without_answer(Outcome::MalformedReply);
@@ -116,7 +114,7 @@ impl Policy for Prompted<'_> {
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
         again: Again<'_>,
-    ) -> Result<Option<Decision>, PolicyError> {
+    ) -> Result<Option<Decision>, RunError> {
         // An earlier stage may have had no answer, so that nothing was acted on.
         if self.acting.1.is_empty() {
             return Ok(None);

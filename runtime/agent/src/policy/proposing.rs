@@ -4,14 +4,13 @@
 //! `attempts` limit the number of answers.
 
 use super::{
-    Accepted, Attempt, Decision, Exchange, Exchanged, Finding, PolicyError, Question, StepView,
+    Accepted, Attempt, Decision, Exchange, Exchanged, Finding, Question, RunError, StepView,
 };
 use crate::outcome::Outcome;
 use fab_model::Reply;
 use fab_program::Proposal;
 use fab_program::facts::Facts;
 use fab_program::verify::{OFFERED, Strictness, Verdict};
-use std::collections::BTreeMap;
 use std::time::Instant;
 
 /// The stage name in attempts of a policy without stages.
@@ -48,7 +47,7 @@ pub(super) struct Refusal {
 }
 
 /// Makes an attempt, given the refusals so far.
-type Ask<'p> = dyn FnMut(&[Refusal], &mut Exchange<'_, '_>) -> Result<Attempt, PolicyError> + 'p;
+type Ask<'p> = dyn FnMut(&[Refusal], &mut Exchange<'_, '_>) -> Result<Attempt, RunError> + 'p;
 
 /// Makes at most so many attempts, until an answer is accepted.
 pub(super) fn settle(
@@ -57,7 +56,7 @@ pub(super) fn settle(
     facts: Facts<'_>,
     exchange: &mut Exchange<'_, '_>,
     ask: &mut Ask<'_>,
-) -> Result<Settled, PolicyError> {
+) -> Result<Settled, RunError> {
     let mut refusals = Vec::new();
     let mut stage = String::new();
     for _ in 0..attempts {
@@ -145,17 +144,15 @@ pub(super) fn stop<T>(outcome: Outcome, why: impl Into<String>) -> Result<T, Box
 }
 
 /// Proposes an action, given the refusals so far.
-type Propose<'p> =
-    dyn FnMut(&[Refusal], &mut Exchange<'_, '_>) -> Result<Proposed, PolicyError> + 'p;
+type Propose<'p> = dyn FnMut(&[Refusal], &mut Exchange<'_, '_>) -> Result<Proposed, RunError> + 'p;
 
 /// Collects proposals of a policy without stages until one passes every check.
 pub(super) fn until_accepted(
     step: &StepView<'_>,
     exchange: &mut Exchange<'_, '_>,
     propose: &mut Propose<'_>,
-) -> Result<Decision, PolicyError> {
-    let texts = BTreeMap::new();
-    let facts = step.facts(&texts, step.pixels());
+) -> Result<Decision, RunError> {
+    let facts = step.facts();
     let attempts = step.program.verify.attempts;
     let settled = settle(
         step,

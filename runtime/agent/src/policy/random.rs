@@ -4,7 +4,7 @@
 //! draw.
 
 use super::proposing::{stop, until_accepted};
-use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, StepView};
+use super::{Decision, Description, Exchange, Kind, Policy, RunError, StepView};
 use crate::outcome::Outcome;
 use fab_base::chance::Chance;
 use fab_program::space;
@@ -31,7 +31,7 @@ impl Policy for Random {
         &mut self,
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
-    ) -> Result<Decision, PolicyError> {
+    ) -> Result<Decision, RunError> {
         let mut chance = Chance::of(&format!(
             "random policy {} {} {} {}",
             self.seed, step.start, step.repetition, step.number

@@ -6,11 +6,11 @@
 //! best. A policy without further answers has one, which is not tried.
 
 use super::{
-    Accepted, Again, Decision, Description, Exchange, Exchanged, Policy, PolicyError, StepView,
+    Accepted, Again, Decision, Description, Exchange, Exchanged, Policy, RunError, StepView,
 };
 use crate::action::Action;
 use crate::outcome::Outcome;
-use crate::twins::{Interrupted, Twins};
+use crate::twins::Twins;
 use fab_program::{Program, Proposal};
 use fab_world::Motion;
 
@@ -46,7 +46,7 @@ impl<'p> Rehearsing<'p> {
         &mut self,
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
-    ) -> Result<Decision, PolicyError> {
+    ) -> Result<Decision, RunError> {
         let first = self.inner.decide(step, exchange)?;
         let mut further = 0;
         let record = &mut *exchange.record;
@@ -76,7 +76,7 @@ impl<'p> Rehearsing<'p> {
         step: &StepView<'_>,
         first: Decision,
         exchange: &mut Exchange<'_, '_>,
-    ) -> Result<Decision, PolicyError> {
+    ) -> Result<Decision, RunError> {
         let interrupted = step.without_answer(Outcome::Interrupted);
         let rehearsal = self.twins.rehearsal;
         let mut stages = step.program.stages.iter();
@@ -91,10 +91,10 @@ impl<'p> Rehearsing<'p> {
             };
             match decision {
                 Some(Decision::Act { grips, accepted }) => {
-                    let tried = self.tried(step, answer, (grips, accepted), exchange);
-                    let Ok(candidate) = tried else {
+                    let candidate = self.tried(step, answer, (grips, accepted), exchange);
+                    if exchange.interrupt.is_raised() {
                         return Ok(interrupted);
-                    };
+                    }
                     if best.as_ref().is_none_or(|best| candidate.is_better(best)) {
                         best = Some(candidate);
                     }
@@ -136,7 +136,7 @@ impl<'p> Rehearsing<'p> {
                 {
                     self.tried(step, taken.answer, (grips, accepted), exchange)
                 }
-                Some(decision) if decision.is_interrupted() => Err(Interrupted),
+                Some(decision) if decision.is_interrupted() => return Ok(decision),
                 Some(decision) if decision.is_exhausted() => break,
                 Some(Decision::Stop { why, .. }) => {
                     self.fall_short(format!("revision {number} was not answered: {why}"));
@@ -144,9 +144,9 @@ impl<'p> Rehearsing<'p> {
                 }
                 _ => break,
             };
-            let Ok(revision) = revision else {
+            if exchange.interrupt.is_raised() {
                 return Ok(interrupted);
-            };
+            }
             let was_tried = self.twins.picture(revision.motion.as_ref()).is_some();
             if !was_tried || !admits(&mut highest, revision.measure) {
                 break;
@@ -171,25 +171,22 @@ impl<'p> Rehearsing<'p> {
         answer: u32,
         (grips, accepted): (Vec<Proposal>, Accepted),
         exchange: &mut Exchange<'_, '_>,
-    ) -> Result<Candidate, Interrupted> {
+    ) -> Candidate {
         let lowered = grips.iter().map(|proposal| {
             let action = Action::lower(step.program, proposal, step.scene, step.observation)?;
             Some(action.grip)
         });
         let motion = lowered.collect::<Option<_>>().map(|grips| Motion { grips });
-        let measure = match &motion {
-            Some(motion) => self
-                .twins
-                .try_motion(accepted.attempt, motion, exchange.interrupt)?,
-            None => None,
-        };
-        Ok(Candidate {
+        let (twins, interrupt) = (&mut self.twins, exchange.interrupt);
+        let measured = motion.as_ref();
+        let measured = measured.map(|it| twins.try_motion(accepted.attempt, it, interrupt));
+        Candidate {
             answer,
             grips,
             accepted,
             motion,
-            measure,
-        })
+            measure: measured.flatten(),
+        }
     }
 }
 
@@ -230,7 +227,7 @@ impl Policy for Rehearsing<'_> {
         self.inner.varies()
     }
 
-    fn prepare(&self, program: &Program) -> Result<Option<String>, PolicyError> {
+    fn prepare(&self, program: &Program) -> Result<Option<String>, RunError> {
         self.inner.prepare(program)
     }
 
@@ -238,11 +235,11 @@ impl Policy for Rehearsing<'_> {
         &mut self,
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
-    ) -> Result<Decision, PolicyError> {
+    ) -> Result<Decision, RunError> {
         let seen = (step.observation, step.scene.cloth());
         let (executed, interrupt) = (step.executed, exchange.interrupt);
-        let looked = self.twins.look(step.step, seen, executed, interrupt);
-        if let Err(Interrupted) = looked {
+        self.twins.look(step.step, seen, executed, interrupt);
+        if interrupt.is_raised() {
             return Ok(Decision::Stop {
                 outcome: Outcome::Interrupted,
                 why: "interrupted".to_owned(),

@@ -45,7 +45,10 @@ impl Covered {
         if let (None, Some(goal)) = (covered.source, goal)
             && goal.metric.is_judged_each_step()
         {
-            return Err(RunError::Unmeasured(world.name().to_owned()));
+            return Err(RunError::Unfit(format!(
+                "the task's goal is a measure of coverage, and `{}` knows neither its cloth's particles nor a picture of the flat cloth: give it one",
+                world.name()
+            )));
         }
         covered.at_start = covered.measured(job, world, seen.as_ref())?;
         covered.update(job, world, seen.as_ref())?;
@@ -123,19 +126,23 @@ impl Covered {
 
 /// Finds the cloth in the picture of the flat one, by the task's own mask.
 fn flat_mask(job: &Job<'_>, flat: &Observation, seen: &Observation) -> Result<Mask, RunError> {
+    let unusable = |why: &str| {
+        RunError::Unfit(format!(
+            "the picture of the flat cloth cannot be used: {why}"
+        ))
+    };
     if flat.rgb.dimensions() != seen.rgb.dimensions() {
         let [is, wanted] =
             [&flat.rgb, &seen.rgb].map(|it| format!("{} x {} px", it.width(), it.height()));
-        return Err(RunError::Flat(format!(
+        return Err(unusable(&format!(
             "it has {is}, and the camera takes {wanted}"
         )));
     }
     let mask = Scene::cloth_in(job.program, flat)?;
     mask.filter(|mask| !mask.is_empty()).ok_or_else(|| {
-        RunError::Flat(
+        unusable(
             "the task's first mask finds no cloth in it; it must show only the flat cloth on the table, and a \
-             picture without depth needs a mask by colour"
-                .to_owned(),
+             picture without depth needs a mask by colour",
         )
     })
 }

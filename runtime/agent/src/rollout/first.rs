@@ -13,7 +13,6 @@ use fab_program::facts::Facts;
 use fab_program::render::Values;
 use fab_program::reply;
 use fab_world::WorldPoint;
-use std::collections::BTreeMap;
 
 /// The first question of a stage.
 #[derive(Clone, Debug)]
@@ -38,17 +37,10 @@ pub fn first_questions(job: &Job<'_>, models: Models<'_>) -> Result<Vec<FirstQue
     let subgoals = job.subgoals.step(0)?;
     let examples = job.examples.clone();
     let pictures = Pictures::of(program, &scene, &observation, None, subgoals, examples)?;
-    let texts = BTreeMap::new();
     let question = |stage: &fab_program::Stage| {
         let lowering = models.of(stage.model).lowering();
-        let values = Values::Partly(Facts {
-            scene: &scene,
-            texts: &texts,
-            step: 1,
-            last: None,
-            proposal: None,
-            pointing: lowering.pointing(pictures.size()),
-        });
+        let facts = Facts::of(&scene, 1, lowering.pointing(pictures.size()));
+        let values = Values::Partly(facts);
         let asked = policy::conversation(program, stage, values, &pictures, 1, &lowering)?;
         Ok(FirstQuestion {
             stage: stage.name.clone(),

@@ -9,7 +9,7 @@ use super::{Event, Job, RunError};
 use crate::action::Action;
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
-use crate::policy::{self, Decision, Exchange, Exchanged, Policy, PolicyError, StepView, Truth};
+use crate::policy::{self, Decision, Exchange, Exchanged, Policy, StepView, Truth};
 use crate::record;
 use crate::result::StepResult;
 use crate::scene::{Scene, SceneError};
@@ -177,7 +177,9 @@ impl<'j> Turn<'j> {
                 Pictures::of(job.program, &scene, &observation, last, subgoals, examples);
             Ok::<_, RunError>(pictures?)
         })?;
-        let particles = world.particles().filter(|_| keeper.report.sees_particles);
+        let particles = world
+            .particles()
+            .filter(|_| keeper.end.report.sees_particles);
         let asking = Instant::now();
         let run = keeper.folder.path().to_owned();
         let start = job.start.digest();
@@ -185,7 +187,7 @@ impl<'j> Turn<'j> {
         let RolloutWriter {
             folder,
             asking: ledger,
-            report,
+            end,
             ..
         } = keeper;
         let mut record = |exchanged: Exchanged<'_>| {
@@ -201,7 +203,7 @@ impl<'j> Turn<'j> {
                     progress(Event::Question { of, files });
                 }
                 Exchanged::Attempt(attempt) => {
-                    report.count(attempt);
+                    end.report.count(attempt);
                     let of = AttemptOf::new(at, &attempt.stage, attempt.number);
                     let asked = folder.keep_attempt(&of, attempt)?;
                     self.timer.add(&attempt.stage, attempt.took);
@@ -284,8 +286,7 @@ impl<'j> Turn<'j> {
                     ))
                 })?;
                 // Whoever decided, an action that a check refuses is not executed.
-                let is_accepted = policy::is_accepted(view, &proposal, &accepted);
-                if !is_accepted.map_err(PolicyError::from)? {
+                if !policy::is_accepted(view, &proposal, &accepted)? {
                     let why = "the policy decided an action that the task's checks refuse";
                     return Ok(self.stop(Outcome::PolicyFailed, why));
                 }
@@ -341,11 +342,7 @@ impl<'j> Turn<'j> {
             Some(format!("{name} {}", space::text(field, value)))
         });
         let other_values = beside.collect();
-        memory.last = Some(ExecutedAction {
-            pick: action.pick_on_cloth_px,
-            place: action.place_px,
-            proposal,
-        });
+        memory.last = Some(action.executed(proposal));
         let accepted = self.line.accepted.as_ref();
         progress(Event::Motion {
             at,

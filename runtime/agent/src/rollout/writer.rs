@@ -1,26 +1,26 @@
 //! Writes a rollout's record and final report.
 
 use super::covered::Covered;
-use super::score::Score;
 use super::timer::Timer;
 use super::turn::Turn;
 use super::{Ended, Event, Job, RunError};
 use crate::journal::{JournalError, RunFolder};
-use crate::operator;
 use crate::outcome::Outcome;
 use crate::policy::{self, Asking, Attempt, Finding};
 use crate::record::{
-    self, End, Header, JudgedBy, Line, Progress, Report, RunCosts, Spent, StartFile, StepSpent,
+    self, End, ExpertDistance, Header, JudgedBy, Line, Progress, Report, RunCosts, Spent,
+    StartFile, StepSpent,
 };
 use crate::sheet::{SHEET_FILE, Sheet};
 use fab_base::{digest, npy};
 use fab_model::calls::Usd;
 use fab_picture::png;
 use fab_program::verify::Verdict;
-use fab_world::World;
+use fab_world::expert::{self, Sequences};
 use fab_world::start::Up;
+use fab_world::{World, metrics};
 use image::RgbImage;
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// Writes a rollout into its folder.
 pub(super) struct RolloutWriter<'j> {
@@ -29,12 +29,13 @@ pub(super) struct RolloutWriter<'j> {
     pub(super) asking: Asking<'j>,
     pub(super) sheet: Sheet,
     /// What is known of the rollout so far.
-    pub(super) report: Report,
+    pub(super) end: End,
+    /// How many expert results had to be simulated.
+    pub(super) experts_simulated: usize,
     run_id: String,
     /// Planning times of the actions that were asked for, seconds.
     planned_s: Vec<f64>,
     last_skip: Option<Outcome>,
-    final_positions: Option<String>,
 }
 
 impl<'j> RolloutWriter<'j> {
@@ -105,11 +106,14 @@ impl<'j> RolloutWriter<'j> {
             asking,
             timer: Timer::default(),
             sheet: Sheet::default(),
-            report,
+            end: End {
+                report,
+                ..End::default()
+            },
+            experts_simulated: 0,
             run_id,
             planned_s: Vec::new(),
             last_skip: None,
-            final_positions: None,
         })
     }
 
@@ -134,7 +138,7 @@ impl<'j> RolloutWriter<'j> {
             let name = self.folder.keep(&name, &npy::encode(&positions))?;
             line.files.positions = Some(name.clone());
             line.digest = Some(digest::of_positions(&positions));
-            self.final_positions = Some(name);
+            self.end.final_positions = Some(name);
         }
         Ok(())
     }
@@ -154,7 +158,7 @@ impl<'j> RolloutWriter<'j> {
         }))?;
         self.planned_s.extend(planning_s);
         self.timer.absorb(&turn.timer);
-        let report = &mut self.report;
+        let report = &mut self.end.report;
         report.stopped.clone_from(&line.stopped);
         if line.executed.is_some() {
             report.steps += 1;
@@ -180,10 +184,76 @@ impl<'j> RolloutWriter<'j> {
     /// A rollout in which nothing was ever executed ends as its last step would have.
     pub(super) fn outcome_at_horizon(&self, is_goal_met: bool) -> Outcome {
         match self.last_skip {
-            Some(skipped) if self.report.steps == 0 => skipped,
+            Some(skipped) if self.end.report.steps == 0 => skipped,
             _ if is_goal_met => Outcome::GoalReached,
             _ => Outcome::HorizonReached,
         }
+    }
+
+    /// Compares the final state with the expert results, stores those beside it, and returns its distance from the nearest,
+    /// metres.
+    ///
+    /// `None` if there is nothing to score, or nothing to score it against. Fails also if it is interrupted.
+    pub(super) fn score(
+        &mut self,
+        job: &Job<'_>,
+        world: &dyn World,
+        progress: &mut dyn FnMut(Event),
+    ) -> Result<Option<f64>, RunError> {
+        let sequences = &job.program.experts;
+        let particles = world.particles().filter(|_| !sequences.is_empty());
+        let Some(particles) = particles else {
+            return Ok(None);
+        };
+        let begun = Instant::now();
+        let total = sequences.len();
+        let results = expert::ends(
+            Sequences {
+                folds: sequences,
+                manner: job.program.manner,
+            },
+            job.start,
+            job.make_expert_world,
+            job.cache,
+            job.interrupt,
+            &mut |missing| progress(Event::Experts { missing, total }),
+        )?;
+        self.timer.add("experts", begun.elapsed());
+        if let Some(note) = results.not_kept {
+            progress(Event::Note { note });
+        }
+        let mut nearest: Option<(usize, f64)> = None;
+        let mut experts = Vec::with_capacity(results.ends.len());
+        for end in &results.ends {
+            let distance_m = metrics::mean_particle_distance_m(&particles, &end.positions);
+            let Some(distance_m) = distance_m else {
+                continue;
+            };
+            let sequence = end.sequence + 1;
+            let file = format!("experts/{sequence}.npy");
+            experts.push(ExpertDistance {
+                sequence,
+                file: self.folder.keep(&file, &npy::encode(&end.positions))?,
+                distance_mm: distance_m * 1000.0,
+                folds: sequences[end.sequence].folds.clone(),
+            });
+            if nearest.is_none_or(|(_, least_m)| distance_m < least_m) {
+                nearest = Some((sequence, distance_m));
+            }
+        }
+        let Some((sequence, distance_m)) = nearest else {
+            return Ok(None);
+        };
+        self.experts_simulated = results.simulated;
+        let end = &mut self.end;
+        end.nearest_expert = Some(sequence);
+        end.experts = Some(experts);
+        end.report.mean_particle_distance_mm = Some(distance_m * 1000.0);
+        end.report.judged_by = Some(JudgedBy {
+            world: results.world,
+            grid: [job.start.grid.dimx, job.start.grid.dimy],
+        });
+        Ok(Some(distance_m))
     }
 
     /// Writes contact sheet and end line, and returns the report.
@@ -191,25 +261,17 @@ impl<'j> RolloutWriter<'j> {
         mut self,
         job: &Job<'_>,
         outcome: Outcome,
-        score: Option<Score>,
         covered: Covered,
         wall: Duration,
     ) -> Result<Ended, RunError> {
         let goal = job.program.goal.as_ref().filter(|it| covered.judges(it));
-        let mut report = Report {
-            outcome,
-            goal_reached: goal.map(|_| outcome == Outcome::GoalReached),
-            mean_particle_distance_mm: score.as_ref().map(|score| score.distance_m * 1000.0),
-            judged_by: score.as_ref().map(|score| JudgedBy {
-                world: score.world.clone(),
-                grid: [job.start.grid.dimx, job.start.grid.dimy],
-            }),
-            coverage_source: covered.source,
-            measures: covered.now,
-            coverage_at_start: covered.at_start.coverage,
-            coverage_true_at_start: covered.at_start.coverage_true,
-            ..self.report
-        };
+        let report = &mut self.end.report;
+        report.outcome = outcome;
+        report.goal_reached = goal.map(|_| outcome == Outcome::GoalReached);
+        report.coverage_source = covered.source;
+        report.measures = covered.now;
+        report.coverage_at_start = covered.at_start.coverage;
+        report.coverage_true_at_start = covered.at_start.coverage_true;
         let spent = self.asking.spent();
         let n_planned = self.planned_s.len();
         let took = RunCosts {
@@ -225,26 +287,19 @@ impl<'j> RolloutWriter<'j> {
             cost_usd_at_most: spent.priced_at_most().map(Usd::dollars),
             run_dir: self.folder.path().display().to_string(),
             run_id: self.run_id,
-            experts_simulated: score.as_ref().map_or(0, |score| score.simulated),
+            experts_simulated: self.experts_simulated,
             seconds: self.timer.seconds,
             wall_s: wall.as_secs_f64(),
         };
-        if let Some(operator) = job.operator.filter(|_| operator::is_judged(outcome)) {
-            report.operator = operator.judge(&report, self.folder.path());
+        if let Some(operator) = job.operator.filter(|_| outcome.is_judged()) {
+            report.operator = operator.judge(report, self.folder.path());
         }
         // A failed contact sheet must not lose a finished rollout.
-        let sheet = match self.sheet.picture(&report).unwrap_or_default() {
-            Some(picture) => Some(self.folder.keep(SHEET_FILE, &png::encode(&picture))?),
-            None => None,
-        };
-        let end = End {
-            report: report.clone(),
-            final_positions: self.final_positions,
-            nearest_expert: score.as_ref().map(|score| score.sequence),
-            experts: score.map(|score| score.experts),
-            sheet,
-        };
-        self.folder.append(&Line::End(Box::new(end)))?;
+        if let Some(picture) = self.sheet.picture(report).unwrap_or_default() {
+            self.end.sheet = Some(self.folder.keep(SHEET_FILE, &png::encode(&picture))?);
+        }
+        let report = report.clone();
+        self.folder.append(&Line::End(Box::new(self.end)))?;
         self.folder.spend(&Spent::End {
             report: Box::new(took.clone()),
         })?;

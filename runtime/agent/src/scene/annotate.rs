@@ -1,14 +1,20 @@
-//! Resolves a task's annotation layers to pixels, and draws them on the camera's picture.
+//! Draws keypoints and a task's annotation layers on the camera's picture, all at once or one after the other.
 
-use super::{Scene, SceneError};
+use super::{Extracted, Scene, SceneError, pixels};
+use fab_picture::mask_picture;
 use fab_program::eval;
 use fab_program::facts::{ExecutedAction, Facts};
 use fab_program::pointing::Pointing;
 use fab_program::scene::{Missing, SceneView};
 use fab_program::{Layer, Mark, PixelPoint, Point, Program, Spot};
 use fab_vision::{DrawnLayer, DrawnShape};
-use image::RgbImage;
-use std::collections::BTreeMap;
+use image::{DynamicImage, RgbImage};
+
+/// The colour of keypoints, rare among cloths, tables and layers.
+const MAGENTA: [u8; 3] = [255, 0, 255];
+
+/// Radius of a keypoint's dot, pixels; the paper's.
+const DOT_PX: u32 = 3;
 
 impl Scene {
     /// Returns the camera's picture with the task's layers on it, later ones over earlier ones.
@@ -25,21 +31,17 @@ impl Scene {
     }
 
     /// Draws some of the task's layers, as [`Scene::annotated`] does.
-    pub(super) fn with_layers(
+    fn with_layers(
         &self,
         program: &Program,
         layers: &[Layer],
         rgb: &RgbImage,
         last: Option<&ExecutedAction>,
     ) -> Result<RgbImage, SceneError> {
-        let texts = BTreeMap::new();
+        let pointing = Pointing::of_camera(&program.camera);
         let facts = Facts {
-            scene: self,
-            texts: &texts,
-            step: 1,
             last,
-            proposal: None,
-            pointing: Pointing::of_camera(&program.camera),
+            ..Facts::of(self, 1, pointing)
         };
         let mut drawn = Vec::with_capacity(layers.len());
         for layer in layers {
@@ -51,6 +53,31 @@ impl Scene {
             }
         }
         Ok(fab_vision::draw_layers(rgb, &drawn)?)
+    }
+
+    /// Draws every keypoint, then every layer over the previous ones, each with its name; the last picture is
+    /// [`Scene::annotated`].
+    ///
+    /// A mask is white on black; other keypoints are drawn on the camera's picture, points numbered in their order. A
+    /// layer that needs the previous action is omitted if there is none. Fails as [`Scene::annotated`] does.
+    pub fn stages(
+        &self,
+        program: &Program,
+        rgb: &RgbImage,
+        last: Option<&ExecutedAction>,
+    ) -> Result<Vec<(String, RgbImage)>, SceneError> {
+        let mut stages = Vec::with_capacity(self.found.len() + program.layers.len());
+        for (name, found) in &self.found {
+            stages.push((name.clone(), drawn(found, rgb)?));
+        }
+        for (index, layer) in program.layers.iter().enumerate() {
+            if last.is_some() || !layer.uses_last() {
+                let layers = &program.layers[..=index];
+                let picture = self.with_layers(program, layers, rgb, last)?;
+                stages.push((layer.name.clone(), picture));
+            }
+        }
+        Ok(stages)
     }
 
     fn shape(
@@ -112,4 +139,34 @@ impl Scene {
             },
         })
     }
+}
+
+fn drawn(found: &Extracted, rgb: &RgbImage) -> Result<RgbImage, SceneError> {
+    let dots = |at| DrawnShape::Dots {
+        at,
+        radius_px: DOT_PX,
+    };
+    let shapes = match found {
+        Extracted::Mask(mask) => {
+            return Ok(DynamicImage::from(mask_picture(mask)).into_rgb8());
+        }
+        Extracted::Box(corners) => vec![DrawnShape::Box {
+            corners: *corners,
+            spacing_px: 1,
+        }],
+        Extracted::Outline(points) => vec![DrawnShape::Outline {
+            points: points.clone(),
+            width_px: 1,
+        }],
+        Extracted::Points(points) => {
+            let at = pixels(points);
+            vec![dots(at.clone()), DrawnShape::Numbers { at }]
+        }
+        Extracted::Point(point) => vec![dots(vec![point.pixel])],
+    };
+    let layers = shapes.into_iter().map(|shape| DrawnLayer {
+        rgb: MAGENTA,
+        shape,
+    });
+    Ok(fab_vision::draw_layers(rgb, &layers.collect::<Vec<_>>())?)
 }

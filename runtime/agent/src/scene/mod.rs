@@ -6,7 +6,6 @@
 mod annotate;
 mod extract;
 mod reach;
-mod stages;
 #[cfg(test)]
 mod tests;
 
@@ -223,6 +222,28 @@ impl Scene {
     pub fn located(&self, pixel: PixelPoint) -> Option<[f64; 2]> {
         let mut points = self.found.iter().flat_map(|(_, found)| found.points());
         points.find(|point| point.pixel == pixel).map(|it| it.at)
+    }
+
+    /// Returns the pixels of each keypoint that is not a mask: points in their detector's order, the left-top and
+    /// right-bottom pixels of a box, an outline's corners.
+    pub fn keypoints(&self) -> Vec<(&str, Vec<PixelPoint>)> {
+        let listed = self.found.iter().filter_map(|(name, found)| {
+            let points = match found {
+                Extracted::Mask(_) => return None,
+                Extracted::Box(corners) => corners.to_vec(),
+                Extracted::Outline(points) => points.clone(),
+                Extracted::Points(_) | Extracted::Point(_) => pixels(found.points()),
+            };
+            Some((name.as_str(), points))
+        });
+        listed.collect()
+    }
+
+    /// Returns each keypoint that is a mask.
+    pub fn masks(&self) -> Vec<(&str, &Mask)> {
+        let found = self.found.iter();
+        let masks = found.filter_map(|(name, found)| Some((name.as_str(), found.mask()?)));
+        masks.collect()
     }
 
     /// Returns the points as JSON, `{name: [[u, v], …]}`; a mask is given as its number of pixels. Points out of reach

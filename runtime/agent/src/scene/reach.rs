@@ -1,7 +1,7 @@
 //! Removes unreachable candidate points from a scene, before anybody chooses among them.
 //!
 //! In: a scene, its observation, and the world's reach. Out: the scene without these points, with the reasons. Answers
-//! that lead elsewhere, by a direction or to any pixel of a mask, are judged later (`policy/reach.rs`).
+//! that lead elsewhere, by a direction or to any pixel of a mask, are judged later (`policy/judge.rs`).
 
 use super::{Extracted, Scene, SceneError};
 use crate::action;

@@ -4,6 +4,7 @@
 //! program. `pins.json` beside them records what they were drawn from, and their hashes.
 
 use super::{ArrowPx, Origin, SubgoalError, SubgoalSet};
+use crate::journal::{self, JournalError};
 use fab_base::files;
 use fab_picture::png;
 use fab_program::{Fold, PINS_FILE, Program, Subgoals, Trial, pins_folder};
@@ -12,7 +13,6 @@ use image::RgbImage;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
 /// The contents of `pins.json` beside the pinned pictures: what they were drawn from.
@@ -117,19 +117,15 @@ impl SubgoalSet {
             return Ok(Vec::new());
         };
         let target = pin_folder(program, folder);
-        let unwritable = |path: &Path, error: io::Error| {
-            SubgoalError::Unwritable(path.to_owned(), error.to_string())
-        };
-        fs::create_dir_all(&target).map_err(|error| unwritable(&target, error))?;
         let description = target.join(PINS_FILE);
         if description.exists() {
-            fs::remove_file(&description).map_err(|error| unwritable(&description, error))?;
+            let removed = fs::remove_file(&description);
+            removed.map_err(|error| JournalError::unwritable(&description, error))?;
         }
         let mut files = Vec::new();
         for (number, picture) in self.pictures.iter().enumerate() {
             let path = target.join(format!("{number}.png"));
-            files::write_whole(&path, &png::encode(picture))
-                .map_err(|error| unwritable(&path, error))?;
+            journal::write(&path, &png::encode(picture))?;
             files.push(path);
         }
         let pins = Pins {
@@ -141,8 +137,7 @@ impl SubgoalSet {
             tried: self.trial.clone(),
         };
         let text = serde_json::to_string_pretty(&pins).expect("pins hold finite numbers") + "\n";
-        files::write_whole(&description, text.as_bytes())
-            .map_err(|error| unwritable(&description, error))?;
+        journal::write(&description, text.as_bytes())?;
         files.push(description);
         Ok(files)
     }

@@ -4,25 +4,14 @@
 //! line, each picture its bytes in the model's size. `fabc render`, `fabc snap` and rollouts all call this, so they show
 //! and send the same messages.
 
-use crate::demos::DemosError;
 use crate::examples::Examples;
 use crate::pictures::Pictures;
+use crate::rollout::RunError;
 use fab_model::{Lowering, Message, Part, Png, Speaker};
 use fab_program::render::{
     self, NUMBERED_POINTS, PromptPicture, PromptSpeaker, PromptText, RenderError, Values,
 };
 use fab_program::{Picture, Program, Stage};
-
-/// Why the messages of a stage cannot be written.
-#[derive(Debug, thiserror::Error)]
-pub enum PromptError {
-    /// A template and its values do not match, or the stage does not support the model's point convention.
-    #[error(transparent)]
-    Render(#[from] RenderError),
-    /// The demonstrations cannot be shown.
-    #[error(transparent)]
-    Demos(#[from] DemosError),
-}
 
 /// A message of a stage.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,7 +70,7 @@ pub fn opening(
     values: Values<'_>,
     examples: &Examples,
     step: u32,
-) -> Result<Vec<StageMessage>, PromptError> {
+) -> Result<Vec<StageMessage>, RunError> {
     let notation = values.notation(program);
     let mut spoken = Vec::new();
     for prompt in render::messages(program, stage, values)? {
@@ -108,10 +97,10 @@ pub fn opening(
         Some(shown) => shown.answered_examples(program, &stage.name, step, pointing)?,
         None => Vec::new(),
     };
-    let answered = answered.into_iter().flat_map(|example| {
+    let answered = answered.into_iter().flat_map(|[question, answer]| {
         [
-            StageMessage::text(Speaker::User, example.question),
-            StageMessage::text(Speaker::Assistant, example.answer),
+            StageMessage::text(Speaker::User, question),
+            StageMessage::text(Speaker::Assistant, answer),
         ]
     });
     spoken.splice(question..question, answered);
@@ -128,7 +117,7 @@ pub fn conversation(
     pictures: &Pictures,
     step: u32,
     lowering: &Lowering,
-) -> Result<Vec<StageMessage>, PromptError> {
+) -> Result<Vec<StageMessage>, RunError> {
     let values = values.with_pointing(lowering.pointing(pictures.size()));
     let notation = values.notation(program);
     let mut messages = opening(program, stage, values, &pictures.examples, step)?;

@@ -7,7 +7,7 @@
 use super::StageMessage;
 use super::talk::{Setting, Talk};
 use crate::policy::proposing::Settled;
-use crate::policy::{Asking, Exchange, Exchanged, Finding, PolicyError, StepView};
+use crate::policy::{Asking, Exchange, Exchanged, Finding, RunError, StepView};
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::Calls;
 use fab_model::{Lowering, Model, ModelError, ModelKind, Reply, Request};
@@ -67,7 +67,7 @@ pub fn rehearse(
     stages: &[&Stage],
     lowering: Lowering,
     answers: Vec<String>,
-) -> Result<(Vec<Rehearsed>, Vec<String>), PolicyError> {
+) -> Result<(Vec<Rehearsed>, Vec<String>), RunError> {
     let answers = Mutex::new(answers.into());
     let given = Given { lowering, answers };
     let mut texts = BTreeMap::new();
@@ -83,7 +83,7 @@ pub fn rehearse(
         let n_asked_first = talk.messages.len();
         let mut findings = Vec::new();
         let mut exchange = Exchange {
-            asking: &mut Asking::unrecorded(),
+            asking: &mut Asking::default(),
             record: &mut |exchanged| {
                 if let Exchanged::Attempt(attempt) = exchanged
                     && attempt.reply.is_some()

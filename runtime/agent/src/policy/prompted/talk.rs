@@ -1,12 +1,12 @@
 //! The conversation of one stage in one step: asks, and after a refusal asks again with the reason.
 
-use super::{MessagePart, PromptError, StageMessage, conversation};
+use super::{MessagePart, StageMessage, conversation};
 use crate::action::Action;
 use crate::outcome::Outcome;
 use crate::pictures::scene_png;
 use crate::policy::judge::judge;
 use crate::policy::proposing::{Refusal, Settled, settle};
-use crate::policy::{Attempt, Exchange, Exchanged, Finding, PolicyError, Question, StepView};
+use crate::policy::{Attempt, Exchange, Exchanged, Finding, Question, RunError, StepView};
 use fab_model::calls::CallRefused;
 use fab_model::{Model, ModelError, Png, Request, Speaker};
 use fab_program::facts::Facts;
@@ -29,7 +29,11 @@ pub(super) struct Setting<'a> {
 impl<'a> Setting<'a> {
     fn facts(&self) -> Facts<'a> {
         let pointing = self.model.lowering().pointing(self.view.pictures.size());
-        self.view.facts(self.texts, pointing)
+        Facts {
+            texts: self.texts,
+            pointing,
+            ..self.view.facts()
+        }
     }
 }
 
@@ -59,7 +63,7 @@ impl Talk {
         at: Setting<'a>,
         known: fn(Facts<'a>) -> Values<'a>,
         [candidate, asked]: [u32; 2],
-    ) -> Result<Talk, PromptError> {
+    ) -> Result<Talk, RunError> {
         let (program, view, facts) = (at.view.program, at.view, at.facts());
         let (values, lowering) = (known(facts), at.model.lowering());
         let pictures = view.pictures;
@@ -88,7 +92,7 @@ impl Talk {
         at: Setting<'_>,
         attempts: u32,
         exchange: &mut Exchange<'_, '_>,
-    ) -> Result<Settled, PolicyError> {
+    ) -> Result<Settled, RunError> {
         settle(
             &at.view,
             attempts,
@@ -123,7 +127,7 @@ impl Talk {
         &mut self,
         at: Setting<'_>,
         exchange: &mut Exchange<'_, '_>,
-    ) -> Result<Attempt, PolicyError> {
+    ) -> Result<Attempt, RunError> {
         let Setting { view, stage, .. } = at;
         self.asked += 1;
         let request = Request {
@@ -155,7 +159,7 @@ impl Talk {
             }
             Err(ModelError::NotSent(
                 refused @ (CallRefused::NotNoted(_) | CallRefused::NotKept(_) | CallRefused::Lost),
-            )) => return Err(PolicyError::Calls(refused)),
+            )) => return Err(RunError::Calls(refused)),
             Err(error) => (None, failed(&error)),
         };
         let answer = reply.as_ref().map(|reply| reply.text.clone());
