@@ -249,10 +249,16 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
     io.progress("");
     let results = results?;
     let rows = rows::rows(&bench, &results);
-    let wall_s = begun.elapsed().as_secs_f64();
-    let report = BenchReport::new(&found.name, &bench, &results, &rows, wall_s);
-    report.write(&out)?;
-    events.result(arguments.json, &report.document, || report.text())?;
+    let report = BenchReport {
+        name: &found.name,
+        bench: &bench,
+        results: &results,
+        rows: &rows,
+        wall_s: begun.elapsed().as_secs_f64(),
+    };
+    let document = report.document();
+    report.write(&document, &out)?;
+    events.result(arguments.json, &document, || report.text())?;
     io.talk(&report.summary());
     Ok(exit_of(&results))
 }
