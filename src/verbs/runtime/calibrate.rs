@@ -148,7 +148,7 @@ pub fn run(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
         earlier,
     };
     let calibrated = report::Calibrated::of(&calibration, &settings, written);
-    io.result(arguments.json, &calibrated);
+    io.either(arguments.json, &calibrated, || calibrated.text());
     Ok(Exit::Done)
 }
 
@@ -213,8 +213,7 @@ fn seen(
         }
         _ => None,
     };
-    let seen = path.map(|path| png::load(&path)).transpose();
-    let seen = seen.map_err(Failure::environment)?;
+    let seen = path.map(|path| png::load(&path)).transpose()?;
     Ok(seen.map(|rgb| (rgb, None)))
 }
 

@@ -4,7 +4,6 @@ pub mod offered;
 
 use crate::exit::{Exit, Failure};
 use crate::io::{Io, write_file};
-use crate::report::Report;
 use crate::shipped;
 use crate::sources::{self, TaskArguments};
 use crate::verbs::runtime::setting;
@@ -16,11 +15,9 @@ use fab_program::{Arrow, SubgoalStep};
 use fab_vision::VisionError;
 use image::{RgbImage, imageops};
 use offered::Offered;
-use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::path::PathBuf;
 
-/// Arguments of `subgoals`.
 #[derive(Args)]
 pub struct SubgoalsArguments {
     #[command(flatten)]
@@ -33,14 +30,6 @@ pub struct SubgoalsArguments {
     pub json: bool,
 }
 
-/// The pictures that were written, and what the demonstration's steps show about the task.
-#[derive(Serialize)]
-struct PinnedSubgoals {
-    files: Vec<String>,
-    diagnostics: Value,
-}
-
-/// Draws, pins, and lists the files.
 pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
     let program = sources::compile_task(&arguments.task, io)?;
     if arguments.sheet.is_none() {
@@ -93,11 +82,9 @@ pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
         files.push(path.clone());
     }
     let files = files.iter().map(|file| file.display().to_string());
-    let pinned = PinnedSubgoals {
-        files: files.collect(),
-        diagnostics,
-    };
-    io.result(arguments.json, &pinned);
+    let files: Vec<String> = files.collect();
+    let document = json!({ "files": files, "diagnostics": diagnostics });
+    io.either(arguments.json, &document, || files.join("\n"));
     Ok(Exit::Done)
 }
 
@@ -119,10 +106,4 @@ fn sheet(set: &SubgoalSet) -> Result<RgbImage, VisionError> {
         left += shown.width() + GAP_PX;
     }
     Ok(sheet)
-}
-
-impl Report for PinnedSubgoals {
-    fn text(&self) -> String {
-        self.files.join("\n")
-    }
 }

@@ -1,7 +1,6 @@
 //! Reports a calibration as text and as JSON, and warns of doubtful values.
 
 use crate::io::Io;
-use crate::report::Report;
 use fab_agent::arm_sight::SIGHT;
 use fab_arm::calibration::{Accuracy, Calibration, METHOD, Pair, tilt_deg};
 use fab_arm::settings::Settings;
@@ -76,10 +75,8 @@ impl<'a> Calibrated<'a> {
             written,
         }
     }
-}
 
-impl Report for Calibrated<'_> {
-    fn text(&self) -> String {
+    pub fn text(&self) -> String {
         let accuracy = self.accuracy;
         let errors = accuracy.residual_mm.iter().zip(&accuracy.left_out_mm);
         let titles = "point|column|row|x|y|z|error, mm|by the others, mm";
