@@ -140,14 +140,7 @@ pub fn run(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
     keep_copy(&Calibration::picture_beside(&path))?;
     calibration.save(&path)?;
     report::say_doubts(&calibration, io);
-    let picture = { calibration.reference.as_ref() }.map(|_| Calibration::picture_beside(&path));
-    let written = report::Written {
-        file: path,
-        reference: picture,
-        drawn,
-        earlier,
-    };
-    let calibrated = report::Calibrated::of(&calibration, &settings, written);
+    let calibrated = report::Calibrated::of(&calibration, &settings, path, drawn, earlier);
     io.either(arguments.json, &calibrated, || calibrated.text());
     Ok(Exit::Done)
 }

@@ -61,11 +61,8 @@ impl Page<'_> {
         let cloth = format!("grid({}, {})", found.cloth.dimx, found.cloth.dimy);
         let guesses = self.guesses().into_iter();
         let guesses = guesses.map(|guess| format!("    {GUESSED}{guess}\n"));
-        let across = |share: f64| {
-            (share * f64::from(found.camera.image_px))
-                .round()
-                .to_string()
-        };
+        let side = f64::from(found.camera.image_px);
+        let across = |share: f64| (share * side).round().to_string();
         let mut text = include_str!("from_images.fab").to_owned();
         for (mark, filled) in [
             ("@BASE@", base),

@@ -9,17 +9,6 @@ use serde::Serialize;
 use std::path::PathBuf;
 
 #[derive(Serialize)]
-pub struct Written {
-    pub file: PathBuf,
-    /// The picture by which a moved camera is noticed.
-    pub reference: Option<PathBuf>,
-    /// The drawing of the errors.
-    pub drawn: Option<PathBuf>,
-    /// The backup of the previous calibration.
-    pub earlier: Option<PathBuf>,
-}
-
-#[derive(Serialize)]
 pub struct Calibrated<'a> {
     method: &'static str,
     made_on: &'a str,
@@ -32,8 +21,13 @@ pub struct Calibrated<'a> {
     height_m: f64,
     tilt_deg: f64,
     marks: usize,
-    #[serde(flatten)]
-    written: Written,
+    file: PathBuf,
+    /// The picture by which a moved camera is noticed.
+    reference: Option<PathBuf>,
+    /// The drawing of the errors.
+    drawn: Option<PathBuf>,
+    /// The backup of the previous calibration.
+    earlier: Option<PathBuf>,
 }
 
 /// Warns on stderr of what a person should check, even though the calibration was accepted.
@@ -60,8 +54,16 @@ pub fn say_doubts(calibration: &Calibration, io: &Io) {
 }
 
 impl<'a> Calibrated<'a> {
-    pub fn of(made: &'a Calibration, settings: &Settings, written: Written) -> Calibrated<'a> {
+    /// Reports a calibration that was written to `file`.
+    pub fn of(
+        made: &'a Calibration,
+        settings: &Settings,
+        file: PathBuf,
+        drawn: Option<PathBuf>,
+        earlier: Option<PathBuf>,
+    ) -> Calibrated<'a> {
         let [x, y, _] = settings.table.center_m;
+        let reference = made.reference.as_ref();
         Calibrated {
             method: METHOD,
             made_on: &made.made_on,
@@ -72,7 +74,10 @@ impl<'a> Calibrated<'a> {
             height_m: made.table_height_m([x, y]),
             tilt_deg: tilt_deg(&made.fit),
             marks: made.marks(&SIGHT)[0],
-            written,
+            reference: reference.map(|_| Calibration::picture_beside(&file)),
+            file,
+            drawn,
+            earlier,
         }
     }
 
@@ -115,14 +120,10 @@ impl<'a> Calibrated<'a> {
             [check.name.to_owned(), value, bound]
         }));
         lines.extend(aligned(&[Align::Left, Align::Right, Align::Right], &table));
-        let Written {
-            file,
-            reference,
-            drawn,
-            earlier,
-        } = &self.written;
-        lines.extend({ earlier.iter() }.map(|file| format!("kept: {}", file.display())));
-        let files = [file].into_iter().chain(reference).chain(drawn);
+        let earlier = self.earlier.iter();
+        lines.extend(earlier.map(|file| format!("kept: {}", file.display())));
+        let files = [&self.file].into_iter();
+        let files = files.chain(&self.reference).chain(&self.drawn);
         lines.extend(files.map(|file| format!("written: {}", file.display())));
         lines.join("\n")
     }
