@@ -71,11 +71,8 @@ pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
         Origin::Absent => io.talk(&format!("`{name}` has no subgoals")),
         _ => {}
     }
-    if let Some(path) = arguments
-        .sheet
-        .as_ref()
-        .filter(|_| !set.pictures.is_empty())
-    {
+    let on_sheet = arguments.sheet.as_ref();
+    if let Some(path) = on_sheet.filter(|_| !set.pictures.is_empty()) {
         setting::check_ending("--sheet", path, "png")?;
         let sheet = sheet(&set)?;
         write_file(path, &png::encode(&sheet))?;
