@@ -99,11 +99,8 @@ fn test(arguments: &TestArguments, io: &Io) -> Result<Exit, Failure> {
     if let (Some(words), true, Exit::Done) = (&arguments.only, tested.tests.is_empty(), exit) {
         return Err(Failure::usage(format!("no test's name contains `{words}`")));
     }
-    tested.passed = tested
-        .tests
-        .iter()
-        .filter(|it| it.trial.is_expected)
-        .count();
+    let passed = tested.tests.iter().filter(|it| it.trial.is_expected);
+    tested.passed = passed.count();
     tested.failed = tested.tests.len() - tested.passed;
     if tested.failed > 0 && exit == Exit::Done {
         exit = Exit::Author;
