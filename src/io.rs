@@ -148,6 +148,23 @@ impl Io {
         self.data(&text);
     }
 
+    /// Writes a result to stdout: as one JSON document if `--json` was given, else as text, unless that is empty.
+    pub(crate) fn either(
+        &self,
+        json: bool,
+        document: &impl Serialize,
+        text: impl FnOnce() -> String,
+    ) {
+        if json {
+            self.json(document);
+            return;
+        }
+        let text = text();
+        if !text.is_empty() {
+            self.data(&text);
+        }
+    }
+
     /// Writes a line of talk to stderr; hidden characters, such as those of a provider's error, are made visible.
     pub(crate) fn talk(&self, text: &str) {
         self.painted_talk(&visible(text));

@@ -17,7 +17,6 @@
 
 mod exit;
 mod io;
-mod report;
 mod shipped;
 mod snapshots;
 mod sources;

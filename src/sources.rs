@@ -280,16 +280,19 @@ pub fn findings(compiled: &Compiled, color: diag::Color) -> String {
     }
 }
 
-/// Compiles a file and returns its tasks with their variants, or only the `wanted` task; at least one.
-pub fn compile_tasks(file: &str, wanted: Option<&str>, io: &Io) -> Result<Vec<Program>, Failure> {
-    let compiled = compile(file)?;
-    if !compiled.diagnostics.is_empty() {
+/// Compiles a file, again if for a cloth of another grid; returns its tasks with their variants, or only the `wanted` task.
+pub fn compile_tasks(
+    file: &str,
+    wanted: Option<&str>,
+    grid: Option<[u32; 2]>,
+    io: &Io,
+) -> Result<Vec<Program>, Failure> {
+    let compiled = fab_compiler::compile_for(file, &Disk::beside(file), grid)?;
+    // The warnings were shown when the file was compiled for its own cloth.
+    let has_news = grid.is_none() && !compiled.diagnostics.is_empty();
+    if has_news || compiled.has_errors() {
         io.painted_talk(&findings(&compiled, io.talk_color()));
     }
-    runnable(compiled, file, wanted)
-}
-
-fn runnable(compiled: Compiled, file: &str, wanted: Option<&str>) -> Result<Vec<Program>, Failure> {
     if compiled.has_errors() {
         let diagnostics = diag::to_json(&compiled.diagnostics, &compiled.sources);
         let why = format!("`{file}` cannot be compiled");
@@ -316,26 +319,12 @@ fn runnable(compiled: Compiled, file: &str, wanted: Option<&str>) -> Result<Vec<
 
 /// Compiles a file, shows its diagnostics, and returns the task to work on; it must be named if the file declares several.
 pub fn compile_task(wanted: &TaskArguments, io: &Io) -> Result<Program, Failure> {
-    let programs = compile_tasks(&wanted.file, wanted.task.as_deref(), io)?;
+    let programs = compile_tasks(&wanted.file, wanted.task.as_deref(), None, io)?;
     chosen(programs, wanted)
 }
 
-/// Compiles a file again for a cloth of another grid, and returns its tasks with their variants, or only the `wanted` task.
-pub fn compile_tasks_for(
-    file: &str,
-    wanted: Option<&str>,
-    grid: [u32; 2],
-    io: &Io,
-) -> Result<Vec<Program>, Failure> {
-    let compiled = fab_compiler::compile_for(file, &Disk::beside(file), Some(grid))?;
-    if compiled.has_errors() {
-        io.painted_talk(&findings(&compiled, io.talk_color()));
-    }
-    runnable(compiled, file, wanted)
-}
-
 /// Returns the task that is meant.
-pub fn chosen(programs: Vec<Program>, wanted: &TaskArguments) -> Result<Program, Failure> {
+pub fn chosen(mut programs: Vec<Program>, wanted: &TaskArguments) -> Result<Program, Failure> {
     if tasks(&programs).count() > 1 {
         return Err(Failure::usage(format!(
             "`{}` declares several tasks; choose one with `--task`: {}",
@@ -343,16 +332,21 @@ pub fn chosen(programs: Vec<Program>, wanted: &TaskArguments) -> Result<Program,
             quoted(tasks(&programs).map(|program| program.task.as_str()))
         )));
     }
-    let variants = quoted(programs.iter().filter_map(|it| it.variant.as_deref()));
-    let mut programs = programs.into_iter();
-    let found = programs.find(|program| program.variant == wanted.variant);
-    found.ok_or_else(|| {
-        let there = Some(variants.as_str()).filter(|it| !it.is_empty());
-        let there = there.unwrap_or("none");
-        let (file, variant) = (&wanted.file, wanted.variant.as_deref().unwrap_or_default());
-        let why = format!("`{file}` has no variant `{variant}`; there is {there}");
-        Failure::usage(why)
-    })
+    let mut variants = programs.iter().map(|program| &program.variant);
+    match variants.position(|variant| *variant == wanted.variant) {
+        Some(at) => Ok(programs.swap_remove(at)),
+        None => {
+            let variant = wanted.variant.as_deref().unwrap_or_default();
+            Err(Failure::usage(no_variant(&wanted.file, variant, &programs)))
+        }
+    }
+}
+
+/// Says which variants a file has, in place of one that it has not.
+pub fn no_variant(file: &str, variant: &str, programs: &[Program]) -> String {
+    let names = quoted(programs.iter().filter_map(|it| it.variant.as_deref()));
+    let names = if names.is_empty() { "none" } else { &names };
+    format!("`{file}` has no variant `{variant}`; there is {names}")
 }
 
 fn tasks(programs: &[Program]) -> impl Iterator<Item = &Program> {

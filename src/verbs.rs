@@ -118,7 +118,8 @@ verbs! {
     /// Verbs for those who write tasks: no camera, no model, no system library.
     Author:
     /// Writes a commented task that runs at once.
-    New(new::NewArguments),
+    #[command(subcommand)]
+    New(new::NewVerb),
     /// Reports mistakes in .fab files; `--fix` applies corrections that are certain.
     Check(check::CheckArguments),
     /// Runs the tests in task files: is an answer accepted or rejected? Needs no model or camera.

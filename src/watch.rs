@@ -60,10 +60,8 @@ fn stamps(files: &BTreeSet<PathBuf>) -> Stamps {
         let found = fs::metadata(path).ok()?;
         Some((found.len(), found.modified().ok()?))
     };
-    files
-        .iter()
-        .map(|path| (path.clone(), stamp(path)))
-        .collect()
+    let stamped = files.iter().map(|path| (path.clone(), stamp(path)));
+    stamped.collect()
 }
 
 /// Waits until a file has changed, or until an interrupt.

@@ -40,7 +40,7 @@ pub enum EmitArgument {
 }
 
 pub fn run(arguments: &BuildArguments, io: &Io) -> Result<Exit, Failure> {
-    let programs = sources::compile_tasks(&arguments.file, arguments.task.as_deref(), io)?;
+    let programs = sources::compile_tasks(&arguments.file, arguments.task.as_deref(), None, io)?;
     let targets = arguments.emit.iter().map(|it| match it {
         EmitArgument::Program => Target::Program,
         EmitArgument::Rust => Target::Rust,

@@ -18,13 +18,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-#[derive(Args)]
-pub struct NewArguments {
-    /// What to begin.
-    #[command(subcommand)]
-    pub what: NewVerb,
-}
-
 /// What to begin.
 #[derive(Subcommand)]
 pub enum NewVerb {
@@ -82,11 +75,9 @@ impl NewTaskArguments {
     }
 }
 
-/// A shipped library file, as its path relative to the task.
-type Library = &'static str;
-
-const FOLDING: Library = "lib/folding.fab";
-const SMOOTHING: Library = "lib/smoothing.fab";
+/// The shipped libraries that new tasks use, relative to the task.
+const FOLDING: &str = "lib/folding.fab";
+const SMOOTHING: &str = "lib/smoothing.fab";
 
 /// What a comment begins with that says what had to be guessed; such comments are printed, too.
 const GUESSED: &str = "# guessed: ";
@@ -100,14 +91,14 @@ const NEXT: [&str; 3] = if cfg!(feature = "runtime") {
 /// A task that is not written yet.
 pub struct Draft {
     text: String,
-    library: Library,
+    library: &'static str,
     /// The user's pictures to copy beside it, with their paths there.
     pictures: Vec<(PathBuf, Vec<u8>)>,
     next: Vec<String>,
 }
 
-pub fn run(arguments: &NewArguments, io: &Io) -> Result<Exit, Failure> {
-    let (task, draft) = match &arguments.what {
+pub fn run(verb: &NewVerb, io: &Io) -> Result<Exit, Failure> {
+    let (task, draft) = match verb {
         NewVerb::Library(arguments) => return library(arguments, io),
         NewVerb::Smoothing(task) => (
             task,
@@ -170,7 +161,7 @@ impl Copied {
 }
 
 impl Draft {
-    fn of(template: &str, library: Library, arguments: &NewTaskArguments) -> Draft {
+    fn of(template: &str, library: &'static str, arguments: &NewTaskArguments) -> Draft {
         let file = shown(&arguments.file());
         Draft {
             text: template.replace("@NAME@", &arguments.name),

@@ -6,21 +6,20 @@
 #[cfg(feature = "runtime")]
 pub mod camera;
 pub mod page;
-mod scene_file;
 mod why;
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::sources::{self, TaskArguments};
 use crate::verbs::price::Price;
+use crate::verbs::snap::scene::PinnedScene;
 use crate::watch;
 use clap::{Args, ValueHint};
 use fab_base::wording::quoted;
 use fab_program::render::PromptPicture;
 use fab_program::scene::SceneView;
-use fab_program::{Arrow, Layers, Picture, Program, Stage, SubgoalStep};
+use fab_program::{Arrow, KeypointShape, Layers, Picture, Program, Stage, SubgoalStep};
 use page::{DisplayPart, ShownStage};
-use scene_file::SceneFile;
 use serde_json::json;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -81,8 +80,7 @@ fn render(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
         )));
     }
     let listed = arguments.scene.as_ref();
-    let listed = listed.map(|path| SceneFile::read(&declared, path));
-    let listed = listed.transpose()?;
+    let listed = listed.map(|path| read_scene(&declared, path)).transpose()?;
     #[cfg(feature = "runtime")]
     let rendered = match listed {
         Some(listed) => without_camera(&declared, Some(&listed), arguments)?,
@@ -127,10 +125,42 @@ fn render(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
+/// Reads a scene whose points are listed in a file; its masks and boxes are unknown.
+fn read_scene(program: &Program, path: &Path) -> Result<PinnedScene, Failure> {
+    let wrong = |why: String| {
+        Failure::environment(format!(
+            "the scene `{}` cannot be used: {why}",
+            path.display()
+        ))
+    };
+    let text = sources::read_text(path).map_err(wrong)?;
+    let scene = PinnedScene {
+        points: serde_json::from_str(&text)
+            .map_err(|error| wrong(format!("{error}; right would be {{\"corners\": [[12, 34], [56, 78]], \"center\": [[40, 50]]}}")))?,
+        ..PinnedScene::default()
+    };
+    for keypoint in &program.keypoints {
+        let name = keypoint.name.as_str();
+        let found = scene.points.get(name).map_or(0, Vec::len);
+        match keypoint.extractor.shape() {
+            KeypointShape::Point if found != 1 => {
+                return Err(wrong(format!(
+                    "`{name}` needs exactly one point, but has {found}"
+                )));
+            }
+            KeypointShape::Points if found == 0 => {
+                return Err(wrong(format!("`{name}` needs at least one point")));
+            }
+            _ => {}
+        }
+    }
+    Ok(scene)
+}
+
 /// Renders stages with the points of a file, or with typed placeholders.
 fn without_camera(
     program: &Program,
-    listed: Option<&SceneFile>,
+    listed: Option<&PinnedScene>,
     arguments: &RenderArguments,
 ) -> Result<Rendered, Failure> {
     let folder = sources::folder_of(&arguments.task.file);

@@ -45,7 +45,8 @@ super::verbs! {
     /// Calibrates the camera to the arm's base frame, from points that the arm touched.
     Calibrate(calibrate::CalibrateArguments),
     /// Checks an arm's settings, and recovers the arm after a run.
-    Robot(robot::RobotArguments),
+    #[command(subcommand)]
+    Robot(robot::RobotVerb),
     /// Lists what is known of models: prices, pictures, coordinates, each with its date.
     Models(models::ModelsArguments),
     /// Checks the setup: what works, what is missing, and how to install it.
@@ -53,9 +54,11 @@ super::verbs! {
     /// Finds out how a model states positions in a picture, and what its interface refuses.
     Probe(probe::ProbeArguments),
     /// Works on the cloth simulator itself: replays, speed, starts, pictures, meshes.
-    Sim(sim::SimArguments),
+    #[command(subcommand)]
+    Sim(sim::SimVerb),
     /// Checks that your own world, a program in any language, meets the requirements of a world.
-    World(world::WorldArguments),
+    #[command(subcommand)]
+    World(world::WorldVerb),
 }
 
 impl Verb {

@@ -6,7 +6,7 @@
 mod camera;
 mod expected;
 mod plan;
-mod scene;
+pub mod scene;
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
@@ -159,7 +159,7 @@ fn planned(
 ) -> Result<Plan, Failure> {
     let mut declared: Vec<(String, Vec<Program>)> = Vec::new();
     for file in files {
-        let programs = sources::compile_tasks(file, None, io)?;
+        let programs = sources::compile_tasks(file, None, None, io)?;
         let name = Path::new(file).file_name().unwrap_or_default();
         let name = name.to_string_lossy().into_owned();
         declared.push((name, camera::fitted(file, programs, io)?));

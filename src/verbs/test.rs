@@ -6,10 +6,10 @@ use crate::{shipped, sources, watch};
 use clap::{Args, ValueHint};
 use fab_base::wording::counted;
 use fab_compiler::diag;
-use fab_program::test::{Finding, Trial};
+use fab_program::test::Trial;
 use fab_program::{Expect, Program, Test};
 use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 #[derive(Args)]
 pub struct TestArguments {
@@ -48,9 +48,8 @@ struct TestedOne {
     file: String,
     #[serde(flatten)]
     test: Test,
-    passed: bool,
-    found: Value,
-    repairs: Vec<String>,
+    #[serde(flatten)]
+    trial: Trial,
 }
 
 fn test(arguments: &TestArguments, io: &Io) -> Result<Exit, Failure> {
@@ -93,16 +92,15 @@ fn test(arguments: &TestArguments, io: &Io) -> Result<Exit, Failure> {
             tested.tests.push(TestedOne {
                 file: file.clone(),
                 test,
-                passed: trial.is_expected,
-                found: found(&trial.finding),
-                repairs: trial.repairs,
+                trial,
             });
         }
     }
     if let (Some(words), true, Exit::Done) = (&arguments.only, tested.tests.is_empty(), exit) {
         return Err(Failure::usage(format!("no test's name contains `{words}`")));
     }
-    tested.passed = tested.tests.iter().filter(|it| it.passed).count();
+    let passed = tested.tests.iter().filter(|it| it.trial.is_expected);
+    tested.passed = passed.count();
     tested.failed = tested.tests.len() - tested.passed;
     if tested.failed > 0 && exit == Exit::Done {
         exit = Exit::Author;
@@ -137,19 +135,5 @@ fn expected(expect: &Expect) -> String {
         Expect::Reject { check } => format!("the check `{check}` refuses the answer"),
         Expect::Malformed => "the answer is malformed".to_owned(),
         Expect::Text { text } => format!("the answer's text is `{text}`"),
-    }
-}
-
-fn found(finding: &Finding) -> Value {
-    match finding {
-        Finding::Accepted => json!({ "finding": "accept" }),
-        Finding::Rejected {
-            check,
-            values,
-            message,
-        } => json!({ "finding": "reject", "check": check, "values": values, "message": message }),
-        Finding::Malformed { message } => json!({ "finding": "malformed", "message": message }),
-        Finding::Text { text } => json!({ "finding": "text", "text": text }),
-        Finding::Lacking { name } => json!({ "finding": "lacking", "name": name }),
     }
 }

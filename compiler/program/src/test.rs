@@ -14,26 +14,32 @@ use crate::render::RenderError;
 use crate::reply::{self, Reading};
 use crate::scene::SceneView;
 use crate::verify::{self, Strictness, Verdict};
+use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
 
 /// The result of a test.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Trial {
-    /// The result of the answer.
-    pub finding: Finding,
-    /// Whether the test expects it.
+    /// Whether the test expects the finding.
+    #[serde(rename = "passed")]
     pub is_expected: bool,
+    /// The result of the answer.
+    #[serde(rename = "found")]
+    pub finding: Finding,
     /// The deviations that were tolerated in the answer.
     pub repairs: Vec<String>,
 }
 
 /// The result of an answer.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "finding", rename_all = "snake_case")]
 pub enum Finding {
     /// The action may run.
+    #[serde(rename = "accept")]
     Accepted,
     /// A check rejects it.
+    #[serde(rename = "reject")]
     Rejected {
         /// The check.
         check: String,

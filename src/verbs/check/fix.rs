@@ -48,9 +48,8 @@ pub fn run(found: &mut [Result<String, Failure>], effect: Effect, io: &Io) -> St
 fn fix_one(name: &str, effect: Effect, io: &Io) -> Result<(String, Compiled), Failure> {
     let loader = Disk::beside(name);
     let may_change = |file: &str| file == name && !is_read_only(Path::new(name));
-    let failed = |why: String| Failure::environment(why);
-    let before = loader.load(name).map_err(|error| failed(error.message))?;
-    let fixed = fix::fix(name, &loader, &may_change).map_err(|error| failed(error.message))?;
+    let before = loader.load(name)?;
+    let fixed = fix::fix(name, &loader, &may_change)?;
     let Some(FixedFile { text, n_repaired }) = fixed.files.get(name) else {
         return Ok((String::new(), fixed.compiled));
     };
@@ -60,7 +59,7 @@ fn fix_one(name: &str, effect: Effect, io: &Io) -> Result<(String, Compiled), Fa
         io.talk(&format!("{name}: {count}, not made"));
     } else {
         files::rewrite(Path::new(name), text.as_bytes())
-            .map_err(|error| failed(format!("cannot write `{name}`: {error}")))?;
+            .map_err(|error| Failure::unwritable(Path::new(name), error))?;
         io.talk(&format!("{name}: {count}"));
     }
     let shown = diag::visible(name);

@@ -249,10 +249,16 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
     io.progress("");
     let results = results?;
     let rows = rows::rows(&bench, &results);
-    let wall_s = begun.elapsed().as_secs_f64();
-    let report = BenchReport::new(&found.name, &bench, &results, &rows, wall_s);
-    report.write(&out)?;
-    events.result(arguments.json, &report.document, || report.text())?;
+    let report = BenchReport {
+        name: &found.name,
+        bench: &bench,
+        results: &results,
+        rows: &rows,
+        wall_s: begun.elapsed().as_secs_f64(),
+    };
+    let document = report.document();
+    report.write(&document, &out)?;
+    events.result(arguments.json, &document, || report.text())?;
     io.talk(&report.summary());
     Ok(exit_of(&results))
 }
@@ -296,66 +302,46 @@ fn foresee(
     arguments: &BenchArguments,
     io: &Io,
 ) -> Exit {
-    let mut shared = SharedQuestions {
-        // Without the cache, every method buys its own answers.
-        is_kept: !arguments.model.reach.no_cache,
-        repeats: BTreeMap::new(),
-    };
+    // Without the cache, every method buys its own answers.
+    let is_kept = !arguments.model.reach.no_cache;
+    // The questions of earlier methods, whose answers the later ones share: by task, model and question, the most repeats.
+    let mut shared: BTreeMap<(usize, String, String), u32> = BTreeMap::new();
     let entries = bench.entries.iter().zip(questions);
     let parts = entries.filter_map(|(entry, questions)| {
         let program = entry.programs.values().next()?;
         let answering = answering_of(deciding, entry)?;
         let starts = bench.tasks[entry.task].starts.len() as u64;
         let horizon = bench.suite.horizons.last().copied();
-        let asking = Asking {
-            program,
-            questions,
-            answering,
-            horizon: horizon.unwrap_or(program.horizon),
-            rollouts: starts * u64::from(entry.repeats),
-            fresh: &shared.add(bench, entry, questions, answering),
-        };
-        Some(estimate::estimate(&asking, io))
-    });
-    estimate::say(&Estimate::total(parts), arguments.json, io);
-    Exit::Done
-}
-
-/// The questions of earlier methods, whose answers the later ones share.
-struct SharedQuestions {
-    is_kept: bool,
-    /// By task, model and question: the most repeats of a method that puts it.
-    repeats: BTreeMap<(usize, String, String), u32>,
-}
-
-impl SharedQuestions {
-    /// Adds a method's questions; returns for each how many rollouts are likely to ask it anew.
-    fn add(
-        &mut self,
-        bench: &Bench<'_>,
-        entry: &Entry<'_>,
-        questions: &[FirstQuestion],
-        answering: &Answering,
-    ) -> Vec<u64> {
-        let starts = bench.tasks[entry.task].starts.len() as u64;
         // A question may quote the answers before it, which are the same only if their questions are.
         let mut all_shared = entry.repeats;
+        // For each question, how many rollouts are likely to ask it anew.
         let fresh = questions.iter().map(|FirstQuestion { request, .. }| {
             let model = answering.profile(request.role).map(Profile::title);
             let key = (entry.task, model.unwrap_or_default(), request.key());
-            let before = self.repeats.entry(key).or_default();
-            if !self.is_kept {
+            let before = shared.entry(key).or_default();
+            if !is_kept {
                 *before = 0;
             }
             all_shared = all_shared.min(*before);
             *before = entry.repeats.max(*before);
             // A varied world may look the same at first, and differs after the first action.
             let is_varied = entry.variation.name().is_some();
-            let shared = if is_varied { 0 } else { all_shared };
-            starts * u64::from(entry.repeats - shared)
+            let n_shared = if is_varied { 0 } else { all_shared };
+            starts * u64::from(entry.repeats - n_shared)
         });
-        fresh.collect()
-    }
+        let fresh: Vec<u64> = fresh.collect();
+        let asking = Asking {
+            program,
+            questions,
+            answering,
+            horizon: horizon.unwrap_or(program.horizon),
+            rollouts: starts * u64::from(entry.repeats),
+            fresh: &fresh,
+        };
+        Some(estimate::estimate(&asking, io))
+    });
+    estimate::say(&Estimate::total(parts), arguments.json, io);
+    Exit::Done
 }
 
 /// A suite succeeds when its rollouts have ended, however they did; only if none could be played, the environment failed.

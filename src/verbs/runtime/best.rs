@@ -124,7 +124,7 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
     let mut rows = vec![best];
     rows.extend(policies);
     let report = BestReport::new(&program, &start, &found, &rows, &out);
-    io.result(arguments.json, &report);
+    io.either(arguments.json, &report, || report.text());
     Ok(if interrupt.is_raised() {
         Exit::Interrupted
     } else if report.goal_missed {

@@ -140,15 +140,8 @@ pub fn run(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
     keep_copy(&Calibration::picture_beside(&path))?;
     calibration.save(&path)?;
     report::say_doubts(&calibration, io);
-    let picture = { calibration.reference.as_ref() }.map(|_| Calibration::picture_beside(&path));
-    let written = report::Written {
-        file: path,
-        reference: picture,
-        drawn,
-        earlier,
-    };
-    let calibrated = report::Calibrated::of(&calibration, &settings, written);
-    io.result(arguments.json, &calibrated);
+    let calibrated = report::Calibrated::of(&calibration, &settings, path, drawn, earlier);
+    io.either(arguments.json, &calibrated, || calibrated.text());
     Ok(Exit::Done)
 }
 
@@ -213,8 +206,7 @@ fn seen(
         }
         _ => None,
     };
-    let seen = path.map(|path| png::load(&path)).transpose();
-    let seen = seen.map_err(Failure::environment)?;
+    let seen = path.map(|path| png::load(&path)).transpose()?;
     Ok(seen.map(|rgb| (rgb, None)))
 }
 

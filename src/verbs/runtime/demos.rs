@@ -2,17 +2,16 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::{Io, write_file};
-use crate::report::Report;
 use crate::shipped;
 use crate::sources::{self, TaskArguments};
 use crate::verbs::runtime::setting;
 use clap::{Args, ValueHint};
 use fab_agent::demos::{self, DemoRequest, MakeError};
 use serde::Serialize;
+use serde_json::json;
 use std::fs;
 use std::path::PathBuf;
 
-/// Arguments of `demos`.
 #[derive(Args)]
 pub struct DemosArguments {
     #[command(flatten)]
@@ -29,19 +28,6 @@ pub struct DemosArguments {
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,
-}
-
-/// What was written.
-#[derive(Serialize)]
-struct WrittenDemos {
-    file: String,
-    task: String,
-    variant: Option<String>,
-    stage: String,
-    demos: usize,
-    actions: usize,
-    seed: u64,
-    params: String,
 }
 
 /// Demonstrates the task and writes the file that it names.
@@ -77,27 +63,22 @@ pub fn run(arguments: &DemosArguments, io: &Io) -> Result<Exit, Failure> {
     }
     let text = line(&header) + &made.iter().map(line).collect::<String>();
     write_file(&path, text.as_bytes())?;
-    let written = WrittenDemos {
-        file: path.display().to_string(),
-        task: program.task,
-        variant: program.variant,
-        stage: header.stage,
-        demos: made.len(),
-        actions: made.iter().map(|demo| demo.steps.len()).sum(),
-        seed: header.seed,
-        params: header.params,
-    };
-    io.result(arguments.json, &written);
+    let (file, stage, demos) = (path.display().to_string(), &header.stage, made.len());
+    let actions: usize = made.iter().map(|demo| demo.steps.len()).sum();
+    let document = json!({
+        "file": file,
+        "task": program.task,
+        "variant": program.variant,
+        "stage": stage,
+        "demos": demos,
+        "actions": actions,
+        "seed": header.seed,
+        "params": header.params,
+    });
+    io.either(arguments.json, &document, || {
+        format!("{file}: {demos} demonstrations, {actions} actions, for the stage `{stage}`")
+    });
     Ok(Exit::Done)
-}
-
-impl Report for WrittenDemos {
-    fn text(&self) -> String {
-        format!(
-            "{}: {} demonstrations, {} actions, for the stage `{}`",
-            self.file, self.demos, self.actions, self.stage
-        )
-    }
 }
 
 fn line(value: &impl Serialize) -> String {

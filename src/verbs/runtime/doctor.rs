@@ -5,7 +5,6 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::report::Report;
 use crate::verbs::runtime::setting::catalogue::{self, FactsArguments, UserFile};
 use crate::verbs::runtime::setting::remote;
 use clap::Args;
@@ -109,7 +108,7 @@ pub fn run(arguments: &DoctorArguments, io: &Io) -> Result<Exit, Failure> {
         ready: findings.iter().all(|finding| finding.state != Broken),
         findings,
     };
-    io.result(arguments.json, &checkup);
+    io.either(arguments.json, &checkup, || checkup.text());
     Ok(if checkup.ready {
         Exit::Done
     } else {
@@ -209,7 +208,7 @@ fn export(provider: &Provider) -> String {
     format!("export {variable}=…, or write it into the file of keys")
 }
 
-impl Report for Checkup {
+impl Checkup {
     fn text(&self) -> String {
         let lines = self.findings.iter().map(|finding| {
             let state = match finding.state {

@@ -1,7 +1,6 @@
 //! `--estimate`: what a run or a suite would ask and cost, without sending anything.
 
 use crate::io::Io;
-use crate::report::Report;
 use crate::verbs::runtime::setting::catalogue;
 use crate::verbs::runtime::setting::models::Answering;
 use fab_agent::rollout::FirstQuestion;
@@ -67,22 +66,16 @@ fn rehearsed(program: &Program, stage: &str) -> [u32; 2] {
 
 /// Prints an estimate, and what it assumes.
 pub fn say(estimate: &Estimate, json: bool, io: &Io) {
-    io.result(json, estimate);
-    if !json && estimate.at_most.calls > 0 {
+    let asks = estimate.at_most.calls > 0;
+    io.either(json, estimate, || match asks {
+        true => estimate.to_string(),
+        false => "no calls would be sent: the model is embedded or a replay".to_owned(),
+    });
+    if !json && asks {
         io.talk(&format!(
             "an estimate from the first step; nothing was sent. Likely: every first answer is accepted, has {ANSWER_TOKENS} \
              tokens, and hides no reasoning. At most: every correction and retry, the longest answers, and three times the \
              estimated text tokens"
         ));
-    }
-}
-
-impl Report for Estimate {
-    fn text(&self) -> String {
-        if self.at_most.calls == 0 {
-            "no calls would be sent: the model is embedded or a replay".to_owned()
-        } else {
-            self.to_string()
-        }
     }
 }

@@ -2,7 +2,6 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::report::Report;
 use crate::verbs::runtime::setting::catalogue::{self, FactsArguments};
 use clap::Args;
 use fab_base::table::aligned;
@@ -59,7 +58,7 @@ pub fn run(arguments: &ModelsArguments, io: &Io) -> Result<Exit, Failure> {
         providers: catalogue.providers(),
         models: catalogue.listed(wanted),
     };
-    io.result(arguments.json, &known);
+    io.either(arguments.json, &known, || known.text());
     Ok(Exit::Done)
 }
 
@@ -81,7 +80,7 @@ const LEGEND: &str = "
 picture. Another server's model has its vendor's facts, but not its price and schema. Calls to models on your own machine are \
 never billed. `--json` has the source of each fact.";
 
-impl Report for KnownModels<'_> {
+impl KnownModels<'_> {
     fn text(&self) -> String {
         let mut table = vec![HEADINGS.map(str::to_owned)];
         table.extend(self.models.iter().map(row));

@@ -2,7 +2,6 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::report::Report;
 use crate::verbs::runtime::setting::catalogue;
 use crate::verbs::runtime::setting::model_arguments::{CapArguments, Purpose, ReachArguments};
 use crate::verbs::runtime::setting::models;
@@ -112,7 +111,7 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
         toml: findings.toml(&profile, catalogue::today(io)),
         findings,
     };
-    io.result(arguments.json, &examination);
+    io.either(arguments.json, &examination, || examination.text());
     Ok(if examination.agrees {
         Exit::Done
     } else {
@@ -136,7 +135,7 @@ fn failure(error: ModelError, calls: &Capped<'_>) -> Failure {
     }
 }
 
-impl Report for Examination {
+impl Examination {
     fn text(&self) -> String {
         let mut lines = Vec::new();
         if let Some(dots) = &self.findings.dots {

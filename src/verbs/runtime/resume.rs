@@ -7,7 +7,7 @@
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::verbs::runtime::events::EventArguments;
-use crate::verbs::runtime::run::{self, Begun, Destination, RUN_FILE};
+use crate::verbs::runtime::run::{self, Begun, RUN_FILE};
 use crate::verbs::runtime::setting::model_arguments::CapArguments;
 use crate::verbs::runtime::setting::worlds::WorldChoice;
 use crate::{shipped, sources};
@@ -18,7 +18,6 @@ use fab_agent::rollout::Ended;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Arguments of `resume`.
 #[derive(Args)]
 pub struct ResumeArguments {
     /// The run folder.
@@ -34,7 +33,6 @@ pub struct ResumeArguments {
     pub json: bool,
 }
 
-/// Resumes a rollout and reports it.
 pub fn run(arguments: &ResumeArguments, io: &Io) -> Result<Exit, Failure> {
     let folder = fs::canonicalize(&arguments.run).map_err(|error| {
         Failure::environment(format!(
@@ -67,7 +65,7 @@ pub fn run(arguments: &ResumeArguments, io: &Io) -> Result<Exit, Failure> {
         ))
     })?;
     shipped::restore(&wanted.task.file, io)?;
-    run::play(&wanted, Destination::Existing(&folder), io)
+    run::play(&wanted, Some(&folder), io)
 }
 
 /// Reads how the run was started.

@@ -14,7 +14,6 @@ pub mod watchdog;
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use clap::Args;
 
 const BY_HAND: &str = "\
 This command does not move the arm. Bring the arm to rest by hand or with the vendor's tools, take the cloth out of \
@@ -29,13 +28,6 @@ that it accepts motion, fabc re-sends its current pose. Whatever the gripper hol
 are unchanged: see `fabc robot recover`. A simulated arm ends with its program, and is never left stopped.
 
 Exit codes: 0 enabled, 2 no reason was given or enabling could not be verified, 64 wrong usage.";
-
-#[derive(Args)]
-pub struct RobotArguments {
-    /// What to do.
-    #[command(subcommand)]
-    pub verb: RobotVerb,
-}
 
 crate::verbs::verbs! {
     /// What to do.
@@ -53,6 +45,6 @@ crate::verbs::verbs! {
     Watchdog(watchdog::WatchdogArguments),
 }
 
-pub fn run(arguments: &RobotArguments, io: &Io) -> Result<Exit, Failure> {
-    arguments.verb.run(io)
+pub fn run(verb: &RobotVerb, io: &Io) -> Result<Exit, Failure> {
+    verb.run(io)
 }

@@ -88,25 +88,14 @@ pub struct Begun {
     pub arguments: RunArguments,
 }
 
-/// The folder for a rollout's record.
-pub enum Destination<'a> {
-    New,
-    /// The folder of a rollout that was cut off or stopped.
-    Existing(&'a Path),
-}
-
 pub fn run(arguments: &RunArguments, io: &Io) -> Result<Exit, Failure> {
     arguments.arm.check_world(&arguments.world)?;
     arguments.video.check(&arguments.world)?;
-    play(arguments, Destination::New, io)
+    play(arguments, None, io)
 }
 
-/// Runs one rollout, from its start or from where it was cut off, and reports it.
-pub fn play(
-    arguments: &RunArguments,
-    destination: Destination<'_>,
-    io: &Io,
-) -> Result<Exit, Failure> {
+/// Runs one rollout, from its start or from where it was cut off in the folder `resumed`, and reports it.
+pub fn play(arguments: &RunArguments, resumed: Option<&Path>, io: &Io) -> Result<Exit, Failure> {
     let reasoning = arguments.model.reach.reasoning;
     let program = sources::compile_task(&arguments.task, io)?.with_reasoning(reasoning);
     let beside = sources::folder_of(&arguments.task.file);
@@ -127,7 +116,7 @@ pub fn play(
         WorldChoice::Program(command) => worlds::external(command, &program, None, &interrupt),
         _ => setting::world(&program),
     }?;
-    if matches!(destination, Destination::Existing(_)) && !first.repeats() {
+    if resumed.is_some() && !first.repeats() {
         return Err(Failure::environment(format!(
             "the world `{}` says that it cannot lay a start again exactly, so no rollout in it can be resumed: begin a new run",
             first.name()
@@ -234,10 +223,10 @@ pub fn play(
     }
     deciding.make().prepare(&program)?;
     let events = arguments.events.open(arguments.json, io)?;
-    let folder = match (&destination, &arguments.out) {
-        (Destination::Existing(path), _) => RunFolder::reopen(path),
-        (Destination::New, Some(path)) => RunFolder::create(path),
-        (Destination::New, None) => {
+    let folder = match (resumed, &arguments.out) {
+        (Some(path), _) => RunFolder::reopen(path),
+        (None, Some(path)) => RunFolder::create(path),
+        (None, None) => {
             RunFolder::create_next(Path::new("runs"), &program.title().replace('/', "-"))
         }
     }?;
@@ -250,7 +239,7 @@ pub fn play(
     let spent = noted.spent;
     budget.restore(&spent);
     let earlier = folder.earlier_steps();
-    if let Destination::Existing(_) = destination {
+    if resumed.is_some() {
         let so_far = report::so_far(&spent);
         io.talk(&format!("resuming after step {earlier}{so_far}"));
     } else {

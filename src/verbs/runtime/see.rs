@@ -2,7 +2,6 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
-use crate::report::Report;
 use crate::sources::{self, TaskArguments};
 use clap::{Args, ValueHint};
 use fab_agent::see::{LastAction, SeeError, SeeInput, SeeOutput, see};
@@ -14,7 +13,6 @@ use serde::{Serialize, Serializer};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Arguments of `see`.
 #[derive(Args)]
 pub struct SeeArguments {
     #[command(flatten)]
@@ -39,7 +37,6 @@ pub struct SeeArguments {
     pub json: bool,
 }
 
-/// What was found.
 #[derive(Serialize)]
 struct SeenReport<'s> {
     #[serde(serialize_with = "as_map")]
@@ -96,7 +93,7 @@ pub fn run(arguments: &SeeArguments, io: &Io) -> Result<Exit, Failure> {
         masks: masks.collect(),
         files: files.iter().map(|it| it.display().to_string()).collect(),
     };
-    io.result(arguments.json, &report);
+    io.either(arguments.json, &report, || report.text());
     Ok(Exit::Done)
 }
 
@@ -138,7 +135,7 @@ fn write(folder: &Path, seen: &SeeOutput) -> std::io::Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-impl Report for SeenReport<'_> {
+impl SeenReport<'_> {
     fn text(&self) -> String {
         let masks = self.masks.iter();
         let masks = masks.map(|(name, mask)| format!("{name}: {} pixels", mask.area_px));

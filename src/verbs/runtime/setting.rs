@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// Where the cloth lies at first.
-#[derive(Args, Clone, Debug, Serialize, Deserialize)]
+#[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
 pub struct StartArguments {
     /// Particle positions (.npy), the folder of a run for its last state, or a seed that turns a flat cloth or crumples
     /// another one; default: as the task says.
@@ -37,7 +37,7 @@ pub struct StartArguments {
 }
 
 /// How the numbers of a file of particle positions are to be understood.
-#[derive(Args, Clone, Debug, Serialize, Deserialize)]
+#[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
 pub struct FrameArguments {
     /// Grid of the .npy file, if no description is beside it: particles along x and along the other side.
     #[arg(long, value_name = "55x44", requires = "up")]
@@ -137,7 +137,7 @@ pub fn fitted(
     if grid == [declared.cloth.dimx, declared.cloth.dimy] {
         return Ok(declared.clone());
     }
-    let programs = sources::compile_tasks_for(&task.file, task.task.as_deref(), grid, io)?;
+    let programs = sources::compile_tasks(&task.file, task.task.as_deref(), Some(grid), io)?;
     sources::chosen(programs, task)
 }
 

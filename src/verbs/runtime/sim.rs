@@ -25,13 +25,6 @@ use std::thread;
 /// The most threads that a verb starts.
 const MAX_THREADS: i64 = 256;
 
-#[derive(Args)]
-pub struct SimArguments {
-    /// What to do.
-    #[command(subcommand)]
-    pub verb: SimVerb,
-}
-
 crate::verbs::verbs! {
     /// What to do with the simulator.
     SimVerb:
@@ -54,8 +47,8 @@ crate::verbs::verbs! {
 /// Distance between neighbours in a flat cloth unless stated otherwise, metres (protocol, section 1).
 const SPACING_M: f64 = 0.00625;
 
-pub fn run(arguments: &SimArguments, io: &Io) -> Result<Exit, Failure> {
-    arguments.verb.run(io)
+pub fn run(verb: &SimVerb, io: &Io) -> Result<Exit, Failure> {
+    verb.run(io)
 }
 
 /// Returns the grid of a square cloth, as `--size` states it.

@@ -24,11 +24,9 @@ use fab_world::{Grip, World, expert};
 
 /// What the camera sees at a step, and the previous action.
 pub struct StepScene {
-    /// The keypoints.
     pub scene: Scene,
     /// The picture in which they were found.
     pub observation: Observation,
-    /// The previous action.
     pub last: Option<ExecutedAction>,
 }
 

@@ -5,7 +5,6 @@ mod tried;
 
 use crate::exit::{Exit, Failure};
 use crate::io::{Io, write_file};
-use crate::report::Report;
 use crate::shipped;
 use crate::sources::{self, TaskArguments};
 use crate::verbs::runtime::setting;
@@ -17,11 +16,9 @@ use fab_program::{Arrow, SubgoalStep};
 use fab_vision::VisionError;
 use image::{RgbImage, imageops};
 use offered::Offered;
-use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::path::PathBuf;
 
-/// Arguments of `subgoals`.
 #[derive(Args)]
 pub struct SubgoalsArguments {
     #[command(flatten)]
@@ -34,14 +31,6 @@ pub struct SubgoalsArguments {
     pub json: bool,
 }
 
-/// The pictures that were written, and what the demonstration's steps show about the task.
-#[derive(Serialize)]
-struct PinnedSubgoals {
-    files: Vec<String>,
-    diagnostics: Value,
-}
-
-/// Draws, pins, and lists the files.
 pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
     let program = sources::compile_task(&arguments.task, io)?;
     if arguments.sheet.is_none() {
@@ -78,22 +67,17 @@ pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
         Origin::Absent => io.talk(&format!("`{name}` has no subgoals")),
         _ => {}
     }
-    if let Some(path) = arguments
-        .sheet
-        .as_ref()
-        .filter(|_| !set.pictures.is_empty())
-    {
+    let on_sheet = arguments.sheet.as_ref();
+    if let Some(path) = on_sheet.filter(|_| !set.pictures.is_empty()) {
         setting::check_ending("--sheet", path, "png")?;
         let sheet = sheet(&set)?;
         write_file(path, &png::encode(&sheet))?;
         files.push(path.clone());
     }
     let files = files.iter().map(|file| file.display().to_string());
-    let pinned = PinnedSubgoals {
-        files: files.collect(),
-        diagnostics,
-    };
-    io.result(arguments.json, &pinned);
+    let files: Vec<String> = files.collect();
+    let document = json!({ "files": files, "diagnostics": diagnostics });
+    io.either(arguments.json, &document, || files.join("\n"));
     Ok(Exit::Done)
 }
 
@@ -115,10 +99,4 @@ fn sheet(set: &SubgoalSet) -> Result<RgbImage, VisionError> {
         left += shown.width() + GAP_PX;
     }
     Ok(sheet)
-}
-
-impl Report for PinnedSubgoals {
-    fn text(&self) -> String {
-        self.files.join("\n")
-    }
 }

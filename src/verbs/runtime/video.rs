@@ -66,14 +66,14 @@ impl VideoArguments {
 /// Refuses a file that is no GIF by its name, or whose folder is missing, before anything moves.
 pub fn check_file(option: &str, path: &Path) -> Result<(), Failure> {
     setting::check_ending(option, path, "gif")?;
-    let folder = Path::new(".").join(path.parent().unwrap_or(path));
-    if folder.is_dir() {
+    let folder = path.parent().unwrap_or(path);
+    if Path::new(".").join(folder).is_dir() {
         return Ok(());
     }
-    let folder = path.parent().unwrap_or(path).display();
     Err(Failure::environment(format!(
-        "cannot write `{}`: there is no folder `{folder}`",
-        path.display()
+        "cannot write `{}`: there is no folder `{}`",
+        path.display(),
+        folder.display()
     )))
 }
 

@@ -12,13 +12,6 @@ use fab_world::{ExternalWorld, SimulatedWorld, World, WorldError};
 use serde_json::json;
 use std::io::BufReader;
 
-#[derive(Args)]
-pub struct WorldArguments {
-    /// What to do.
-    #[command(subcommand)]
-    pub verb: WorldVerb,
-}
-
 /// What to do with a world.
 #[derive(Subcommand)]
 pub enum WorldVerb {
@@ -38,8 +31,8 @@ pub struct WorldCheckArguments {
     pub json: bool,
 }
 
-pub fn run(arguments: &WorldArguments, io: &Io) -> Result<Exit, Failure> {
-    match &arguments.verb {
+pub fn run(verb: &WorldVerb, io: &Io) -> Result<Exit, Failure> {
+    match verb {
         WorldVerb::Check(arguments) => check(arguments, io),
         WorldVerb::Serve => {
             serve(BufReader::new(std::io::stdin()), &mut std::io::stdout())?;

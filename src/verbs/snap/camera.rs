@@ -13,28 +13,14 @@ use fab_program::{Picture, Program, Stage};
 pub use crate::verbs::render::camera::Seen;
 #[cfg(feature = "runtime")]
 use {
-    super::scene::PinnedAction,
-    crate::sources::TaskArguments,
-    crate::verbs::render::camera::fitted_to_start,
-    crate::verbs::runtime::setting::{FrameArguments, StartArguments},
-    fab_base::interrupt::Interrupt,
-    fab_picture::png,
-    fab_program::scene::SceneView,
+    super::scene::PinnedAction, crate::sources::TaskArguments,
+    crate::verbs::render::camera::fitted_to_start, crate::verbs::runtime::setting::StartArguments,
+    fab_base::interrupt::Interrupt, fab_picture::png, fab_program::scene::SceneView,
 };
 
 /// The authoring tool sees nothing.
 #[cfg(not(feature = "runtime"))]
 pub type Seen = ();
-
-/// The start that the task declares.
-#[cfg(feature = "runtime")]
-const AS_DECLARED: StartArguments = StartArguments {
-    start: None,
-    frame: FrameArguments {
-        dims: None,
-        up: None,
-    },
-};
 
 /// Replaces programs whose cloth comes from a file of another grid by fitting ones, as a run does.
 #[cfg(feature = "runtime")]
@@ -45,7 +31,8 @@ pub fn fitted(file: &str, programs: Vec<Program>, io: &Io) -> Result<Vec<Program
             task: Some(program.task.clone()),
             variant: program.variant.clone(),
         };
-        fitted_to_start(&task, &program, &AS_DECLARED, &Interrupt::default(), io)
+        let start = StartArguments::default();
+        fitted_to_start(&task, &program, &start, &Interrupt::default(), io)
     };
     programs.into_iter().map(fit).collect()
 }
@@ -92,7 +79,7 @@ impl Page<'_> {
         }
         let start = StartArguments {
             start: self.moment.start.map(|seed| seed.to_string()),
-            ..AS_DECLARED
+            ..StartArguments::default()
         };
         let (program, folder, step) = (self.program, self.source.folder, self.moment.step);
         let interrupt = Interrupt::default();

@@ -115,7 +115,7 @@ fn moments(
 
 /// Reads the scenes pinned under a name: the pending one, which is newer, then the accepted one; both must be valid.
 fn known_scenes(name: &str, plan: &Plan) -> Result<Vec<PinnedScene>, Failure> {
-    let pending = plan.pending(name).map(|it| (it, Side::Pending));
+    let pending = plan.pending.get(name).map(|it| (it, Side::Pending));
     let accepted = plan.accepted(name).map(|it| (it, Side::Accepted));
     let known = pending.into_iter().chain(accepted);
     let parsed = known.map(|(snapshot, side)| {
@@ -217,7 +217,7 @@ impl Page<'_> {
     fn picture(&self, picture: &Picture, info: Info, redraws: bool) -> Result<Expected, Failure> {
         let shows = info.picture.clone().unwrap_or_default();
         let name = self.name(None, Some(&shows.replace(' ', "_")));
-        let known = [self.plan.accepted(&name), self.plan.pending(&name)];
+        let known = [self.plan.accepted(&name), self.plan.pending.get(&name)];
         let mut known = known.into_iter().flatten();
         let known = known.find(|it| !redraws && is_drawn_from(it, &info));
         if let Some(known) = known {

@@ -17,7 +17,7 @@ pub struct Plan {
     /// The accepted snapshots; `None` for one that cannot be read.
     accepted: BTreeMap<Name, Option<Snapshot>>,
     /// The pending snapshots that can be read; others are proposed again.
-    pending: BTreeMap<Name, Snapshot>,
+    pub pending: BTreeMap<Name, Snapshot>,
     expected: BTreeMap<Name, Option<Snapshot>>,
     /// The processed files, as snapshots name them.
     sources: BTreeSet<String>,
@@ -97,10 +97,6 @@ impl Plan {
         self.accepted.get(name)?.as_ref()
     }
 
-    pub fn pending(&self, name: &str) -> Option<&Snapshot> {
-        self.pending.get(name)
-    }
-
     /// Returns the states of the expected snapshots, and of orphans.
     pub fn states(&self) -> Vec<SnapshotState> {
         let state = |(name, state): (&Name, State)| SnapshotState {
@@ -151,7 +147,7 @@ impl Plan {
             let taken = self.expected.get(name).and_then(Option::as_ref);
             match (found.state, taken) {
                 (State::Changed | State::New, Some(taken)) => {
-                    if self.pending(name) != Some(taken) {
+                    if self.pending.get(name) != Some(taken) {
                         self.folder.propose(name, taken)?;
                     }
                     found.is_pending = true;

@@ -72,12 +72,8 @@ fn places(
 ) -> (Vec<String>, Vec<(PathBuf, Vec<u8>)>) {
     let folder = arguments.task.folder();
     let mut copies = Vec::new();
-    let numbered = arguments
-        .pictures
-        .from_images
-        .iter()
-        .zip(pictures)
-        .enumerate();
+    let paths = arguments.pictures.from_images.iter();
+    let numbered = paths.zip(pictures).enumerate();
     let places = numbered.map(|(number, (path, named))| {
         let there = beside(&folder, path).filter(|_| !are_cut);
         there.unwrap_or_else(|| {

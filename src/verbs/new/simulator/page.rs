@@ -21,20 +21,16 @@ const CLOTH_MM: f64 = 4.0;
 /// Rotation from which on a note is written, degrees.
 const TURNED_DEG: f64 = 3.0;
 
-/// The inputs of the text.
 pub struct Page<'p> {
-    /// The task's name.
     pub name: &'p str,
     /// The pictures, under the user's names.
     pub pictures: &'p [NamedPicture],
     /// What the task calls the pictures.
     pub places: &'p [String],
-    /// What the pictures show.
     pub found: &'p draft::Draft,
 }
 
 impl Page<'_> {
-    /// Returns the task's text.
     pub fn text(&self) -> String {
         let found = self.found;
         // Only if every step has a fold that explains its pictures.
@@ -65,11 +61,8 @@ impl Page<'_> {
         let cloth = format!("grid({}, {})", found.cloth.dimx, found.cloth.dimy);
         let guesses = self.guesses().into_iter();
         let guesses = guesses.map(|guess| format!("    {GUESSED}{guess}\n"));
-        let across = |share: f64| {
-            (share * f64::from(found.camera.image_px))
-                .round()
-                .to_string()
-        };
+        let side = f64::from(found.camera.image_px);
+        let across = |share: f64| (share * side).round().to_string();
         let mut text = include_str!("from_images.fab").to_owned();
         for (mark, filled) in [
             ("@BASE@", base),

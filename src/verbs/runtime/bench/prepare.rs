@@ -88,7 +88,7 @@ pub fn prepare(
     let mut tasks = Vec::new();
     for file in &suite.tasks {
         let file = shipped::find_beside(folder, file, io)?;
-        let declared = sources::compile_tasks(&file, None, io)?;
+        let declared = sources::compile_tasks(&file, None, None, io)?;
         let mut bare = declared.iter().filter(|program| program.variant.is_none());
         let (Some(program), None) = (bare.next(), bare.next()) else {
             return Err(Failure::environment(format!(
@@ -118,7 +118,7 @@ pub fn prepare(
             let programs = if grid == [program.cloth.dimx, program.cloth.dimy] {
                 declared.clone()
             } else {
-                sources::compile_tasks_for(&file, None, grid, io)?
+                sources::compile_tasks(&file, None, Some(grid), io)?
             };
             by_grid.insert(grid, programs);
         }
@@ -170,10 +170,14 @@ pub fn entries<'a>(
     for (number, prepared) in prepared.iter().enumerate() {
         for method in &suite.methods {
             let Some(shown) = variant_of(&prepared.declared, method) else {
-                if !method.optional {
-                    return Err(no_variant(prepared, method, arguments));
-                }
                 let variant = method.variant.as_deref().unwrap_or_default();
+                if !method.optional {
+                    let why = sources::no_variant(&prepared.file, variant, &prepared.declared);
+                    return Err(match arguments.variant {
+                        Some(_) => Failure::usage(why),
+                        None => Failure::environment(why),
+                    });
+                }
                 io.talk(&format!(
                     "`{}` has no variant `{variant}`: its row `{}` is left out",
                     prepared.task.name, method.name
@@ -233,17 +237,4 @@ pub fn entries<'a>(
 fn variant_of<'p>(programs: &'p [Program], method: &Method) -> Option<&'p Program> {
     let mut programs = programs.iter();
     programs.find(|program| program.variant == method.variant)
-}
-
-fn no_variant(prepared: &Prepared, method: &Method, arguments: &BenchArguments) -> Failure {
-    let variant = method.variant.as_deref().unwrap_or_default();
-    let names = prepared.declared.iter();
-    let names = quoted(names.filter_map(|program| program.variant.as_deref()));
-    let names = if names.is_empty() { "none" } else { &names };
-    let file = &prepared.file;
-    let why = format!("`{file}` has no variant `{variant}`; there is {names}");
-    match arguments.variant {
-        Some(_) => Failure::usage(why),
-        None => Failure::environment(why),
-    }
 }

@@ -15,15 +15,13 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 pub struct BenchReport<'a> {
-    /// The result as JSON.
-    pub document: Value,
-    name: &'a str,
-    bench: &'a Bench<'a>,
-    results: &'a Results,
-    rows: &'a [Row],
-    wall_s: f64,
-    /// Seconds of planning, mean over all actions.
-    planning_s: Option<f64>,
+    /// The suite's name.
+    pub name: &'a str,
+    pub bench: &'a Bench<'a>,
+    pub results: &'a Results,
+    pub rows: &'a [Row],
+    /// Seconds since the command began.
+    pub wall_s: f64,
 }
 
 /// Describes what a suite is about to do.
@@ -57,7 +55,7 @@ pub fn plan(name: &str, bench: &Bench<'_>, shard: Option<Shard>) -> String {
     )
 }
 
-impl<'a> BenchReport<'a> {
+impl BenchReport<'_> {
     pub fn text(&self) -> String {
         if self.rows.is_empty() {
             return "no rollout has finished: there is nothing to tabulate".to_owned();
@@ -65,25 +63,25 @@ impl<'a> BenchReport<'a> {
         table::text(self.bench.suite, self.rows)
     }
 
-    /// Summarises a suite's results; `wall_s` counts seconds since the command began.
-    pub fn new(
-        name: &'a str,
-        bench: &'a Bench<'a>,
-        results: &'a Results,
-        rows: &'a [Row],
-        wall_s: f64,
-    ) -> BenchReport<'a> {
-        let steps = { results.rollouts.iter() }.flat_map(|played| &played.rollout.steps);
+    /// Returns the seconds of planning, mean over all actions.
+    fn planning_s(&self) -> Option<f64> {
+        let rollouts = self.results.rollouts.iter();
+        let steps = rollouts.flat_map(|played| &played.rollout.steps);
         let planning: Vec<f64> = steps.filter_map(|step| step.spent.planning_s).collect();
-        let planning_s = statistics::mean(&planning);
+        statistics::mean(&planning)
+    }
+
+    /// Returns the result as JSON.
+    pub fn document(&self) -> Value {
+        let BenchReport { bench, results, .. } = self;
         let rollouts = json!({
             "planned": results.planned,
             "finished": results.rollouts.len(),
             "found": results.found,
         });
-        let document = json!({
-            "suite": name,
-            "wall_s": wall_s,
+        json!({
+            "suite": self.name,
+            "wall_s": self.wall_s,
             "params": results.params,
             "vary": bench.suite.vary,
             "answers": bench.answers,
@@ -96,22 +94,14 @@ impl<'a> BenchReport<'a> {
             "calls": bench.budget.spent(),
             "rollouts": rollouts,
             "spent": results.spent,
-            "planning_s": planning_s,
-            "rows": rows,
-        });
-        BenchReport {
-            document,
-            name,
-            bench,
-            results,
-            rows,
-            wall_s,
-            planning_s,
-        }
+            "planning_s": self.planning_s(),
+            "rows": self.rows,
+        })
     }
 
-    pub fn write(&self, out: &Path) -> Result<(), Failure> {
-        let json = serde_json::to_string_pretty(&self.document)?;
+    /// Writes the tables; `document` is the result as JSON.
+    pub fn write(&self, document: &Value, out: &Path) -> Result<(), Failure> {
+        let json = serde_json::to_string_pretty(document)?;
         let markdown = table::markdown(self.name, self.bench.suite, self.rows);
         for (name, text) in [
             ("table.csv", table::csv(self.rows)),
@@ -154,7 +144,7 @@ impl<'a> BenchReport<'a> {
             "starts {:.1} s, rollouts {:.1} s, in all {:.1} s",
             spent.starts_s, spent.rollouts_s, self.wall_s
         ));
-        if let Some(planning_s) = self.planning_s {
+        if let Some(planning_s) = self.planning_s() {
             lines.push(format!(
                 "planning without the model: {:.0} ms per action (render, vision, prompt, parse, verify)",
                 planning_s * 1000.0

@@ -1,7 +1,6 @@
 //! Reports a search: the best actions, the step that limits, what was left untried, and a table of rows.
 
 use super::rows::Row;
-use crate::report::Report;
 use fab_agent::best::{Found, Stop, Taken};
 use fab_base::table::aligned;
 use fab_base::wording::counted;
@@ -109,8 +108,8 @@ impl<'a> BestReport<'a> {
     }
 }
 
-impl Report for BestReport<'_> {
-    fn text(&self) -> String {
+impl BestReport<'_> {
+    pub fn text(&self) -> String {
         let found = self.found;
         let mut lines = vec![format!(
             "{}: start {}, {} (untouched: {})",

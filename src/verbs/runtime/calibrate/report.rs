@@ -1,24 +1,12 @@
 //! Reports a calibration as text and as JSON, and warns of doubtful values.
 
 use crate::io::Io;
-use crate::report::Report;
 use fab_agent::arm_sight::SIGHT;
 use fab_arm::calibration::{Accuracy, Calibration, METHOD, Pair, tilt_deg};
 use fab_arm::settings::Settings;
 use fab_base::table::{Align, aligned};
 use serde::Serialize;
 use std::path::PathBuf;
-
-#[derive(Serialize)]
-pub struct Written {
-    pub file: PathBuf,
-    /// The picture by which a moved camera is noticed.
-    pub reference: Option<PathBuf>,
-    /// The drawing of the errors.
-    pub drawn: Option<PathBuf>,
-    /// The backup of the previous calibration.
-    pub earlier: Option<PathBuf>,
-}
 
 #[derive(Serialize)]
 pub struct Calibrated<'a> {
@@ -33,8 +21,13 @@ pub struct Calibrated<'a> {
     height_m: f64,
     tilt_deg: f64,
     marks: usize,
-    #[serde(flatten)]
-    written: Written,
+    file: PathBuf,
+    /// The picture by which a moved camera is noticed.
+    reference: Option<PathBuf>,
+    /// The drawing of the errors.
+    drawn: Option<PathBuf>,
+    /// The backup of the previous calibration.
+    earlier: Option<PathBuf>,
 }
 
 /// Warns on stderr of what a person should check, even though the calibration was accepted.
@@ -61,8 +54,16 @@ pub fn say_doubts(calibration: &Calibration, io: &Io) {
 }
 
 impl<'a> Calibrated<'a> {
-    pub fn of(made: &'a Calibration, settings: &Settings, written: Written) -> Calibrated<'a> {
+    /// Reports a calibration that was written to `file`.
+    pub fn of(
+        made: &'a Calibration,
+        settings: &Settings,
+        file: PathBuf,
+        drawn: Option<PathBuf>,
+        earlier: Option<PathBuf>,
+    ) -> Calibrated<'a> {
         let [x, y, _] = settings.table.center_m;
+        let reference = made.reference.as_ref();
         Calibrated {
             method: METHOD,
             made_on: &made.made_on,
@@ -73,13 +74,14 @@ impl<'a> Calibrated<'a> {
             height_m: made.table_height_m([x, y]),
             tilt_deg: tilt_deg(&made.fit),
             marks: made.marks(&SIGHT)[0],
-            written,
+            reference: reference.map(|_| Calibration::picture_beside(&file)),
+            file,
+            drawn,
+            earlier,
         }
     }
-}
 
-impl Report for Calibrated<'_> {
-    fn text(&self) -> String {
+    pub fn text(&self) -> String {
         let accuracy = self.accuracy;
         let errors = accuracy.residual_mm.iter().zip(&accuracy.left_out_mm);
         let titles = "point|column|row|x|y|z|error, mm|by the others, mm";
@@ -118,14 +120,10 @@ impl Report for Calibrated<'_> {
             [check.name.to_owned(), value, bound]
         }));
         lines.extend(aligned(&[Align::Left, Align::Right, Align::Right], &table));
-        let Written {
-            file,
-            reference,
-            drawn,
-            earlier,
-        } = &self.written;
-        lines.extend({ earlier.iter() }.map(|file| format!("kept: {}", file.display())));
-        let files = [file].into_iter().chain(reference).chain(drawn);
+        let earlier = self.earlier.iter();
+        lines.extend(earlier.map(|file| format!("kept: {}", file.display())));
+        let files = [&self.file].into_iter();
+        let files = files.chain(&self.reference).chain(&self.drawn);
         lines.extend(files.map(|file| format!("written: {}", file.display())));
         lines.join("\n")
     }

@@ -41,16 +41,10 @@ pub enum Confirm {
     None,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum HoldToRun {
-    Space,
-    /// None.
-    Off,
-}
-
 pub struct TerminalSupervisor {
     confirm: Confirm,
-    hold: HoldToRun,
+    /// Whether the arm moves only while the space bar is held.
+    holds: bool,
     keys: Option<Keys>,
     hold_key: HoldKey,
     polled: Option<Instant>,
@@ -61,10 +55,10 @@ pub struct TerminalSupervisor {
 
 impl TerminalSupervisor {
     /// Checks that there is a terminal to ask on; a usage error otherwise.
-    pub fn new(confirm: Confirm, hold: HoldToRun, io: &Io) -> Result<TerminalSupervisor, Failure> {
-        let needs = match (confirm, hold) {
-            (Confirm::None, HoldToRun::Off) => None,
-            (Confirm::None, HoldToRun::Space) => Some("`--hold-to-run` waits for a key"),
+    pub fn new(confirm: Confirm, holds: bool, io: &Io) -> Result<TerminalSupervisor, Failure> {
+        let needs = match (confirm, holds) {
+            (Confirm::None, false) => None,
+            (Confirm::None, true) => Some("`--hold-to-run` waits for a key"),
             _ => Some("`--confirm` asks before the arm moves"),
         };
         if let Some(needs) = needs.filter(|_| !io.has_terminal_input()) {
@@ -72,7 +66,7 @@ impl TerminalSupervisor {
                 "{needs}, but stdin is not a terminal; use `--confirm none` without `--hold-to-run`"
             )));
         }
-        if hold == HoldToRun::Space {
+        if holds {
             Keys::watch().map_err(|why| {
                 Failure::usage(format!("`--hold-to-run` cannot see keys here: {why}"))
             })?;
@@ -84,7 +78,7 @@ impl TerminalSupervisor {
         };
         Ok(TerminalSupervisor {
             confirm,
-            hold,
+            holds,
             keys: None,
             hold_key: HoldKey::after_stall(Instant::now()),
             polled: None,
@@ -132,7 +126,7 @@ impl Supervisor for TerminalSupervisor {
     }
 
     fn motion_allowed(&mut self) -> bool {
-        if self.hold == HoldToRun::Off {
+        if !self.holds {
             return true;
         }
         let now = Instant::now();

@@ -11,11 +11,12 @@ pub use process::Process;
 use std::path::PathBuf;
 
 use super::connect;
+use super::terminal::line_of;
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use fab_arm::port::Port;
 use fab_arm::settings::{DriverKind, Settings};
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufReader, Read};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -39,7 +40,6 @@ const ATTEMPTS: u32 = 5;
 /// What it says once it has stopped the arm.
 const STOPPED: &str = "stopped: a stop was requested, or the heartbeats ended";
 const MAX_WAITING: usize = 64;
-const MAX_LINE: u64 = 256;
 
 type Stop = Box<dyn FnMut() -> Result<(), String>>;
 
@@ -90,11 +90,8 @@ fn lines_of(source: impl Read + Send + 'static) -> Receiver<String> {
     let (send, lines) = sync_channel(MAX_WAITING);
     thread::spawn(move || {
         let mut source = BufReader::new(source);
-        loop {
-            let mut bytes = Vec::new();
-            let read = source.by_ref().take(MAX_LINE).read_until(b'\n', &mut bytes);
-            let line = String::from_utf8_lossy(&bytes).trim().to_owned();
-            if !matches!(read, Ok(1..)) || send.send(line).is_err() {
+        while let Some(line) = line_of(&mut source) {
+            if send.send(line.trim().to_owned()).is_err() {
                 break;
             }
         }

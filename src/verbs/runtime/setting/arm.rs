@@ -3,7 +3,7 @@
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::verbs::runtime::robot::check::usable;
-use crate::verbs::runtime::robot::terminal::{Confirm, HoldToRun, TerminalSupervisor};
+use crate::verbs::runtime::robot::terminal::{Confirm, TerminalSupervisor};
 use crate::verbs::runtime::robot::watchdog::Process;
 use crate::verbs::runtime::robot::{connect, preflight};
 use crate::verbs::runtime::setting::worlds::WorldChoice;
@@ -197,8 +197,8 @@ fn supervisor(
     }
     let usual = [Confirm::Each, Confirm::None][usize::from(is_simulated)];
     let confirm = arguments.confirm.unwrap_or(usual);
-    let hold = [HoldToRun::Off, HoldToRun::Space][usize::from(arguments.hold_to_run)];
-    Ok(Box::new(TerminalSupervisor::new(confirm, hold, io)?))
+    let supervisor = TerminalSupervisor::new(confirm, arguments.hold_to_run, io)?;
+    Ok(Box::new(supervisor))
 }
 
 fn failed(why: String) -> WorldError {

@@ -48,8 +48,7 @@ pub fn find(word: &str, io: &Io) -> Result<Material, Failure> {
         ),
         None => {
             let texts = Texts(BTreeMap::from([(SHIPPED, shipped::text(SHIPPED))]));
-            let compiled = fab_compiler::compile(SHIPPED, &texts)
-                .map_err(|error| Failure::environment(error.message))?;
+            let compiled = fab_compiler::compile(SHIPPED, &texts)?;
             ("fabc ships".to_owned(), compiled.materials)
         }
     };

@@ -106,7 +106,6 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
 }
 
 /// Returns the CPU time of all threads, user and system, seconds.
-#[cfg(unix)]
 fn cpu_s() -> Option<f64> {
     use nix::sys::resource::{UsageWho, getrusage};
     use nix::sys::time::TimeValLike;
@@ -114,12 +113,6 @@ fn cpu_s() -> Option<f64> {
     let used = getrusage(UsageWho::RUSAGE_SELF).ok()?;
     let micros = used.user_time().num_microseconds() + used.system_time().num_microseconds();
     Some(micros as f64 * 1e-6)
-}
-
-/// Returns `None`.
-#[cfg(not(unix))]
-fn cpu_s() -> Option<f64> {
-    None
 }
 
 /// Returns the largest resident memory, megabytes of 10^6 bytes; Linux alone tells it.

@@ -16,12 +16,10 @@ const NEAR_PX: f64 = 12.0;
 pub struct Offered<'p> {
     program: &'p Program,
     first: Option<Scene>,
-    /// The notes for the user.
     pub notes: Vec<String>,
 }
 
 impl<'p> Offered<'p> {
-    /// Starts at a program's first step.
     pub fn of(program: &'p Program) -> Offered<'p> {
         Offered {
             program,

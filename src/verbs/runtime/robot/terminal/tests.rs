@@ -22,7 +22,7 @@ impl Write for Halted {
 fn a_terminal_that_takes_nothing_holds_up_no_motion() {
     let (release, halted) = channel();
     let io = Io::in_memory().with_stderr(Halted(halted));
-    let supervisor = TerminalSupervisor::new(Confirm::None, HoldToRun::Off, &io);
+    let supervisor = TerminalSupervisor::new(Confirm::None, false, &io);
     let Ok(mut supervisor) = supervisor else {
         panic!("it asks nobody");
     };

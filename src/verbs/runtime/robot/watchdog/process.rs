@@ -52,7 +52,6 @@ impl Process {
     ) -> Result<Process, String> {
         command.stdin(Stdio::piped()).stdout(Stdio::piped());
         // Ctrl-C goes to all of a group; the watchdog outlives it.
-        #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
         let child = command.spawn();
         let mut child =
@@ -180,5 +179,5 @@ impl Drop for Process {
     }
 }
 
-#[cfg(all(test, unix))]
+#[cfg(test)]
 mod tests;
