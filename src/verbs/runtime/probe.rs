@@ -9,7 +9,7 @@ use crate::verbs::runtime::setting::models;
 use crate::verbs::runtime::setting::remote::Providers;
 use clap::Args;
 use fab_base::wording::counted;
-use fab_model::calls::{Budget, CallRefused, Capped, Caps, Spent};
+use fab_model::calls::{Budget, CallRefused, Caps, Ledger, Spent};
 use fab_model::lowering::Lowering;
 use fab_model::{Model, ModelError};
 use fab_providers::catalogue::{Facts, Profile};
@@ -95,7 +95,7 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
         ..arguments.caps.caps()
     };
     let budget = Budget::new(caps, Spent::default());
-    let mut calls = Capped::by(&budget);
+    let mut calls = Ledger::unwritten(&budget);
     let findings = probe(
         &profile,
         &under,
@@ -120,7 +120,7 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
     })
 }
 
-fn failure(error: ModelError, calls: &Capped<'_>) -> Failure {
+fn failure(error: ModelError, calls: &Ledger<'_>) -> Failure {
     match error {
         ModelError::Interrupted => Failure::interrupted(),
         ModelError::NotSent(CallRefused::Budget(cap)) => {
