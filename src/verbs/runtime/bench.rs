@@ -30,7 +30,6 @@ use fab_bench::play::{self, Played, Results, StopReason};
 use fab_bench::suite::Suite;
 use fab_bench::{Answers, Bench, Entry, OtherWorld, first_questions_of, rows};
 use fab_program::Program;
-use fab_providers::catalogue::Profile;
 use fab_providers::estimate::Estimate;
 use fab_providers::remote::settings::Parameter;
 use fab_world::{About, ExternalWorld, SimulatedWorld, World};
@@ -341,7 +340,9 @@ impl SharedQuestions {
         // A question may quote the answers before it, which are the same only if their questions are.
         let mut all_shared = entry.repeats;
         let fresh = questions.iter().map(|FirstQuestion { request, .. }| {
-            let model = answering.profile(request.role).map(Profile::title);
+            let model = answering
+                .remote(request.role)
+                .map(|it| it.profile().title());
             let key = (entry.task, model.unwrap_or_default(), request.key());
             let before = self.repeats.entry(key).or_default();
             if !self.is_kept {

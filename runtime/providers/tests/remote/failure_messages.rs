@@ -335,7 +335,7 @@ fn a_list_of_models_that_never_ends_is_given_up() {
         }
     });
     let trial = trial(&format!("http://127.0.0.1:{port}/v1"));
-    let listed = served_models(&trial.settings, &[], &trial.shared.interrupt);
+    let listed = served_models(&trial.settings, &trial.shared.interrupt);
     assert!(matches!(listed, Err(NotListed::Other(_))), "{listed:?}");
 }
 

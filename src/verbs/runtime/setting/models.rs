@@ -54,11 +54,6 @@ impl Answering {
         answerer.remote.as_deref()
     }
 
-    /// Returns the profile of a role's model; `None` if it has no provider.
-    pub fn profile(&self, role: ModelRole) -> Option<&Profile> {
-        self.remote(role).map(Remote::profile)
-    }
-
     /// Fails if a question cannot be sent as it is, for example because the model does not support one of its settings.
     pub fn check(&self, questions: &[FirstQuestion]) -> Result<(), Failure> {
         for FirstQuestion { stage, request } in questions {
@@ -154,9 +149,8 @@ impl TargetModel {
                 Some(model) => (model.lowering(), None),
                 None => {
                     let catalogue = catalogue::load(shown.facts.models.as_deref(), io)?;
-                    let profile = catalogue.find(name);
-                    let profile = profile.map_err(|error| Failure::usage(error.to_string()))?;
-                    (profile.lowering(), Some(profile))
+                    let profile = catalogue.find(name).map_err(Failure::usage)?;
+                    (profile.facts.lowering(), Some(profile))
                 }
             },
         };

@@ -82,10 +82,9 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
     let reply = read(bytes)?;
     let usage = usage(&reply["usage"]);
     refuse_error(&reply["error"], usage)?;
-    let explanation = reply["stop_details"]["explanation"].as_str();
     let mut ending = Ending {
         reason: reply["stop_reason"].as_str(),
-        explanation: explanation.map(str::to_owned),
+        explanation: reply["stop_details"]["explanation"].as_str(),
         ..Ending::default()
     };
     for block in elements(&reply["content"]) {

@@ -41,8 +41,11 @@ pub(super) fn data_url(png: &Png) -> String {
 
 /// Returns the joined texts of a turn that may not have pictures.
 pub(super) fn words(message: &Message) -> Result<String, Unfit> {
-    let texts: Option<Vec<&str>> = message.parts.iter().map(text).collect();
-    let texts = texts.ok_or_else(|| {
+    let texts = message.parts.iter().map(|part| match part {
+        Part::Text(text) => Some(text.as_str()),
+        Part::Image(_) => None,
+    });
+    let texts = texts.collect::<Option<Vec<_>>>().ok_or_else(|| {
         let speaker = match message.speaker {
             Speaker::System => "the system",
             Speaker::User => "the user",
@@ -53,13 +56,6 @@ pub(super) fn words(message: &Message) -> Result<String, Unfit> {
         ))
     })?;
     Ok(texts.join(BETWEEN))
-}
-
-fn text(part: &Part) -> Option<&str> {
-    match part {
-        Part::Text(text) => Some(text),
-        Part::Image(_) => None,
-    }
 }
 
 /// Splits a conversation into system prompt and turns, for formats with a separate place for it.

@@ -75,7 +75,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
     }
     let mut ending = Ending {
         reason: candidate["finishReason"].as_str(),
-        explanation: candidate["finishMessage"].as_str().map(str::to_owned),
+        explanation: candidate["finishMessage"].as_str(),
         ..Ending::default()
     };
     for part in elements(&candidate["content"]["parts"]) {

@@ -79,7 +79,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
             .filter_map(|it| it["text"].as_str())
             .collect(),
     };
-    let named = |name| Some((name, said[name].as_str()?.to_owned()));
+    let named = |name| Some((name, said[name].as_str()?));
     // llama.cpp's and older vLLM's name for thoughts; that of newer vLLM, Ollama and OpenRouter.
     let reasoning = named("reasoning_content").or_else(|| named("reasoning"));
     let ending = Ending {

@@ -24,15 +24,14 @@ pub(super) fn sent(request: &Request, settings: &Settings) -> Result<Option<Reas
     };
     let least = facts.least_tokens.unwrap_or(1);
     let refused = facts.refuses.as_deref().unwrap_or_default();
-    let accepts = |kind: &ReasoningKind| {
+    let accepted = ReasoningKind::ALL.into_iter().filter(|kind| {
         !refused.contains(kind) && (*kind != ReasoningKind::Tokens || counts_tokens)
-    };
+    });
     let (kind, is_enough) = match stated {
         Reasoning::Tokens(tokens) => (ReasoningKind::Tokens.name(), tokens >= least),
         Reasoning::Level(level) => (level.word(), true),
     };
-    let mut kinds = ReasoningKind::ALL.iter().filter(|kind| accepts(kind));
-    if is_enough && kinds.any(|accepted| accepted.name() == kind) {
+    if is_enough && accepted.clone().any(|accepted| accepted.name() == kind) {
         let as_tokens = facts.levels_as_tokens == Some(true) && counts_tokens;
         return Ok(Some(if as_tokens {
             Reasoning::Tokens(stated.allowed_tokens())
@@ -40,7 +39,6 @@ pub(super) fn sent(request: &Request, settings: &Settings) -> Result<Option<Reas
             stated
         }));
     }
-    let accepted = ReasoningKind::ALL.iter().filter(|kind| accepts(kind));
     let accepted: Vec<String> = accepted
         .map(|kind| match kind {
             ReasoningKind::Tokens => format!("a number of tokens from {least}"),
