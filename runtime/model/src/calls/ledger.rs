@@ -59,18 +59,6 @@ pub(crate) struct Question {
     pub request: Value,
 }
 
-impl Question {
-    pub(crate) fn new(model: &dyn Model, request: &Request) -> Question {
-        Question {
-            key: request.key(),
-            model: model.name().to_owned(),
-            lowering: model.lowering(),
-            request: serde_json::to_value(request)
-                .expect("a request holds strings and finite numbers"),
-        }
-    }
-}
-
 /// The contents of a ledger.
 #[derive(Clone, Debug, Default)]
 pub struct Noted {
@@ -234,7 +222,13 @@ impl<'b> Ledger<'b> {
 
     /// Says which question the next call or stored answer is for; its line is written with them.
     pub fn asks(&mut self, model: &dyn Model, request: &Request) {
-        let question = Question::new(model, request);
+        let json = serde_json::to_value(request);
+        let question = Question {
+            key: request.key(),
+            model: model.name().to_owned(),
+            lowering: model.lowering(),
+            request: json.expect("a request holds strings and finite numbers"),
+        };
         self.asked = Some(question).filter(|it| !self.noted.has(&it.key));
     }
 
