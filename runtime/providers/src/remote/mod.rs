@@ -24,7 +24,7 @@ mod transport;
 
 pub use super::catalogue::Wire;
 pub use answers::Answers;
-pub use base_url::{BaseUrl, BaseUrlError};
+pub use base_url::BaseUrl;
 pub use key::Key;
 pub use redact::Redactor;
 pub use retry::{Retry, most_calls};
@@ -134,9 +134,9 @@ impl Remote {
     fn encoded_within(&self, request: &Request, lengths: Lengths) -> Result<Encoded, ModelError> {
         let wire = self.settings.profile.provider.wire;
         let encoded = wire.encode(request, &self.settings, lengths);
-        encoded.map_err(|unfit| ModelError::Unsupported {
+        encoded.map_err(|why| ModelError::Unsupported {
             model: self.name.clone(),
-            why: unfit.0,
+            why,
         })
     }
 

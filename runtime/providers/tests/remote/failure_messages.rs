@@ -351,5 +351,5 @@ fn a_byte_order_mark_before_an_answer_is_passed_over() {
 #[test]
 fn a_pasted_endpoint_is_refused_with_the_base_that_was_meant() {
     let error = BaseUrl::parse("http://localhost:8000/v1/chat/completions").unwrap_err();
-    insta::assert_snapshot!("pasted_endpoint", error.to_string());
+    insta::assert_snapshot!("pasted_endpoint", error);
 }

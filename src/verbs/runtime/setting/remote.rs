@@ -79,7 +79,7 @@ impl Providers {
         };
         // The message may repeat the URL, which must not show a key that was pasted into it.
         let address = BaseUrl::parse(address)
-            .map_err(|error| Failure::usage(Redactor::of(&self.keys).text(&error.to_string())))?;
+            .map_err(|error| Failure::usage(Redactor::of(&self.keys).text(&error)))?;
         let arguments = &self.arguments;
         let key = match purpose {
             Purpose::Asking => self.key_of(profile)?,

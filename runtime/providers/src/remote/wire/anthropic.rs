@@ -4,7 +4,7 @@
 
 use super::content::{base64, framed, stated, turn};
 use super::error::refuse_error;
-use super::{Answer, Ending, Failure, Sent, Unfit, count, elements, read};
+use super::{Answer, Ending, Failure, Sent, count, elements, read};
 use fab_model::calls::Usage;
 use fab_model::{Message, Part, Reasoning};
 use fab_program::ReasoningLevel;
@@ -25,7 +25,7 @@ pub(super) fn version(sent: &Sent) -> &'static str {
     }
 }
 
-pub(super) fn body(model: &str, messages: &[Message], sent: Sent) -> Result<Value, Unfit> {
+pub(super) fn body(model: &str, messages: &[Message], sent: Sent) -> Result<Value, String> {
     let (system, turns) = framed(messages)?;
     let (thinking, effort) = match sent.reasoning {
         None => (None, None),

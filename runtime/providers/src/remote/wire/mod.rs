@@ -50,11 +50,6 @@ pub struct Failure {
     pub cut_text: Option<String>,
 }
 
-/// Why a request cannot be encoded in a provider's format, in words.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct Unfit(pub String);
-
 impl Wire {
     /// Encodes a request with an answer of these lengths; equal requests give equal bytes.
     ///
@@ -64,7 +59,7 @@ impl Wire {
         request: &Request,
         settings: &Settings,
         lengths: Lengths,
-    ) -> Result<Encoded, Unfit> {
+    ) -> Result<Encoded, String> {
         let sent = Sent::of(request, settings, lengths)?;
         let (model, messages) = (settings.profile.id.as_str(), &request.messages);
         let facts = &settings.profile.facts;
@@ -141,7 +136,7 @@ struct Sent {
 }
 
 impl Sent {
-    fn of(request: &Request, settings: &Settings, lengths: Lengths) -> Result<Sent, Unfit> {
+    fn of(request: &Request, settings: &Settings, lengths: Lengths) -> Result<Sent, String> {
         let facts = &settings.profile.facts;
         let sampling = |value: Option<f64>, parameter: Parameter, accepted: &Option<Accepted>| {
             let Some(value) = value.filter(|_| settings.sends(parameter)) else {
@@ -155,18 +150,16 @@ impl Sent {
             let accepts = accepted
                 .as_ref()
                 .map_or("a finite number".to_owned(), Accepted::to_string);
-            Err(Unfit(format!(
+            Err(format!(
                 "the stage states `{name}` {value}, and it accepts {accepts}; state that, or leave it out with `--omit {name}`"
-            )))
+            ))
         };
         if { request.messages.iter() }.all(|message| message.speaker == Speaker::System) {
-            return Err(Unfit("the request asks nothing".to_owned()));
+            return Err("the request asks nothing".to_owned());
         }
         let mut parts = request.messages.iter().flat_map(|message| &message.parts);
         if facts.vision == Some(false) && parts.any(|part| matches!(part, Part::Image(_))) {
-            return Err(Unfit(
-                "the request holds a picture, and it takes text alone".to_owned(),
-            ));
+            return Err("the request holds a picture, and it takes text alone".to_owned());
         }
         let is_structured =
             facts.structured_output != Some(false) && settings.sends(Parameter::Schema);

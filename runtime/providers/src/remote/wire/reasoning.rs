@@ -3,7 +3,6 @@
 //! In: a request and the facts about its model. Out: the level or the number of tokens to send, or why it cannot be sent.
 //! Each wire writes it into its own fields.
 
-use super::Unfit;
 use crate::catalogue::{ReasoningKind, Wire};
 use crate::remote::settings::{Parameter, Settings};
 use fab_model::{Reasoning, Request};
@@ -11,7 +10,7 @@ use fab_model::{Reasoning, Request};
 /// Returns what is sent of a request's `reasoning`, if anything.
 ///
 /// Fails if the model is known to refuse it, or its interface has no field for it.
-pub(super) fn sent(request: &Request, settings: &Settings) -> Result<Option<Reasoning>, Unfit> {
+pub(super) fn sent(request: &Request, settings: &Settings) -> Result<Option<Reasoning>, String> {
     let is_sent = settings.sends(Parameter::Reasoning);
     let Some(stated) = request.reasoning.filter(|_| is_sent) else {
         return Ok(None);
@@ -49,7 +48,7 @@ pub(super) fn sent(request: &Request, settings: &Settings) -> Result<Option<Reas
         true => "none at all".to_owned(),
         false => accepted.join(", "),
     };
-    Err(Unfit(format!(
+    Err(format!(
         "`reasoning` is `{stated}`, and it accepts {accepted}; give another one with `--reasoning`, or leave it out with `--omit reasoning`"
-    )))
+    ))
 }

@@ -5,7 +5,7 @@ use crate::catalogue::{Catalogue, Date, MaxTokensField};
 use fab_program::ReasoningLevel;
 use serde_json::json;
 
-fn encoded(request: &Request, settings: &Settings) -> Result<Encoded, Unfit> {
+fn encoded(request: &Request, settings: &Settings) -> Result<Encoded, String> {
     let wire = settings.profile.provider.wire;
     wire.encode(request, settings, Lengths::of(request, settings))
 }
@@ -16,7 +16,7 @@ fn sent(request: &Request, settings: &Settings) -> Value {
 }
 
 fn refused(request: &Request, settings: &Settings) -> String {
-    encoded(request, settings).expect_err("unfit").to_string()
+    encoded(request, settings).expect_err("unfit")
 }
 
 #[test]
