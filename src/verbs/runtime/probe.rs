@@ -11,7 +11,7 @@ use clap::Args;
 use fab_base::wording::counted;
 use fab_model::calls::{Budget, CallRefused, Caps, Ledger, Spent};
 use fab_model::lowering::Lowering;
-use fab_model::{Model, ModelError};
+use fab_model::{Model, ModelError, ModelRole};
 use fab_providers::catalogue::{Facts, Profile};
 use fab_providers::probe::{Dots, Findings, MOST_QUESTIONS, probe};
 use serde::Serialize;
@@ -58,7 +58,7 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
             "`probe` finds out which settings a model takes and how it writes coordinates: leave out `--marks` and `--omit`",
         ));
     }
-    if models::is_embedded(&arguments.model)? {
+    if models::embedded(&arguments.model, ModelRole::Vision)?.is_some() {
         return Err(Failure::usage(format!(
             "`{}` has no interface to find out about: name a provider's model, `PROVIDER:NAME`",
             arguments.model

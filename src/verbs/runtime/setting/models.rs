@@ -127,11 +127,6 @@ pub fn models(
     })
 }
 
-/// Returns whether a model needs no provider.
-pub fn is_embedded(name: &str) -> Result<bool, Failure> {
-    Ok(embedded(name, ModelRole::Vision)?.is_some())
-}
-
 /// The model for which messages are shown.
 pub struct TargetModel {
     /// The form in which it gets points and pictures.
@@ -182,7 +177,7 @@ pub fn by_role<'v>(flag: &str, values: &'v [String]) -> Result<[Option<&'v str>;
 }
 
 /// Finds a model that needs no provider; `None` for any other name.
-fn embedded(name: &str, role: ModelRole) -> Result<Option<Box<dyn Model>>, Failure> {
+pub fn embedded(name: &str, role: ModelRole) -> Result<Option<Box<dyn Model>>, Failure> {
     if let Some(file) = name.strip_prefix(REPLAY) {
         let replay = Replay::load(Path::new(file), role)?;
         return Ok(Some(Box::new(replay)));
