@@ -6,7 +6,7 @@ use fab_model::{Message, Part, Png, Request, Speaker};
 use fab_program::{ModelRole, Reasoning, ReasoningLevel};
 use fab_providers::catalogue::MaxTokensField;
 use fab_providers::remote::wire::Answer;
-use fab_providers::remote::{BaseUrl, Settings, Wire};
+use fab_providers::remote::{BaseUrl, Lengths, Settings, Wire};
 use fab_standins::Geometric;
 use fab_test_provider::{Provider, Question};
 use serde_json::Value;
@@ -136,7 +136,9 @@ fn peer_the_providers_own_clients_know_every_field_that_is_sent() {
             ] {
                 let mut settings = settings(wire);
                 settings.profile.facts.max_tokens_field = Some(field);
-                let Ok(encoded) = wire.encode(&request, &settings) else {
+                let Ok(encoded) =
+                    wire.encode(&request, &settings, Lengths::of(&request, &settings))
+                else {
                     let counts = matches!(wire, Wire::Anthropic | Wire::Gemini);
                     assert!(name == "reasoning_tokens" && !counts, "{name}");
                     continue;
@@ -145,7 +147,7 @@ fn peer_the_providers_own_clients_know_every_field_that_is_sent() {
                     .headers
                     .iter()
                     .map(|(_, version)| format!("-{version}"));
-                let place = format!("{wire}{}", version.collect::<String>());
+                let place = format!("{}{}", wire.name(), version.collect::<String>());
                 let place = folder.path().join(place);
                 fs::create_dir_all(&place).unwrap();
                 fs::write(place.join(format!("{name}-{field:?}.json")), encoded.body).unwrap();
@@ -163,7 +165,7 @@ fn peer_replies_of_the_providers_own_classes_are_read() {
     let written = script("replies", folder.path());
     let mut count = 0;
     for wire in Wire::ALL {
-        for entry in fs::read_dir(folder.path().join(wire.to_string())).unwrap() {
+        for entry in fs::read_dir(folder.path().join(wire.name())).unwrap() {
             let path = entry.unwrap().path();
             let name = path.display().to_string();
             let Some(reply) = name.strip_suffix(".expected.json") else {

@@ -228,10 +228,7 @@ mod tests {
             std::fs::write(folder.path().join(name), bytes).unwrap();
         };
         write("a.png", png::encode(&RgbImage::new(4, 3)));
-        write(
-            "a.depth.png",
-            png::encode_gray(&image::GrayImage::new(5, 3)),
-        );
+        write("a.depth.png", png::encode(&image::GrayImage::new(5, 3)));
         let mut camera = DirectoryCamera::of(folder.path(), None, PictureSelection::Last);
         let why = camera.shoot().unwrap_err().why;
         assert!(why.contains("4 x 3 px and its depth 5 x 3"), "{why}");

@@ -3,8 +3,8 @@
 //! In: the model's properties, as data. Out: the [`Pointing`] of prompts, schema and reader for a camera's picture, and
 //! pictures in the size that is sent. `fab_program::pointing` converts coordinates; `fab_vision` draws numbers.
 
-use super::{Model, ModelRole};
-use crate::Models;
+use super::{Model, Models};
+use fab_base::wording::quoted;
 use fab_program::Program;
 use fab_program::pointing::{CoordinateUnit, Frame, Order, Pointing, PointingError};
 use fab_program::render;
@@ -159,21 +159,15 @@ pub fn check(program: &Program, models: Models<'_>) -> Result<(), PointingError>
 /// Names the stages that do not state how points are written although the model does not use pixels; the convention is
 /// stated for them.
 pub fn note(program: &Program, models: Models<'_>) -> Option<String> {
-    let open = |role: ModelRole| {
-        let stages = program.stages.iter().filter(move |stage| {
-            let pointing = pointing_of(program, models.of(stage.model));
-            stage.model == role && render::leaves_frame_open(program, stage, &pointing)
-        });
-        stages.map(|stage| format!("`{}`", stage.name))
-    };
-    let stages: Vec<String> = open(ModelRole::Vision)
-        .chain(open(ModelRole::Text))
-        .collect();
+    let stages = program.stages.iter().filter(|stage| {
+        let pointing = pointing_of(program, models.of(stage.model));
+        render::leaves_frame_open(program, stage, &pointing)
+    });
+    let stages = quoted(stages.map(|stage| &stage.name));
     (!stages.is_empty()).then(|| {
         format!(
-            "no text of stage {} says `{{{{ actions.points }}}}`, how a point is written, and the model does not \
-             answer in the task's pixels; a sentence at the end of the question says it",
-            stages.join(", ")
+            "no text of stage {stages} says `{{{{ actions.points }}}}`, how a point is written, and the model does not \
+             answer in the task's pixels; a sentence at the end of the question says it"
         )
     })
 }

@@ -11,11 +11,11 @@ use crate::{Lowering, Model, ModelError, ModelKind, ModelRole, Reply, Request};
 use fab_base::difference;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 use std::path::{Path, PathBuf};
+use walkdir::WalkDir;
 
-/// The deepest that a run folder may lie below the named one.
-const MAX_DEPTH: u32 = 4;
+/// The deepest that a ledger may lie below the named folder.
+const MAX_DEPTH: usize = 5;
 
 /// How a question ended: with an answer, or with a fault and its description.
 type End = Result<Reply, (Fault, String)>;
@@ -121,7 +121,12 @@ fn ledgers(path: &Path) -> Result<Vec<PathBuf>, LedgerError> {
         return Ok(vec![path.to_owned()]);
     }
     let mut found = Vec::new();
-    collect(path, MAX_DEPTH, &mut found).map_err(|error| unusable(path, &error.to_string()))?;
+    for entry in WalkDir::new(path).max_depth(MAX_DEPTH).sort_by_file_name() {
+        let entry = entry.map_err(|error| unusable(path, &error.to_string()))?;
+        if entry.file_name() == LEDGER_FILE {
+            found.push(entry.into_path());
+        }
+    }
     if found.is_empty() {
         return Err(unusable(
             path,
@@ -129,23 +134,6 @@ fn ledgers(path: &Path) -> Result<Vec<PathBuf>, LedgerError> {
         ));
     }
     Ok(found)
-}
-
-fn collect(folder: &Path, depth: u32, found: &mut Vec<PathBuf>) -> std::io::Result<()> {
-    let file = folder.join(LEDGER_FILE);
-    if file.is_file() {
-        found.push(file);
-    } else if depth > 0 {
-        let entries = fs::read_dir(folder)?.collect::<Result<Vec<_>, _>>()?;
-        let is_folder = |entry: &fs::DirEntry| entry.file_type().is_ok_and(|kind| kind.is_dir());
-        let folders = entries.into_iter().filter(is_folder);
-        let mut folders: Vec<PathBuf> = folders.map(|entry| entry.path()).collect();
-        folders.sort();
-        for folder in folders {
-            collect(&folder, depth - 1, found)?;
-        }
-    }
-    Ok(())
 }
 
 fn unusable(path: &Path, why: &str) -> LedgerError {

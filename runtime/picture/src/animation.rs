@@ -73,11 +73,7 @@ impl Animation {
     /// A picture equal to the one before is that one. Returns whether it differs.
     pub fn show(&mut self, picture: &RgbImage) -> bool {
         let numbers: Vec<u8> = picture.pixels().map(|pixel| self.number(pixel.0)).collect();
-        if self
-            .waiting
-            .as_ref()
-            .is_some_and(|(last, _)| *last == numbers)
-        {
+        if matches!(&self.waiting, Some((last, _)) if *last == numbers) {
             return false;
         }
         self.write_waiting();

@@ -183,7 +183,7 @@ impl Pen {
         let is_black = |sample: &u32| {
             let share = f64::from(*sample) / f64::from(n_samples);
             let at = [0, 1].map(|axis| (tail[axis] + share * (tip[axis] - tail[axis])) as u32);
-            share * length <= self.clear_radius || ink.touches(at[0], at[1])
+            share * length <= self.clear_radius || ink.is_within(1, at[0], at[1])
         };
         let n_black = (0..=n_samples).filter(is_black).count() as f64;
         let is_line = n_black >= LEAST_LINE * f64::from(n_samples + 1);

@@ -65,6 +65,22 @@ pub fn edges(hull: &[Point]) -> impl Iterator<Item = (Point, Point)> {
         .zip(hull.iter().copied().cycle().skip(1))
 }
 
+/// Returns the rectangle around points that has a side along a unit vector: its center, and its sides along the vector and
+/// across it.
+pub fn rectangle(points: &[Point], along: Point) -> (Point, [f64; 2]) {
+    let across = [-along[1], along[0]];
+    let extents = [along, across].map(|axis| {
+        let places = || points.iter().map(|&point| dot(point, axis));
+        let most = places().fold(f64::NEG_INFINITY, f64::max);
+        [places().fold(f64::INFINITY, f64::min), most]
+    });
+    let [x, y] = extents.map(|[least, most]| (least + most) / 2.0);
+    (
+        [0, 1].map(|axis| x * along[axis] + y * across[axis]),
+        extents.map(|[least, most]| most - least),
+    )
+}
+
 fn distance_to_segment(point: Point, a: Point, b: Point) -> f64 {
     let (run, offset) = (minus(b, a), minus(point, a));
     let squared = dot(run, run);

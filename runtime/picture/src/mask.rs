@@ -70,11 +70,6 @@ impl Mask {
             && self.inside[row as usize * self.width as usize + column as usize]
     }
 
-    /// Returns whether a pixel or one of its eight neighbours belongs to the set.
-    pub fn touches(&self, column: u32, row: u32) -> bool {
-        self.is_within(1, column, row)
-    }
-
     /// Returns whether a pixel of the set lies in the square around a pixel that reaches this far to each side.
     pub fn is_within(&self, reach_px: u32, column: u32, row: u32) -> bool {
         let near = |at: u32| at.saturating_sub(reach_px)..=at.saturating_add(reach_px);
@@ -84,22 +79,17 @@ impl Mask {
     /// Returns the sides of the picture that the set reaches: a hundredth of the side, so that no stray pixel counts.
     pub fn reached_borders(&self) -> Vec<&'static str> {
         let [right, bottom] = [self.width, self.height].map(|side| side.saturating_sub(1));
-        let sides = [
-            ("left", 0..=0, 0..=bottom),
-            ("top", 0..=right, 0..=0),
-            ("right", right..=right, 0..=bottom),
-            ("bottom", 0..=right, bottom..=bottom),
+        let sides: [(_, u32, &dyn Fn(u32) -> bool); 4] = [
+            ("left", self.height, &|row| self.contains_at(0, row)),
+            ("top", self.width, &|column| self.contains_at(column, 0)),
+            ("right", self.height, &|row| self.contains_at(right, row)),
+            ("bottom", self.width, &|column| {
+                self.contains_at(column, bottom)
+            }),
         ];
-        let reached = sides.into_iter().filter(|(_, columns, rows)| {
-            let (mut n_inside, mut length) = (0, 0);
-            for (column, row) in columns
-                .clone()
-                .flat_map(|at| rows.clone().map(move |row| (at, row)))
-            {
-                n_inside += u32::from(self.contains_at(column, row));
-                length += 1;
-            }
-            n_inside > 0 && n_inside * 100 >= length
+        let reached = sides.into_iter().filter(|(_, length, is_inside)| {
+            let n_inside = (0..*length).filter(|at| is_inside(*at)).count();
+            n_inside > 0 && n_inside * 100 >= *length as usize
         });
         reached.map(|(name, ..)| name).collect()
     }

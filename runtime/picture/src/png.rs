@@ -7,10 +7,11 @@ use crate::DepthImage;
 use fab_base::files;
 use fab_base::kinds::Kind;
 use image::metadata::Orientation;
-use image::{DynamicImage, GrayImage, ImageDecoder, ImageFormat, ImageReader, Rgb, RgbImage};
+use image::{DynamicImage, ImageBuffer, ImageDecoder, ImageFormat, ImageReader};
+use image::{PixelWithColorType, Rgb, RgbImage};
 use std::fmt::Display;
 use std::io::Cursor;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The longest side of a picture accepted, pixels; phones take pictures of 8160.
 pub const MAX_SIDE_PX: u32 = 8192;
@@ -19,30 +20,11 @@ const MAX_BYTES: u64 = 64 << 20;
 
 /// Why a picture cannot be used.
 #[derive(Debug, thiserror::Error)]
-pub enum PictureError {
-    /// The file cannot be read.
-    #[error("cannot read `{path}`: {why}")]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// The system's error.
-        why: String,
-    },
-    /// The file is damaged, too large or something else.
-    #[error("`{path}` {what}")]
-    Unusable {
-        /// The file.
-        path: PathBuf,
-        /// What it is, and what to do, as the end of a sentence.
-        what: String,
-    },
-}
+#[error("{0}")]
+pub struct PictureError(String);
 
 fn unusable(path: &Path, what: String) -> PictureError {
-    PictureError::Unusable {
-        path: path.to_owned(),
-        what,
-    }
+    PictureError(format!("`{}` {what}", path.display()))
 }
 
 /// A picture from outside.
@@ -120,10 +102,8 @@ const CONVERTED: &str = "PNG and JPEG are read, and ImageMagick converts it: `ma
 const GREY: &str = "a depth picture is a grey PNG, of 8 or 16 bits, since a format for photographs changes distances: write it from the camera's readings";
 
 fn read(path: &Path) -> Result<Vec<u8>, PictureError> {
-    files::read(path, MAX_BYTES).map_err(|why| PictureError::Unreadable {
-        path: path.to_owned(),
-        why,
-    })
+    let bytes = files::read(path, MAX_BYTES);
+    bytes.map_err(|why| PictureError(format!("cannot read `{}`: {why}", path.display())))
 }
 
 /// Returns the width and height, pixels, from a PNG file's header; `None` if it is not a PNG file.
@@ -131,11 +111,6 @@ pub fn size(bytes: &[u8]) -> Option<[u32; 2]> {
     let reader = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png);
     let (width, height) = reader.into_dimensions().ok()?;
     Some([width, height])
-}
-
-/// Decodes the bytes of a PNG or JPEG file; `path` names them in errors.
-pub fn decode(bytes: &[u8], path: &Path) -> Result<RgbImage, PictureError> {
-    Ok(opened(bytes, path)?.rgb)
 }
 
 /// Decodes a picture and turns it as its Exif data say, which are returned too.
@@ -210,19 +185,11 @@ fn on_white(picture: DynamicImage) -> (RgbImage, usize) {
     (rgb, n_transparent)
 }
 
-/// Encodes a picture as PNG.
-pub fn encode(picture: &RgbImage) -> Vec<u8> {
-    encoded(|bytes| picture.write_to(bytes, ImageFormat::Png))
-}
-
-/// Encodes a grey picture as PNG.
-pub fn encode_gray(picture: &GrayImage) -> Vec<u8> {
-    encoded(|bytes| picture.write_to(bytes, ImageFormat::Png))
-}
-
-fn encoded(write: impl FnOnce(&mut Cursor<Vec<u8>>) -> image::ImageResult<()>) -> Vec<u8> {
+/// Encodes a picture, in colour or grey, as PNG.
+pub fn encode<P: PixelWithColorType<Subpixel = u8>>(picture: &ImageBuffer<P, Vec<u8>>) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());
-    write(&mut bytes).expect("a picture in memory can be encoded");
+    let written = picture.write_to(&mut bytes, ImageFormat::Png);
+    written.expect("a picture in memory can be encoded");
     bytes.into_inner()
 }
 

@@ -15,11 +15,8 @@ pub struct SubpixelPoint {
 impl SubpixelPoint {
     /// Takes an exact point `[column, row]`, and the pixel that holds it.
     pub fn at(at: [f64; 2]) -> SubpixelPoint {
-        let [column, row] = at.map(|at| at.floor() as i32);
-        SubpixelPoint {
-            pixel: PixelPoint::new(column, row),
-            at,
-        }
+        let pixel = PixelPoint::from(at.map(|at| at.floor() as i32));
+        SubpixelPoint { pixel, at }
     }
 
     /// Takes a pixel's own centre.

@@ -53,7 +53,7 @@ fn estimate(
         attempts: 1,
         shows_correction: false,
         rollouts: 5,
-        today: "2026-11-20".parse().expect("a date"),
+        today: Date::try_from("2026-11-20".to_owned()).expect("a date"),
     };
     change(&mut plan, &mut questions);
     Plan {

@@ -71,8 +71,8 @@ fn draw(property: &Value, request: &Request, chance: &mut Chance) -> Option<Stri
         return Some(values[chance.below(values.len())].to_owned());
     }
     let last = request.messages.iter().flat_map(pictures).last()?;
-    let picture = png::decode(last, Path::new("the last picture")).ok()?;
-    let (width, height) = picture.dimensions();
+    let picture = png::opened(last, Path::new("the last picture")).ok()?;
+    let (width, height) = picture.rgb.dimensions();
     let [u, v] = [width, height].map(|side| chance.below(side as usize));
     Some(format!("({u}, {v})"))
 }

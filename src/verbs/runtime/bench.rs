@@ -30,7 +30,6 @@ use fab_bench::play::{self, Played, Results, StopReason};
 use fab_bench::suite::Suite;
 use fab_bench::{Answers, Bench, Entry, OtherWorld, first_questions_of, rows};
 use fab_program::Program;
-use fab_providers::catalogue::Profile;
 use fab_providers::estimate::Estimate;
 use fab_providers::remote::settings::Parameter;
 use fab_world::{About, ExternalWorld, SimulatedWorld, World};
@@ -316,7 +315,9 @@ fn foresee(
         let mut all_shared = entry.repeats;
         // For each question, how many rollouts are likely to ask it anew.
         let fresh = questions.iter().map(|FirstQuestion { request, .. }| {
-            let model = answering.profile(request.role).map(Profile::title);
+            let model = answering
+                .remote(request.role)
+                .map(|it| it.profile().title());
             let key = (entry.task, model.unwrap_or_default(), request.key());
             let before = shared.entry(key).or_default();
             if !is_kept {

@@ -11,7 +11,7 @@ use clap::Args;
 use fab_base::interrupt::Interrupt;
 use fab_base::parallel::in_parallel;
 use fab_providers::catalogue::{Catalogue, KeyNeed, Provider, RunsOn};
-use fab_providers::remote::{BaseUrl, Key, KeyError, NotListed, Settings, served_models};
+use fab_providers::remote::{BaseUrl, Key, NotListed, Settings, served_models};
 use serde::Serialize;
 use std::fmt::Display;
 use std::path::Path;
@@ -133,7 +133,7 @@ fn facts(flag: Option<&Path>, io: &Io) -> Found {
     }
 }
 
-fn keys(io: &Io) -> Result<Found, KeyError> {
+fn keys(io: &Io) -> Result<Found, String> {
     let file = catalogue::keys_file(io);
     let path = file.as_ref().map(|file| file.path.display().to_string());
     let path = path.unwrap_or_else(|| "a file that FABC_KEYS names".to_owned());
@@ -183,7 +183,7 @@ fn served(provider: &Provider, base_url: BaseUrl, key: Option<Key>, with: &str) 
     };
     let start = provider.start.as_deref().unwrap_or("start its server");
     let start = format!("{start}, or name its address with --base-url");
-    match served_models(&settings, &[], &Interrupt::default()) {
+    match served_models(&settings, &Interrupt::default()) {
         Ok(models) if models.is_empty() => missing(
             format!("answers at {at} and serves no model yet{with}"),
             "load a model in it",

@@ -53,7 +53,7 @@ pub fn run(arguments: &ModelsArguments, io: &Io) -> Result<Exit, Failure> {
     let catalogue = catalogue::load(arguments.facts.models.as_deref(), io)?;
     let wanted = arguments.provider.as_deref();
     let wanted = wanted.map(|name| catalogue.provider(name)).transpose();
-    let wanted = wanted.map_err(|error| Failure::usage(error.to_string()))?;
+    let wanted = wanted.map_err(Failure::usage)?;
     let known = KnownModels {
         providers: catalogue.providers(),
         models: catalogue.listed(wanted),

@@ -8,9 +8,9 @@ use crate::verbs::runtime::setting::models;
 use crate::verbs::runtime::setting::remote::Providers;
 use clap::Args;
 use fab_base::wording::counted;
-use fab_model::calls::{Budget, CallRefused, Capped, Caps, Spent};
+use fab_model::calls::{Budget, CallRefused, Caps, Ledger, Spent};
 use fab_model::lowering::Lowering;
-use fab_model::{Model, ModelError};
+use fab_model::{Model, ModelError, ModelRole};
 use fab_providers::catalogue::{Facts, Profile};
 use fab_providers::probe::{Dots, Findings, MOST_QUESTIONS, probe};
 use serde::Serialize;
@@ -57,7 +57,7 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
             "`probe` finds out which settings a model takes and how it writes coordinates: leave out `--marks` and `--omit`",
         ));
     }
-    if models::is_embedded(&arguments.model)? {
+    if models::embedded(&arguments.model, ModelRole::Vision)?.is_some() {
         return Err(Failure::usage(format!(
             "`{}` has no interface to find out about: name a provider's model, `PROVIDER:NAME`",
             arguments.model
@@ -94,7 +94,7 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
         ..arguments.caps.caps()
     };
     let budget = Budget::new(caps, Spent::default());
-    let mut calls = Capped::by(&budget);
+    let mut calls = Ledger::unwritten(&budget);
     let findings = probe(
         &profile,
         &under,
@@ -119,7 +119,7 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
     })
 }
 
-fn failure(error: ModelError, calls: &Capped<'_>) -> Failure {
+fn failure(error: ModelError, calls: &Ledger<'_>) -> Failure {
     match error {
         ModelError::Interrupted => Failure::interrupted(),
         ModelError::NotSent(CallRefused::Budget(cap)) => {

@@ -50,7 +50,7 @@ impl PictureParts {
         let found = arrow::find(&arrow::near_black(picture), scale).ok();
         let hidden = Mask::from_fn(width, height, |column, row| {
             let arrow = found.as_ref();
-            arrow.is_some_and(|arrow| arrow.stroke.touches(column, row))
+            arrow.is_some_and(|arrow| arrow.stroke.is_within(1, column, row))
         });
         let patch = silhouette(picture);
         let cloth = Mask::from_fn(width, height, |column, row| {

@@ -142,10 +142,7 @@ impl Calibration {
                 .map_err(|error| refused(path, format!("cannot be written: {error}")))
         };
         if let Some(reference) = &self.reference {
-            write(
-                &Calibration::picture_beside(path),
-                &png::encode_gray(reference),
-            )?;
+            write(&Calibration::picture_beside(path), &png::encode(reference))?;
         }
         write(path, self.to_toml().as_bytes())
     }

@@ -50,36 +50,25 @@ impl Spent {
     /// - `at_most`: the amount reserved for it.
     pub fn count(&mut self, at_most: Option<Usd>, end: &CallEnd<'_>) {
         self.calls += 1;
-        let (cost, usage) = end.reported();
-        self.usage = self.usage + usage.unwrap_or_default();
-        let is_unknown = match end {
+        let (cost, usage, is_unknown) = match end {
             CallEnd::Failed(failed) => {
-                let is_possible = cost.is_none() && failed.billing == Billing::Possibly;
+                let is_possible = failed.cost.is_none() && failed.billing == Billing::Possibly;
                 self.possibly_billed += u64::from(is_possible);
-                is_possible
+                (failed.cost, failed.usage, is_possible)
             }
-            CallEnd::Answered(_) => {
-                let is_unreported = usage.is_none() || at_most.is_some();
-                self.unreported += u64::from(cost.is_none() && is_unreported);
-                cost.is_none()
+            CallEnd::Answered(reply) => {
+                let is_unreported = reply.usage.is_none() || at_most.is_some();
+                self.unreported += u64::from(reply.cost.is_none() && is_unreported);
+                (reply.cost, reply.usage, reply.cost.is_none())
             }
         };
+        self.usage = self.usage + usage.unwrap_or_default();
         self.cost = self.cost + cost.unwrap_or_default();
         match at_most {
             _ if !is_unknown => {}
             Some(at_most) => self.possibly = self.possibly + at_most,
             None => self.unpriced += 1,
         }
-    }
-
-    fn absorb(&mut self, other: &Spent) {
-        self.calls += other.calls;
-        self.possibly_billed += other.possibly_billed;
-        self.unreported += other.unreported;
-        self.unpriced += other.unpriced;
-        self.cost = self.cost + other.cost;
-        self.possibly = self.possibly + other.possibly;
-        self.usage = self.usage + other.usage;
     }
 
     /// Describes the total cost.
@@ -107,17 +96,20 @@ impl Spent {
         text
     }
 
-    /// Describes the tokens; calls that reported none are not in the sums.
+    /// Describes the tokens; calls that reported none are not in the sums, and hidden ones are named if they are reported.
     pub fn tokens_in_words(&self) -> String {
         let at_least = match self.unreported + self.possibly_billed {
             0 => "",
             _ => "at least ",
         };
-        format!(
-            "tokens {at_least}{} in, {}",
-            self.usage.input_tokens,
-            self.usage.output_in_words()
-        )
+        let hidden = self.usage.reasoning_tokens;
+        let hidden = hidden.map_or(String::new(), |it| format!(" ({it} of them hidden)"));
+        let Usage {
+            input_tokens,
+            output_tokens,
+            ..
+        } = self.usage;
+        format!("tokens {at_least}{input_tokens} in, {output_tokens} out{hidden}")
     }
 
     /// Returns the cost of all answers; `None` if a price or the usage of an answer is unknown.
@@ -275,7 +267,14 @@ impl Budget {
 
     /// Counts what earlier parts of the same run spent.
     pub fn restore(&self, spent: &Spent) {
-        self.state().spent.absorb(spent);
+        let all = &mut self.state().spent;
+        all.calls += spent.calls;
+        all.possibly_billed += spent.possibly_billed;
+        all.unreported += spent.unreported;
+        all.unpriced += spent.unpriced;
+        all.cost = all.cost + spent.cost;
+        all.possibly = all.possibly + spent.possibly;
+        all.usage = all.usage + spent.usage;
     }
 
     /// Reserves what a call may cost; waits for calls under way if that exceeds a cap, and fails if none is.

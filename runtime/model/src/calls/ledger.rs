@@ -59,18 +59,6 @@ pub(crate) struct Question {
     pub request: Value,
 }
 
-impl Question {
-    pub(crate) fn new(model: &dyn Model, request: &Request) -> Question {
-        Question {
-            key: request.key(),
-            model: model.name().to_owned(),
-            lowering: model.lowering(),
-            request: serde_json::to_value(request)
-                .expect("a request holds strings and finite numbers"),
-        }
-    }
-}
-
 /// The contents of a ledger.
 #[derive(Clone, Debug, Default)]
 pub struct Noted {
@@ -175,7 +163,8 @@ pub struct LedgerError {
 /// The ledger of a rollout in progress.
 #[derive(Debug)]
 pub struct Ledger<'b> {
-    path: PathBuf,
+    /// `None`: nothing is written.
+    path: Option<PathBuf>,
     file: Option<Appender>,
     budget: &'b Budget,
     noted: Noted,
@@ -183,6 +172,7 @@ pub struct Ledger<'b> {
     asked: Option<Question>,
     /// The call in progress: its number, and its part of the budget.
     open: Option<(u64, Reservation<'b>)>,
+    last_failure: Option<String>,
 }
 
 impl<'b> Ledger<'b> {
@@ -191,13 +181,28 @@ impl<'b> Ledger<'b> {
     /// - `budget`: already includes those earlier calls.
     pub fn open(folder: &Path, budget: &'b Budget) -> Result<Ledger<'b>, LedgerError> {
         Ok(Ledger {
-            path: folder.join(LEDGER_FILE),
+            path: Some(folder.join(LEDGER_FILE)),
+            noted: read(folder)?,
+            ..Ledger::unwritten(budget)
+        })
+    }
+
+    /// Makes a ledger without a file, for questions outside any run: their calls count towards the budget.
+    pub fn unwritten(budget: &'b Budget) -> Ledger<'b> {
+        Ledger {
+            path: None,
             file: None,
             budget,
-            noted: read(folder)?,
+            noted: Noted::default(),
             asked: None,
             open: None,
-        })
+            last_failure: None,
+        }
+    }
+
+    /// Returns why the last call gave no answer; `None` if it gave one.
+    pub fn last_failure(&self) -> Option<&str> {
+        self.last_failure.as_deref()
     }
 
     /// Returns the stored answer to a question.
@@ -217,7 +222,13 @@ impl<'b> Ledger<'b> {
 
     /// Says which question the next call or stored answer is for; its line is written with them.
     pub fn asks(&mut self, model: &dyn Model, request: &Request) {
-        let question = Question::new(model, request);
+        let json = serde_json::to_value(request);
+        let question = Question {
+            key: request.key(),
+            model: model.name().to_owned(),
+            lowering: model.lowering(),
+            request: json.expect("a request holds strings and finite numbers"),
+        };
         self.asked = Some(question).filter(|it| !self.noted.has(&it.key));
     }
 
@@ -239,26 +250,25 @@ impl<'b> Ledger<'b> {
     }
 
     fn write(&mut self, line: Line) -> Result<(), CallRefused> {
-        self.append(&line)
-            .map_err(|error| CallRefused::NotNoted(self.unwritable(&error)))?;
+        self.append(&line).map_err(CallRefused::NotNoted)?;
         self.noted.take(line);
         Ok(())
     }
 
-    fn unwritable(&self, error: &std::io::Error) -> String {
-        format!("cannot write `{}`: {error}", self.path.display())
-    }
-
-    fn append(&mut self, line: &Line) -> std::io::Result<()> {
+    fn append(&mut self, line: &Line) -> Result<(), String> {
+        let Some(path) = &self.path else {
+            return Ok(());
+        };
+        let unwritable = |error| format!("cannot write `{}`: {error}", path.display());
         let file = match &mut self.file {
             Some(file) => file,
             absent => {
-                let mut file = Appender::open(&self.path)?;
+                let mut file = Appender::open(path).map_err(unwritable)?;
                 file.keep(self.noted.whole_bytes);
                 absent.insert(file)
             }
         };
-        file.append(line)
+        file.append(line).map_err(unwritable)
     }
 }
 
@@ -287,6 +297,10 @@ impl Calls for Ledger<'_> {
             return Ok(());
         };
         reserved.settle(end);
+        self.last_failure = match end {
+            CallEnd::Answered(_) => None,
+            CallEnd::Failed(failed) => Some(failed.why.clone()),
+        };
         let line = match *end {
             CallEnd::Answered(reply) => Line::Answered {
                 call,
@@ -299,7 +313,7 @@ impl Calls for Ledger<'_> {
         };
         let written = self.append(&line);
         self.noted.take(line);
-        written.map_err(|error| CallRefused::NotKept(self.unwritable(&error)))
+        written.map_err(CallRefused::NotKept)
     }
 }
 

@@ -6,12 +6,10 @@
 pub mod ledger;
 
 mod budget;
-mod capped;
 mod fault;
 mod usage;
 
 pub use budget::{Budget, Caps, Spent};
-pub use capped::Capped;
 pub use fault::{Billing, Fault};
 pub use ledger::{Ledger, LedgerError};
 pub use usage::{Usage, Usd};
@@ -82,16 +80,6 @@ impl FailedCall {
         cost: None,
         usage: None,
     };
-}
-
-impl CallEnd<'_> {
-    /// Returns the cost and the usage that the provider reported.
-    fn reported(&self) -> (Option<Usd>, Option<Usage>) {
-        match self {
-            CallEnd::Answered(reply) => (reply.cost, reply.usage),
-            CallEnd::Failed(failed) => (failed.cost, failed.usage),
-        }
-    }
 }
 
 /// Why a call must not be sent, or could not be noted.

@@ -26,14 +26,6 @@ impl Usage {
         let hidden = self.reasoning_tokens.unwrap_or(0);
         self.output_tokens.saturating_sub(hidden)
     }
-
-    /// Describes the tokens of the answer; hidden ones are named if they are reported.
-    pub fn output_in_words(&self) -> String {
-        match self.reasoning_tokens {
-            Some(hidden) => format!("{} out ({hidden} of them hidden)", self.output_tokens),
-            None => format!("{} out", self.output_tokens),
-        }
-    }
 }
 
 impl Add for Usage {

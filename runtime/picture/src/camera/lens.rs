@@ -121,6 +121,7 @@ impl Lens {
     }
 }
 
-fn all_finite(pixel: [f64; 2]) -> Option<[f64; 2]> {
+/// Returns a pixel or point, if it has finite coordinates.
+pub(super) fn all_finite(pixel: [f64; 2]) -> Option<[f64; 2]> {
     pixel.iter().all(|value| value.is_finite()).then_some(pixel)
 }

@@ -3,6 +3,7 @@
 //! In: the homography from pixels to the plane. Out: points of the plane, and the pixels that show them.
 
 use super::Lens;
+use super::lens::all_finite;
 use nalgebra::{Matrix3, Point3, Vector3};
 
 /// How pixels lie on a plane of the world.
@@ -49,9 +50,5 @@ pub fn through(homography: &Matrix3<f64>, [u, v]: [f64; 2]) -> Option<[f64; 2]> 
 }
 
 fn divided(point: Vector3<f64>) -> Option<[f64; 2]> {
-    let divided = [point.x / point.z, point.y / point.z];
-    divided
-        .iter()
-        .all(|value| value.is_finite())
-        .then_some(divided)
+    all_finite([point.x / point.z, point.y / point.z])
 }

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
-use image::{ImageEncoder, Luma, LumaA, Rgba, RgbaImage};
+use image::{GrayImage, ImageEncoder, Luma, LumaA, Rgba, RgbaImage};
 use std::fs;
 
 /// A picture whose left half is red and whose right half is blue, 40 by 20.
@@ -157,7 +157,7 @@ fn a_file_that_is_no_picture_is_named_with_what_to_do() {
         ),
     ];
     for (name, bytes, told) in rows {
-        let why = decode(bytes, Path::new(name)).unwrap_err().to_string();
+        let why = opened(bytes, Path::new(name)).unwrap_err().to_string();
         assert!(why.starts_with(told), "{why}");
     }
 }
@@ -171,11 +171,11 @@ fn a_photograph_that_was_cut_off_is_refused_and_one_with_more_behind_it_is_not()
     let with_small = [&whole[..2], small, &whole[2..]].concat();
     let with_more = [&whole[..], b"MotionPhoto \xff\xda"].concat();
     for bytes in [&whole, &with_small, &with_more] {
-        assert_eq!(decode(bytes, path).unwrap().dimensions(), (40, 20));
+        assert_eq!(opened(bytes, path).unwrap().rgb.dimensions(), (40, 20));
     }
     for bytes in [&whole, &with_small] {
         for length in 3..bytes.len() - 1 {
-            let why = decode(&bytes[..length], path).unwrap_err().to_string();
+            let why = opened(&bytes[..length], path).unwrap_err().to_string();
             assert!(
                 why.contains("`a.jpg` is not a readable picture in PNG or JPEG"),
                 "{why}"
@@ -189,7 +189,7 @@ fn a_depth_picture_is_a_grey_png() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("d.png");
     let named = path.display().to_string();
-    fs::write(&path, encode_gray(&GrayImage::from_pixel(2, 1, Luma([51])))).unwrap();
+    fs::write(&path, encode(&GrayImage::from_pixel(2, 1, Luma([51])))).unwrap();
     assert_eq!(load_depth(&path).unwrap().get_pixel(1, 0).0, [0.2]);
     let levels =
         image::ImageBuffer::from_fn(2, 1, |column, _| Luma([[650, u16::MAX][column as usize]]));

@@ -4,7 +4,6 @@
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
-use std::str::FromStr;
 use std::time::{Duration, UNIX_EPOCH};
 
 const DAY_SECS: u64 = 24 * 60 * 60;
@@ -28,11 +27,11 @@ impl Date {
     }
 }
 
-impl FromStr for Date {
-    type Err = String;
+impl TryFrom<String> for Date {
+    type Error = String;
 
     /// Reads a date such as `2026-11-20`; fails with the reason.
-    fn from_str(text: &str) -> Result<Date, String> {
+    fn try_from(text: String) -> Result<Date, String> {
         let start = humantime::parse_rfc3339(&format!("{text}T00:00:00Z"));
         let since = start.ok().and_then(|it| it.duration_since(UNIX_EPOCH).ok());
         let days = since.map(|since| since.as_secs() / DAY_SECS);
@@ -49,14 +48,6 @@ impl fmt::Display for Date {
         let start = UNIX_EPOCH + Duration::from_secs(self.days * DAY_SECS);
         let start = humantime::format_rfc3339_seconds(start).to_string();
         f.write_str(&start[.."2026-11-20".len()])
-    }
-}
-
-impl TryFrom<String> for Date {
-    type Error = String;
-
-    fn try_from(text: String) -> Result<Date, String> {
-        text.parse()
     }
 }
 

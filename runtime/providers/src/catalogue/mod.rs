@@ -20,7 +20,6 @@ pub use provider::{KeyNeed, Provider, RunsOn, Wire};
 pub use tokens::{ImageTokens, Tokens};
 
 use fab_base::files::{self, line_of};
-use fab_model::Lowering;
 use fab_program::nearest::{among, nearest};
 use rust_embed::Embed;
 use serde::{Deserialize, Serialize};
@@ -38,23 +37,6 @@ const MAX_BYTES: u64 = 1 << 20;
 
 /// What belongs to a vendor's interface, and so is unknown where another server stands before it.
 const OF_THE_INTERFACE: [&str; 3] = ["price", "structured_output", "max_tokens_field"];
-
-/// Why facts cannot be used.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum CatalogueError {
-    /// The file cannot be read, with the system's error.
-    #[error("cannot read `{0}`: {1}")]
-    Unreadable(String, String),
-    /// The file is not TOML, or the entry that begins in this line is wrong, and why.
-    #[error("`{0}`, line {1}: {2}")]
-    Wrong(String, usize, String),
-    /// A model name is not in the form PROVIDER:NAME.
-    #[error("`{0}` is not a model; write PROVIDER:NAME, on one line")]
-    NoModel(String),
-    /// There is no such provider; with the one that was probably meant, and all of them.
-    #[error("there is no provider `{0}`{near}; there is {2}", near = meant(.1.as_deref()))]
-    NoProvider(String, Option<String>, String),
-}
 
 /// Everything known about models.
 #[derive(Clone, Debug, Default)]
@@ -93,7 +75,7 @@ pub struct Listed {
 }
 
 /// A source of facts.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Source {
     /// When they were gathered.
     pub as_of: Option<Date>,
@@ -113,7 +95,6 @@ struct File {
 
 /// An entry without its facts.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
 struct Head {
     /// The vendor, or the server; `None`: open weights, which answer alike wherever they are served.
     provider: Option<String>,
@@ -122,8 +103,8 @@ struct Head {
     /// Beginnings of ids that it is about.
     #[serde(default)]
     family: Vec<String>,
-    as_of: Option<Date>,
-    source: Option<String>,
+    #[serde(flatten)]
+    origin: Source,
 }
 
 #[derive(Clone, Debug)]
@@ -151,15 +132,13 @@ impl Catalogue {
 
     /// Overrides the catalogue with a file: fields given in an entry replace those of embedded ones, others stay.
     ///
-    /// `file` names it in errors.
-    pub fn overlaid(mut self, text: &str, file: &str) -> Result<Catalogue, CatalogueError> {
-        let wrong = |start: usize, why: String| {
-            CatalogueError::Wrong(file.to_owned(), line_of(text, start), why)
-        };
+    /// `file` names it in errors, with the line of what is wrong.
+    pub fn overlaid(mut self, text: &str, file: &str) -> Result<Catalogue, String> {
+        let wrong = |start, why: &str| format!("`{file}`, line {}: {why}", line_of(text, start));
         // Only the message: an excerpt of the file could show a key.
         let read: File = toml::from_str(text).map_err(|error| {
             let start = error.span().map_or(0, |span| span.start);
-            wrong(start, error.message().to_owned())
+            wrong(start, error.message())
         })?;
         type Lay = fn(&mut Catalogue, Table) -> Result<(), String>;
         let kinds: [(_, Lay); 2] = [
@@ -169,18 +148,18 @@ impl Catalogue {
         for (entries, lay) in kinds {
             for entry in entries {
                 let start = entry.span().start;
-                lay(&mut self, entry.into_inner()).map_err(|why| wrong(start, why))?;
+                lay(&mut self, entry.into_inner()).map_err(|why| wrong(start, &why))?;
             }
         }
         Ok(self)
     }
 
     /// Overrides the catalogue with a file of at most 1 MiB.
-    pub fn overlaid_by(self, path: &Path) -> Result<Catalogue, CatalogueError> {
+    pub fn overlaid_by(self, path: &Path) -> Result<Catalogue, String> {
         let name = path.display().to_string();
         let text = files::read_text(path, MAX_BYTES);
-        let text = text.map_err(|why| CatalogueError::Unreadable(name.clone(), why));
-        self.overlaid(&text?, &name)
+        let text = text.map_err(|why| format!("cannot read `{name}`: {why}"))?;
+        self.overlaid(&text, &name)
     }
 
     fn lay_provider(&mut self, changes: Table) -> Result<(), String> {
@@ -208,7 +187,7 @@ impl Catalogue {
             return Err("a model needs `id`, or `family` with the beginnings of ids".to_owned());
         }
         if let Some(name) = &head.provider {
-            self.provider(name).map_err(|error| error.to_string())?;
+            self.provider(name)?;
         } else if head.id.is_some() {
             return Err("a model with `id` needs `provider`: ids are a provider's".to_owned());
         }
@@ -223,23 +202,26 @@ impl Catalogue {
         &self.providers
     }
 
-    /// Returns a provider by its name.
-    pub fn provider(&self, name: &str) -> Result<&Provider, CatalogueError> {
+    /// Returns a provider by its name; fails with the one that was probably meant, and all of them.
+    pub fn provider(&self, name: &str) -> Result<&Provider, String> {
         let names = || self.providers.iter().map(|provider| provider.name.as_str());
         let found = self.providers.iter().find(|provider| provider.name == name);
         found.ok_or_else(|| {
-            let near = nearest(name, names()).map(str::to_owned);
-            let name = name.chars().take(40).collect();
-            CatalogueError::NoProvider(name, near, among(names()))
+            let near = meant(nearest(name, names()));
+            let name: String = name.chars().take(40).collect();
+            let all = among(names());
+            format!("there is no provider `{name}`{near}; there is {all}")
         })
     }
 
     /// Finds a model by `PROVIDER:NAME`; for a name that matches no entry nothing is known.
-    pub fn find(&self, model: &str) -> Result<Profile, CatalogueError> {
+    pub fn find(&self, model: &str) -> Result<Profile, String> {
         let split = model.split_once(':');
         let split = split.filter(|(_, id)| !id.is_empty() && !id.chars().any(char::is_control));
-        let (provider, id) =
-            split.ok_or_else(|| CatalogueError::NoModel(model.chars().take(80).collect()))?;
+        let (provider, id) = split.ok_or_else(|| {
+            let model: String = model.chars().take(80).collect();
+            format!("`{model}` is not a model; write PROVIDER:NAME, on one line")
+        })?;
         let provider = self.provider(provider)?;
         let (facts, _) = self.known(Some(provider), id);
         let of_provider = |entry: &&Entry| entry.head.provider.as_deref() == Some(provider.owner());
@@ -298,12 +280,8 @@ impl Catalogue {
         let (mut facts, mut sources) = (Table::new(), Vec::new());
         for (_, head, own) in entries {
             facts.extend(own);
-            let source = Source {
-                as_of: head.as_of,
-                source: head.source.clone(),
-            };
-            sources.retain(|other| *other != source);
-            sources.insert(0, source);
+            sources.retain(|other| *other != head.origin);
+            sources.insert(0, head.origin.clone());
         }
         let facts = from_table(facts).expect("whole facts were read, and replace each other");
         (facts, sources)
@@ -363,11 +341,6 @@ impl Profile {
     /// Returns `PROVIDER:NAME`.
     pub fn title(&self) -> String {
         format!("{}:{}", self.provider.name, self.id)
-    }
-
-    /// Returns how the model gets points of a picture; see [`Facts::lowering`].
-    pub fn lowering(&self) -> Lowering {
-        self.facts.lowering()
     }
 
     /// Returns how the model takes `reasoning` at its provider.

@@ -5,7 +5,6 @@
 use super::date::Date;
 use super::facts::ReasoningFacts;
 use serde::{Deserialize, Serialize};
-use std::fmt;
 
 /// A provider of models. All fields but the name have defaults: those of a server of one's own that speaks OpenAI's Chat
 /// Completions.
@@ -56,13 +55,6 @@ fab_base::named! {
         Anthropic = "anthropic",
         /// Google's generateContent.
         Gemini = "gemini",
-    }
-}
-
-impl fmt::Display for Wire {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // The name that data files use.
-        f.pad(self.name())
     }
 }
 

@@ -5,13 +5,14 @@ mod money;
 mod tokens;
 
 use super::*;
+use fab_model::Lowering;
 
 pub(super) fn find(model: &str) -> Profile {
     Catalogue::builtin().find(model).expect("a known provider")
 }
 
 pub(super) fn date(text: &str) -> Date {
-    text.parse().expect("a date")
+    Date::try_from(text.to_owned()).expect("a date")
 }
 
 #[test]
@@ -26,7 +27,10 @@ fn the_embedded_facts_are_read_and_every_entry_has_a_source() {
         );
     }
     for Entry { head, .. } in &catalogue.entries {
-        assert!(head.as_of.is_some() && head.source.is_some(), "{head:?}");
+        assert!(
+            head.origin.as_of.is_some() && head.origin.source.is_some(),
+            "{head:?}"
+        );
     }
 }
 
@@ -46,7 +50,7 @@ fn an_id_gets_its_own_facts_before_those_of_its_families() {
         sol.facts.max_tokens_field,
         Some(MaxTokensField::MaxCompletionTokens)
     );
-    assert_eq!(sol.lowering(), Lowering::PIXELS);
+    assert_eq!(sol.facts.lowering(), Lowering::PIXELS);
     let terra = find("openai:gpt-6.1-terra");
     assert_eq!(terra.facts.temperature, None, "no source says so");
     assert_eq!(
@@ -116,7 +120,7 @@ fn families_say_how_weights_answer_wherever_they_are_served() {
     ] {
         let profile = find(model);
         assert!(profile.facts.coordinates.is_some(), "{model}");
-        assert_eq!(profile.lowering().to_string(), expected, "{model}");
+        assert_eq!(profile.facts.lowering().to_string(), expected, "{model}");
     }
     for (model, vision, side_224) in [
         ("vllm:OpenGVLab/InternVL3_5-8B", Some(true), Some(258)),
@@ -184,7 +188,7 @@ fn a_similar_id_is_named_and_a_wrong_provider_is_refused() {
         .find("opnai:gpt-6.2-sol")
         .expect_err("no such provider");
     assert!(
-        error.to_string().starts_with(
+        error.starts_with(
             "there is no provider `opnai` (did you mean `openai`?); there is `anthropic`"
         ),
         "{error}"
@@ -230,7 +234,7 @@ fn dates_are_days_of_the_calendar_and_written_as_they_are_read() {
         "1969-12-31",
         "２０２６-11-20",
     ] {
-        assert!(text.parse::<Date>().is_err(), "{text}");
+        assert!(Date::try_from(text.to_owned()).is_err(), "{text}");
     }
     for (days, expected) in [
         (0, "1970-01-01"),

@@ -59,9 +59,9 @@ impl Model for Seeing {
         let Some(Part::Image(png)) = request.messages[0].parts.last() else {
             panic!("the question shows a picture");
         };
-        let shown = png::decode(png.bytes(), std::path::Path::new("shown")).expect("a picture");
+        let shown = png::opened(png.bytes(), std::path::Path::new("shown")).expect("a picture");
         let mut seen = [([0.0, 0.0], 0.0); DOTS.len()];
-        for (x, y, pixel) in shown.enumerate_pixels() {
+        for (x, y, pixel) in shown.rgb.enumerate_pixels() {
             let Some(dot) = DOTS.iter().position(|(_, colour)| pixel.0 == *colour) else {
                 continue;
             };
@@ -73,7 +73,7 @@ impl Model for Seeing {
             .iter()
             .zip(seen)
             .map(|((name, _), (sum, count))| {
-                let got = [shown.width(), shown.height()];
+                let got = [shown.rgb.width(), shown.rgb.height()];
                 let part = [0, 1].map(|axis| (sum[axis] / count + 0.5) / f64::from(got[axis]));
                 (self.form)(name, self.numbers(part, got))
             })
@@ -173,9 +173,9 @@ fn a_question_has_the_words_of_rollouts_and_a_picture_in_their_size() {
         assert!(text.contains(&sentence), "{text}");
         let form = told.pointing([720; 2]).form();
         assert!(text.contains(&format!("\nmagenta: {form}")), "{text}");
-        let shown = png::decode(png.bytes(), std::path::Path::new("shown"));
+        let shown = png::opened(png.bytes(), std::path::Path::new("shown"));
         assert_eq!(
-            <[u32; 2]>::from(shown.expect("a picture").dimensions()),
+            <[u32; 2]>::from(shown.expect("a picture").rgb.dimensions()),
             sent
         );
     }
@@ -483,7 +483,10 @@ fn every_character_is_found_out_and_its_entry_is_used_when_pasted() {
         let mut found = found.expect(name);
         assert_eq!(found.facts, expected, "{name}: {:?}", found.notes);
         found.notes.push("a note\nvision = false".to_owned());
-        let toml = found.toml(&profile, "2026-11-24".parse().expect("a date"));
+        let toml = found.toml(
+            &profile,
+            Date::try_from("2026-11-24".to_owned()).expect("a date"),
+        );
         let catalogue = Catalogue::builtin().overlaid(&toml, "pasted.toml");
         let catalogue = catalogue.unwrap_or_else(|error| panic!("{name}: {error}\n{toml}"));
         let pasted = catalogue.find(&profile.title()).expect("pasted");

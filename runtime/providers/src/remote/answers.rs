@@ -4,9 +4,8 @@
 //! threads have the same question, one asks and the others wait for its answer. Without a folder nothing is cached, and
 //! everybody asks.
 
+use super::wire::Answer;
 use fab_base::cache::Cache;
-use fab_model::calls::Usage;
-use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -18,13 +17,6 @@ pub(super) type Asking = tokio::sync::Mutex<()>;
 pub struct Answers {
     cache: Cache,
     asked: Mutex<BTreeMap<String, Arc<Asking>>>,
-}
-
-/// A cached answer.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Cached {
-    pub text: String,
-    pub usage: Option<Usage>,
 }
 
 impl Answers {
@@ -51,12 +43,12 @@ impl Answers {
     }
 
     /// Returns the answer under a key of letters and digits; under its lock, so that nobody asks in between.
-    pub(super) fn get(&self, key: &str) -> Option<Cached> {
+    pub(super) fn get(&self, key: &str) -> Option<Answer> {
         serde_json::from_slice(&self.cache.get(key)?).ok()
     }
 
     /// Caches an answer.
-    pub(super) fn put(&self, key: &str, answer: &Cached) {
+    pub(super) fn put(&self, key: &str, answer: &Answer) {
         let bytes = serde_json::to_vec(answer).expect("an answer holds a string and numbers");
         // Failing to cache an answer does not make it less of an answer.
         let _ = self.cache.put(key, &bytes);

@@ -24,33 +24,20 @@ const ENDPOINTS: [&str; 5] = [
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BaseUrl(Url);
 
-/// Why a base URL is refused.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum BaseUrlError {
-    /// It cannot be parsed, or is not an HTTP address.
-    #[error(
-        "the base URL is not valid; it must look like `http://localhost:8000/v1` or `https://host/v1`"
-    )]
-    NoUrl,
-    /// It contains a user name, a password, or a query that seems to hold a key.
-    #[error(
-        "the base URL carries a key or a password, which would end up in logs; leave it out, and give the key in the \
-         environment or in the file of keys"
-    )]
-    Secret,
-    /// It ends in an endpoint, which would be appended once more; with the URL that was meant.
-    #[error("the base URL ends in `{0}`, and fabc appends the endpoint itself; write `{1}`")]
-    Endpoint(&'static str, String),
-}
+const NO_URL: &str =
+    "the base URL is not valid; it must look like `http://localhost:8000/v1` or `https://host/v1`";
+
+const SECRET: &str = "the base URL carries a key or a password, which would end up in logs; leave it out, and give the key in the \
+                      environment or in the file of keys";
 
 impl BaseUrl {
     /// Reads a base URL.
     ///
-    /// A URL without a path gets the interface's usual version when an endpoint is built.
-    pub fn parse(text: &str) -> Result<BaseUrl, BaseUrlError> {
-        let mut url = Url::parse(text.trim()).map_err(|_| BaseUrlError::NoUrl)?;
+    /// A URL without a path gets the interface's usual version when an endpoint is built. Fails with the reason.
+    pub fn parse(text: &str) -> Result<BaseUrl, String> {
+        let mut url = Url::parse(text.trim()).map_err(|_| NO_URL)?;
         if !matches!(url.scheme(), "http" | "https") || !url.has_host() {
-            return Err(BaseUrlError::NoUrl);
+            return Err(NO_URL.to_owned());
         }
         let is_secret = |name: &str| {
             let name = name.to_lowercase();
@@ -58,14 +45,16 @@ impl BaseUrl {
         };
         let has_user = !url.username().is_empty() || url.password().is_some();
         if has_user || url.query_pairs().any(|(name, _)| is_secret(&name)) {
-            return Err(BaseUrlError::Secret);
+            return Err(SECRET.to_owned());
         }
         url.set_fragment(None);
         let path = url.path().trim_end_matches('/').to_owned();
         for endpoint in ENDPOINTS {
             if let Some(base) = path.strip_suffix(endpoint) {
                 url.set_path(base);
-                return Err(BaseUrlError::Endpoint(endpoint, url.to_string()));
+                return Err(format!(
+                    "the base URL ends in `{endpoint}`, and fabc appends the endpoint itself; write `{url}`"
+                ));
             }
         }
         Ok(BaseUrl(url))

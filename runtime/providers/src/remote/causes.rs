@@ -33,30 +33,30 @@ struct Cause {
 const CAUSES: &[Cause] = &[
     // No connection, or no reply.
     Cause {
-        applies: |e| is(e, Obstacle::Refused) && e.settings.base_url.is_loopback(),
+        applies: |e| e.is(Obstacle::Refused) && e.settings.base_url.is_loopback(),
         cause: "no server listens at `{address}`",
         help: "{start}, or give the address of a running one with `--base-url URL`",
     },
     Cause {
         applies: |e| {
             let is_proxy = e.status() == Some(407);
-            is(e, Obstacle::Refused) || is(e, Obstacle::Unconnected) || is_proxy
+            e.is(Obstacle::Refused) || e.is(Obstacle::Unconnected) || is_proxy
         },
         cause: "no server can be reached at `{address}` from this machine",
         help: "check host and port in the base URL {base}, the connection, the proxy if `HTTPS_PROXY` or `HTTP_PROXY` names one, and that the server listens on more than its own 127.0.0.1 (often `--host 0.0.0.0`)",
     },
     Cause {
-        applies: |e| is(e, Obstacle::Certificate),
+        applies: |e| e.is(Obstacle::Certificate),
         cause: "the certificate is self-signed, of an authority that this machine does not know, for another name, or not valid today",
         help: "name a PEM file with the authority's certificate in the variable `SSL_CERT_FILE`; check the clock with `date`",
     },
     Cause {
-        applies: |e| is(e, Obstacle::Tls) || is(e, Obstacle::NoHttp),
+        applies: |e| e.is(Obstacle::Tls) || e.is(Obstacle::NoHttp),
         cause: "the base URL has `http://` where the server at `{address}` expects `https://` or the reverse, or another service listens there",
         help: "check the port in the base URL {base}, and whether it has to begin with `http://` or `https://`; a key is sent over plain http only to this machine",
     },
     Cause {
-        applies: |e| is(e, Obstacle::Timeout),
+        applies: |e| e.is(Obstacle::Timeout),
         cause: "the model is slow, its queue is long, or the server is stuck: {limit} s is the limit of one call",
         help: "allow more with `--timeout SECONDS`, and look into the server's log",
     },
@@ -114,7 +114,7 @@ const CAUSES: &[Cause] = &[
     Cause {
         applies: |e| {
             let faults = [Fault::ServerFailed, Fault::ConnectionCut, Fault::TimedOut];
-            faults.contains(&e.failed.fault) && !is(e, Obstacle::Interrupted)
+            faults.contains(&e.failed.fault) && !e.is(Obstacle::Interrupted)
         },
         cause: "the server is overloaded, still loading its model, out of memory, or down behind a gateway",
         help: "fabc asks again by itself; if that does not suffice, the log of the server at `{address}` says why",
@@ -182,10 +182,6 @@ fn filled(text: &str, e: &Exchange<'_>) -> String {
     ];
     let fill = |text: String, (name, value): &(&str, String)| text.replace(name, value);
     values.iter().fold(text.to_owned(), fill)
-}
-
-fn is(exchange: &Exchange<'_>, obstacle: Obstacle) -> bool {
-    exchange.obstacle() == Some(obstacle)
 }
 
 fn authority(e: &Exchange<'_>) -> String {

@@ -63,10 +63,9 @@ impl Failed {
 }
 
 impl Exchange<'_> {
-    /// Returns what prevented a reply; `None` if there is one.
-    pub(super) fn obstacle(&self) -> Option<Obstacle> {
-        let nothing = self.failed.reply.as_ref().err();
-        nothing.map(|nothing| nothing.obstacle)
+    /// Returns whether this prevented a reply.
+    pub(super) fn is(&self, obstacle: Obstacle) -> bool {
+        matches!(&self.failed.reply, Err(nothing) if nothing.obstacle == obstacle)
     }
 
     /// Returns the status of the reply.

@@ -8,52 +8,34 @@ use crate::catalogue::is_key_name;
 use fab_base::files::{self, line_of};
 use secrecy::{ExposeSecret, SecretString};
 use std::collections::BTreeMap;
-use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use toml::Spanned;
 
 /// The longest key file accepted, bytes.
 const MAX_FILE_BYTES: u64 = 64 * 1024;
 
-/// A provider's key; its `Debug` form is its name.
-#[derive(Clone)]
+/// A provider's key; its `Debug` form has its name alone.
+#[derive(Clone, Debug)]
 pub struct Key {
     name: String,
     secret: SecretString,
 }
 
-/// Why a key cannot be used; no message repeats any part of a key.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum KeyError {
-    /// The value of this variable or entry cannot be sent in a request.
-    #[error(
-        "the value of `{0}` is not a valid key: it is empty, or has blanks, control characters or letters outside of ASCII in it"
-    )]
-    Malformed(String),
-    /// The file cannot be read, with the system's error.
-    #[error("cannot read the keys in `{0}`: {1}")]
-    Unreadable(PathBuf, String),
-    /// Others can read the file, by these permission bits.
-    #[error(
-        "`{0}` holds keys, and others can read it (mode {1:03o}); make it yours alone: chmod 600 '{0}'"
-    )]
-    Open(PathBuf, u32),
-    /// The file is not a list of keys; the first line that is wrong, from 1.
-    #[error("line {1} of `{0}` is not of the form `NAME = \"KEY\"`")]
-    NotAList(PathBuf, usize),
-}
-
 impl Key {
     /// Makes a key from the value of a variable or entry, without surrounding white space.
     ///
-    /// Fails if it is empty, or has characters that a header cannot carry.
-    pub fn new(name: &str, value: &str) -> Result<Key, KeyError> {
-        let (name, value) = (name.to_owned(), value.trim());
+    /// Fails if it is empty, or has characters that a header cannot carry. No message repeats any part of a key.
+    pub fn new(name: &str, value: &str) -> Result<Key, String> {
+        let value = value.trim();
         if value.is_empty() || !value.bytes().all(|byte| byte.is_ascii_graphic()) {
-            return Err(KeyError::Malformed(name));
+            return Err(format!(
+                "the value of `{name}` is not a valid key: it is empty, or has blanks, control characters or letters outside of ASCII in it"
+            ));
         }
-        let secret = SecretString::from(value);
-        Ok(Key { name, secret })
+        Ok(Key {
+            name: name.to_owned(),
+            secret: SecretString::from(value),
+        })
     }
 
     /// Finds the first of `names` that is set: each by `lookup`, then each in the file; `None` if there is none.
@@ -61,28 +43,26 @@ impl Key {
     /// An empty variable counts as not set. Fails if the value found cannot be used, or the file cannot be read, is not a list
     /// of lines `NAME = "KEY"`, or, on Unix, can be read by others than its owner.
     pub fn find(
-        names: &[&str],
+        names: &[impl AsRef<str>],
         lookup: &dyn Fn(&str) -> Option<String>,
         file: Option<&Path>,
-    ) -> Result<Option<Key>, KeyError> {
-        for name in names {
+    ) -> Result<Option<Key>, String> {
+        let names = || names.iter().map(AsRef::as_ref);
+        for name in names() {
             if let Some(value) = lookup(name).filter(|value| !value.trim().is_empty()) {
                 return Key::new(name, &value).map(Some);
             }
         }
         let Some(path) = file else { return Ok(None) };
         let entries = entries(path)?;
-        let mut found = { names.iter() }.filter_map(|name| Some((name, entries.get(*name)?)));
-        found
-            .next()
-            .map(|(name, value)| Key::new(name, value))
-            .transpose()
+        let found = names().find_map(|name| Some((name, entries.get(name)?)));
+        found.map(|(name, value)| Key::new(name, value)).transpose()
     }
 
     /// Returns the names in such a file, in alphabetical order, without checking their keys.
     ///
     /// Fails as [`Key::find`] does.
-    pub fn names_in(path: &Path) -> Result<Vec<String>, KeyError> {
+    pub fn names_in(path: &Path) -> Result<Vec<String>, String> {
         Ok(entries(path)?.into_keys().collect())
     }
 
@@ -97,26 +77,26 @@ impl Key {
     }
 }
 
-impl fmt::Debug for Key {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Key({})", self.name)
-    }
-}
-
 /// Reads a key file.
-fn entries(path: &Path) -> Result<BTreeMap<String, String>, KeyError> {
-    let unreadable = |why: String| KeyError::Unreadable(path.to_owned(), why);
+fn entries(path: &Path) -> Result<BTreeMap<String, String>, String> {
+    let name = path.display();
+    let unreadable = |why: String| format!("cannot read the keys in `{name}`: {why}");
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
         let information = std::fs::metadata(path).map_err(|error| unreadable(error.to_string()))?;
         let mode = information.permissions().mode() & 0o777;
         if information.is_file() && mode & 0o077 != 0 {
-            return Err(KeyError::Open(path.to_owned(), mode));
+            return Err(format!(
+                "`{name}` holds keys, and others can read it (mode {mode:03o}); make it yours alone: chmod 600 '{name}'"
+            ));
         }
     }
     let text = files::read_text(path, MAX_FILE_BYTES).map_err(unreadable)?;
-    let wrong_at = |start| KeyError::NotAList(path.to_owned(), line_of(&text, start));
+    let wrong_at = |start| {
+        let line = line_of(&text, start);
+        format!("line {line} of `{name}` is not of the form `NAME = \"KEY\"`")
+    };
     // The parser's own message quotes the line, and with it the key.
     let table: BTreeMap<Spanned<String>, String> = toml::from_str(&text)
         .map_err(|error| wrong_at(error.span().map_or(0, |span| span.start)))?;

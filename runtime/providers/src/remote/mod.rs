@@ -24,8 +24,8 @@ mod transport;
 
 pub use super::catalogue::Wire;
 pub use answers::Answers;
-pub use base_url::{BaseUrl, BaseUrlError};
-pub use key::{Key, KeyError};
+pub use base_url::BaseUrl;
+pub use key::Key;
 pub use redact::Redactor;
 pub use retry::{Retry, most_calls};
 pub use served::{NotListed, served_models};
@@ -34,7 +34,6 @@ pub use settings::{Lengths, Settings};
 pub use tokio::sync::Semaphore as Gate;
 
 use crate::catalogue::Profile;
-use answers::Cached;
 use exchange::{Exchange, Failed};
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
@@ -56,6 +55,9 @@ use wire::{Answer, Encoded};
 
 /// How often a waiting thread checks whether the user stopped it.
 const INTERRUPT_POLL: Duration = Duration::from_millis(50);
+
+/// The largest reply accepted, bytes.
+const MAX_REPLY_BYTES: usize = 16 * 1024 * 1024;
 
 /// A provider's model.
 pub struct Remote {
@@ -88,38 +90,24 @@ pub struct Shared {
 /// Receives messages for the user while a question waits.
 pub type MessageSink = Arc<dyn Fn(&str) + Send + Sync>;
 
-/// Why nothing can be sent at all.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("cannot set up calls to `{model}`: {why}")]
-pub struct SetupError {
-    /// The model's name.
-    pub model: String,
-    /// The system's error.
-    pub why: String,
-}
-
 impl Remote {
     /// Makes the model; its name is `PROVIDER:NAME`. Nothing is sent.
     ///
-    /// Fails if the system's certificates or sockets are unavailable, or if
+    /// Fails with the reason if the system's certificates or sockets are unavailable, or if
     /// the name or the base URL contains a key, because both are shown.
-    pub fn new(settings: Settings, shared: Shared) -> Result<Remote, SetupError> {
+    pub fn new(settings: Settings, shared: Shared) -> Result<Remote, String> {
         let redactor = Redactor::of(settings.key.iter().chain(&shared.hidden));
         let profile = &settings.profile;
         let url = { &settings.base_url }.endpoint(profile.provider.wire, &profile.id);
         let named = profile.title();
         let name = redactor.text(&named);
+        let failed = |why: &str| format!("cannot set up calls to `{name}`: {why}");
         if name != named || redactor.text(url.as_str()) != url.as_str() {
-            return Err(SetupError {
-                model: name,
-                why: "its name or its base URL contains a key; leave it out".to_owned(),
-            });
+            return Err(failed(
+                "its name or its base URL contains a key; leave it out",
+            ));
         }
-        let transport = Transport::new(redactor, &settings);
-        let transport = transport.map_err(|why| SetupError {
-            model: name.clone(),
-            why,
-        })?;
+        let transport = Transport::new(redactor, &settings).map_err(|why| failed(&why))?;
         Ok(Remote {
             name,
             settings,
@@ -145,10 +133,10 @@ impl Remote {
 
     fn encoded_within(&self, request: &Request, lengths: Lengths) -> Result<Encoded, ModelError> {
         let wire = self.settings.profile.provider.wire;
-        let encoded = wire.encode_within(request, &self.settings, lengths);
-        encoded.map_err(|unfit| ModelError::Unsupported {
+        let encoded = wire.encode(request, &self.settings, lengths);
+        encoded.map_err(|why| ModelError::Unsupported {
             model: self.name.clone(),
-            why: unfit.0,
+            why,
         })
     }
 
@@ -185,17 +173,16 @@ impl Remote {
                 number: tries.begin(),
                 at_most: profile.at_most(*price, &request, lengths.sent()),
             })?;
-            let body = &encoded.body;
-            let reply = self.transport.post(&self.url, &headers, body, interrupt);
+            let message = self.transport.client.post(self.url.clone());
+            let message = message.headers(headers.clone()).body(encoded.body.clone());
+            let reply = self.transport.send(message, MAX_REPLY_BYTES, interrupt);
             let failed = match self.read(reply, &encoded, lengths) {
                 Ok(answer) => {
-                    let Answer { text, usage } = answer;
-                    let cached = Cached { text, usage };
-                    self.shared.answers.put(cached_as, &cached);
+                    self.shared.answers.put(cached_as, &answer);
                     let reply = Reply {
-                        cost: self.cost(usage),
-                        text: cached.text,
-                        usage,
+                        cost: self.cost(answer.usage),
+                        text: answer.text,
+                        usage: answer.usage,
                     };
                     calls.end(&CallEnd::Answered(&reply))?;
                     return Ok(reply);
@@ -265,7 +252,7 @@ impl Remote {
             exchange.served = Some(self.served.get_or_init(ask));
         }
         // A key that the server split over two pieces of text is whole once they are joined.
-        let redactor = self.transport.redactor();
+        let redactor = &self.transport.redactor;
         exchange.message().map(|text| redactor.text(&text))
     }
 
@@ -294,7 +281,7 @@ impl Remote {
         }
         match profile.provider.wire.decode(&incoming.body) {
             Ok(answer) => Ok(Answer {
-                text: self.transport.redactor().text(&answer.text),
+                text: self.transport.redactor.text(&answer.text),
                 // A text has tokens: a count of zero is no report.
                 usage: answer
                     .usage

@@ -7,7 +7,6 @@
 
 use super::Key;
 use secrecy::{ExposeSecret, SecretString};
-use std::fmt;
 
 /// The replacement for a key.
 const HIDDEN: &str = "[key]";
@@ -15,8 +14,8 @@ const HIDDEN: &str = "[key]";
 /// The shortest key that is hidden, characters.
 const SHORTEST: usize = 8;
 
-/// Replaces known keys; its `Debug` form says only how many.
-#[derive(Default)]
+/// Replaces known keys; its `Debug` form holds none.
+#[derive(Debug)]
 pub struct Redactor {
     /// Longest first: a key that starts like a shorter one must not be hidden only in part.
     keys: Vec<SecretString>,
@@ -47,12 +46,6 @@ impl Redactor {
             return bytes.to_vec();
         }
         hidden.into_bytes()
-    }
-}
-
-impl fmt::Debug for Redactor {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Redactor({} keys)", self.keys.len())
     }
 }
 

@@ -5,7 +5,7 @@
 
 use super::transport::{Incoming, Obstacle, Transport};
 use super::wire::error::ErrorBody;
-use super::{Key, Redactor, Settings, headers, status};
+use super::{Redactor, Settings, headers, status};
 use fab_base::interrupt::Interrupt;
 use fab_base::wording::shown;
 use fab_model::calls::Fault;
@@ -40,13 +40,9 @@ pub enum NotListed {
 
 /// Returns the ids of the models that a server says it serves, in its order.
 ///
-/// Only the first page counts. `hidden`: further keys to hide.
-pub fn served_models(
-    settings: &Settings,
-    hidden: &[Key],
-    interrupt: &Interrupt,
-) -> Result<Vec<String>, NotListed> {
-    let redactor = Redactor::of(settings.key.iter().chain(hidden));
+/// Only the first page counts.
+pub fn served_models(settings: &Settings, interrupt: &Interrupt) -> Result<Vec<String>, NotListed> {
+    let redactor = Redactor::of(&settings.key);
     let transport = Transport::new(redactor, settings).map_err(NotListed::Other)?;
     ask(settings, &transport, interrupt)
 }
@@ -54,9 +50,9 @@ pub fn served_models(
 /// Asks through a transport that is there already.
 pub(super) fn ask(settings: &Settings, transport: &Transport, interrupt: &Interrupt) -> Served {
     let wire = settings.profile.provider.wire;
-    let url = settings.base_url.models(wire);
-    let headers = headers(settings, wire.version_header().as_slice());
-    match transport.get(&url, headers, (MAX_BYTES, TIMEOUT), interrupt) {
+    let message = transport.client.get(settings.base_url.models(wire));
+    let message = message.headers(headers(settings, wire.version_header().as_slice()));
+    match transport.send(message.timeout(TIMEOUT), MAX_BYTES, interrupt) {
         Ok(incoming) => read(&incoming),
         Err(nothing) if nothing.obstacle == Obstacle::Refused => Err(NotListed::Absent),
         Err(nothing) => Err(NotListed::Other(nothing.words)),

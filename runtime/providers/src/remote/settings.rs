@@ -24,7 +24,7 @@ pub struct Lengths {
 
 impl Lengths {
     /// Returns the lengths for a question's first call.
-    pub(super) fn of(request: &Request, settings: &Settings) -> Lengths {
+    pub fn of(request: &Request, settings: &Settings) -> Lengths {
         let visible = request.max_tokens;
         let visible = visible.filter(|_| settings.sends(Parameter::MaxTokens));
         let reasoning = request.reasoning;
@@ -84,7 +84,7 @@ impl Settings {
     pub fn of(profile: &Profile, base_url: BaseUrl, today: Date) -> Settings {
         Settings {
             price: profile.price_on(today),
-            lowering: profile.lowering(),
+            lowering: profile.facts.lowering(),
             profile: profile.clone(),
             base_url,
             key: None,

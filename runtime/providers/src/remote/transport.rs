@@ -1,6 +1,6 @@
 //! Sends one message and waits for the reply.
 //!
-//! In: an address, headers, a body. Out: status, some headers and body without any key; or what went wrong. A
+//! In: an address, headers, a body. Out: status, some headers and body without any key; or a [`NoReply`]. A
 //! message is sent once: no redirect is followed, nothing is retried. An interrupt ends the wait at once.
 
 use super::redact::Redactor;
@@ -8,7 +8,7 @@ use super::{INTERRUPT_POLL, Settings, hints};
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{Billing, Fault};
 use reqwest::header::{ACCEPT_ENCODING, CONTENT_TYPE, HeaderMap, HeaderValue, LOCATION};
-use reqwest::{Client, RequestBuilder, Url};
+use reqwest::{Client, RequestBuilder};
 use std::error::Error;
 use std::future::Future;
 use std::io;
@@ -18,9 +18,6 @@ use tokio::runtime::{Builder, Runtime};
 
 /// Time limit for connecting.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(10);
-
-/// The largest reply accepted, bytes.
-const MAX_REPLY_BYTES: usize = 16 * 1024 * 1024;
 
 /// The UTF-8 byte order mark, which readers of JSON may ignore (RFC 8259, section 8.1).
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
@@ -38,9 +35,10 @@ static RUNTIME: LazyLock<Result<Runtime, String>> = LazyLock::new(|| {
 
 /// Sends messages to one host.
 pub(super) struct Transport {
-    client: Client,
+    pub client: Client,
     runtime: &'static Runtime,
-    redactor: Redactor,
+    /// Hides keys in replies.
+    pub redactor: Redactor,
 }
 
 /// A reply.
@@ -162,35 +160,6 @@ impl Transport {
         })
     }
 
-    /// Returns the redactor of replies.
-    pub(super) fn redactor(&self) -> &Redactor {
-        &self.redactor
-    }
-
-    /// Sends a message and waits for its reply.
-    pub(super) fn post(
-        &self,
-        url: &Url,
-        headers: &HeaderMap,
-        body: &[u8],
-        interrupt: &Interrupt,
-    ) -> Result<Incoming, NoReply> {
-        let request = self.client.post(url.clone()).headers(headers.clone());
-        self.send(request.body(body.to_vec()), MAX_REPLY_BYTES, interrupt)
-    }
-
-    /// Asks for something short: the reply may have at most `max_bytes`, and take at most `timeout`.
-    pub(super) fn get(
-        &self,
-        url: &Url,
-        headers: HeaderMap,
-        (max_bytes, timeout): (usize, Duration),
-        interrupt: &Interrupt,
-    ) -> Result<Incoming, NoReply> {
-        let request = self.client.get(url.clone()).headers(headers);
-        self.send(request.timeout(timeout), max_bytes, interrupt)
-    }
-
     /// Waits for a result; `None` as soon as the interrupt is raised.
     pub(super) fn wait<F: Future>(&self, future: F, interrupt: &Interrupt) -> Option<F::Output> {
         self.runtime.block_on(async {
@@ -204,7 +173,8 @@ impl Transport {
         })
     }
 
-    fn send(
+    /// Sends a message of the client and waits for its reply, which may have at most `max_bytes`.
+    pub(super) fn send(
         &self,
         request: RequestBuilder,
         max_bytes: usize,

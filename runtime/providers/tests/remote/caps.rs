@@ -1,7 +1,7 @@
 //! Tests of caps against providers whose reports are wrong: eight threads ask until the cap ends it.
 
 use crate::support::*;
-use fab_model::calls::{Budget, CallRefused, Capped, Caps, Spent, Usage, Usd};
+use fab_model::calls::{Budget, CallRefused, Caps, Ledger, Spent, Usage, Usd};
 use fab_model::{Model, ModelError};
 use fab_providers::remote::Gate;
 use serde_json::{Value, json};
@@ -39,7 +39,7 @@ fn until_capped(response: Response) -> (Spent, usize) {
         for _ in 0..8 {
             scope.spawn(|| {
                 loop {
-                    match model.ask(&request(), &mut Capped::by(&budget)) {
+                    match model.ask(&request(), &mut Ledger::unwritten(&budget)) {
                         Err(ModelError::NotSent(CallRefused::Budget(_))) => return,
                         Ok(_) | Err(ModelError::Failed { .. }) => {}
                         Err(error) => panic!("{error}"),

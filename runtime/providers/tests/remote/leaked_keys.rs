@@ -102,7 +102,7 @@ fn no_error_reply_or_note_holds_a_key_that_the_server_gives_back() {
             // Responses echo the keys only in refusals.
             Wire::OpenaiResponses => 0,
         };
-        assert_eq!(understood, expected, "{wire}");
+        assert_eq!(understood, expected, "{wire:?}");
     }
 }
 

@@ -4,7 +4,7 @@
 //! counter-clockwise as seen). Out: a [`Frame`], which describes points by their fractions along and across the
 //! rectangle. `super::instruction` puts these into words.
 
-use fab_picture::hull::{Point, distance_to_outline, dot, edges, minus};
+use fab_picture::hull::{Point, distance_to_outline, dot, edges, minus, rectangle};
 
 /// A rectangle around an outline, with an order of its sides.
 ///
@@ -67,17 +67,11 @@ impl Frame {
     fn flush_with(hull: &[Point], direction: Point) -> Frame {
         let length = direction[0].hypot(direction[1]);
         let along = direction.map(|step| step / length);
-        let across = quarter_turn(along);
-        let [s, t] = [along, across].map(|axis| {
-            let places = || hull.iter().map(|&point| dot(point, axis));
-            let most = places().fold(f64::NEG_INFINITY, f64::max);
-            [places().fold(f64::INFINITY, f64::min), most]
-        });
-        let middle = [s, t].map(|[least, most]| (least + most) / 2.0);
+        let (center, sides) = rectangle(hull, along);
         Frame {
-            center: [0, 1].map(|axis| middle[0] * along[axis] + middle[1] * across[axis]),
+            center,
             along,
-            half: [s, t].map(|[least, most]| (most - least) / 2.0),
+            half: sides.map(|side| side / 2.0),
         }
     }
 

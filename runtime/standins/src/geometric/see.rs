@@ -124,8 +124,9 @@ pub fn corners(picture: &[u8]) -> Result<Vec<PixelPoint>, String> {
 }
 
 fn decode(bytes: &[u8]) -> Result<RgbImage, String> {
-    let picture = png::decode(bytes, Path::new("the picture"));
-    picture.map_err(|_| "a picture cannot be read".to_owned())
+    let picture = png::opened(bytes, Path::new("the picture"));
+    let picture = picture.map_err(|_| "a picture cannot be read")?;
+    Ok(picture.rgb)
 }
 
 /// The pixels of the cloth: the largest patch that is not table, minus the arrow drawn over it.
@@ -139,7 +140,7 @@ fn cloth(picture: &RgbImage, table: &[[f64; 3]], stroke: &Mask) -> Result<Mask, 
     let patches = regions::components(&patch).into_iter();
     let mut largest = patches.max_by_key(Vec::len).unwrap_or_default();
     // A stroke softened by scaling has grey rims that are neither table nor cloth.
-    largest.retain(|&(column, row)| !stroke.touches(column, row));
+    largest.retain(|&(column, row)| !stroke.is_within(1, column, row));
     if (largest.len() as f64) < LEAST_CLOTH * f64::from(width) * f64::from(height) {
         return Err("I see no cloth on the picture".to_owned());
     }

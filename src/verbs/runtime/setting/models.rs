@@ -54,11 +54,6 @@ impl Answering {
         answerer.remote.as_deref()
     }
 
-    /// Returns the profile of a role's model; `None` if it has no provider.
-    pub fn profile(&self, role: ModelRole) -> Option<&Profile> {
-        self.remote(role).map(Remote::profile)
-    }
-
     /// Fails if a question cannot be sent as it is, for example because the model does not support one of its settings.
     pub fn check(&self, questions: &[FirstQuestion]) -> Result<(), Failure> {
         for FirstQuestion { stage, request } in questions {
@@ -132,11 +127,6 @@ pub fn models(
     })
 }
 
-/// Returns whether a model needs no provider.
-pub fn is_embedded(name: &str) -> Result<bool, Failure> {
-    Ok(embedded(name, ModelRole::Vision)?.is_some())
-}
-
 /// The model for which messages are shown.
 pub struct TargetModel {
     /// The form in which it gets points and pictures.
@@ -154,9 +144,8 @@ impl TargetModel {
                 Some(model) => (model.lowering(), None),
                 None => {
                     let catalogue = catalogue::load(shown.facts.models.as_deref(), io)?;
-                    let profile = catalogue.find(name);
-                    let profile = profile.map_err(|error| Failure::usage(error.to_string()))?;
-                    (profile.lowering(), Some(profile))
+                    let profile = catalogue.find(name).map_err(Failure::usage)?;
+                    (profile.facts.lowering(), Some(profile))
                 }
             },
         };
@@ -188,7 +177,7 @@ pub fn by_role<'v>(flag: &str, values: &'v [String]) -> Result<[Option<&'v str>;
 }
 
 /// Finds a model that needs no provider; `None` for any other name.
-fn embedded(name: &str, role: ModelRole) -> Result<Option<Box<dyn Model>>, Failure> {
+pub fn embedded(name: &str, role: ModelRole) -> Result<Option<Box<dyn Model>>, Failure> {
     if let Some(file) = name.strip_prefix(REPLAY) {
         let replay = Replay::load(Path::new(file), role)?;
         return Ok(Some(Box::new(replay)));

@@ -79,7 +79,7 @@ impl Providers {
         };
         // The message may repeat the URL, which must not show a key that was pasted into it.
         let address = BaseUrl::parse(address)
-            .map_err(|error| Failure::usage(Redactor::of(&self.keys).text(&error.to_string())))?;
+            .map_err(|error| Failure::usage(Redactor::of(&self.keys).text(&error)))?;
         let arguments = &self.arguments;
         let key = match purpose {
             Purpose::Asking => self.key_of(profile)?,
@@ -93,7 +93,7 @@ impl Providers {
             )));
         }
         let settings = Settings {
-            lowering: lowering(profile.lowering(), arguments.marks),
+            lowering: lowering(profile.facts.lowering(), arguments.marks),
             key,
             omit: arguments.omitted().collect(),
             timeout: Duration::from_secs(arguments.timeout.into()),
@@ -118,8 +118,7 @@ impl Providers {
                  model as `PROVIDER:NAME`, such as `openai:NAME`",
             ));
         }
-        let profile = self.catalogue.find(name);
-        let profile = profile.map_err(|error| Failure::usage(error.to_string()))?;
+        let profile = self.catalogue.find(name).map_err(Failure::usage)?;
         for warning in profile.warnings() {
             self.io.talk(&format!("warning: {name}: {warning}"));
         }
@@ -165,14 +164,8 @@ pub fn lowering(known: Lowering, marks: bool) -> Lowering {
 
 /// Finds the first of the named keys, in the environment or else in the file of keys.
 pub fn key(names: &[String], io: &Io) -> Result<Option<Key>, Failure> {
-    let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let file = catalogue::keys_file(io).filter(UserFile::counts);
     let path = file.as_ref().map(|file| file.path.as_path());
-    Key::find(&names, &|name: &str| environment(name, io), path).map_err(Failure::environment)
-}
-
-/// Returns the value of a variable, if it is set and not blank.
-pub fn environment(name: &str, io: &Io) -> Option<String> {
-    let value = io.variable(name).and_then(|value| value.into_string().ok());
-    value.filter(|value| !value.trim().is_empty())
+    let variable = |name: &str| io.variable(name)?.into_string().ok();
+    Key::find(names, &variable, path).map_err(Failure::environment)
 }

@@ -68,7 +68,7 @@ pub fn run(arguments: &DrawArguments, io: &Io) -> Result<Exit, Failure> {
         let grey = |metres: &f32| (GREY_PER_M * metres) as u8;
         let levels = depth_m.iter().map(grey).collect();
         let picture = GrayImage::from_raw(depth_m.width(), depth_m.height(), levels);
-        png::encode_gray(&picture.expect("as many levels as depths"))
+        png::encode(&picture.expect("as many levels as depths"))
     } else {
         png::encode(&colours)
     };

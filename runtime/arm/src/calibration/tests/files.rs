@@ -152,7 +152,7 @@ fn another_picture_is_refused() {
     assert_eq!(beside, folder.path().join("lab.png"));
     let mut other = made.reference.clone().unwrap();
     other.put_pixel(3, 4, Luma([9]));
-    fs::write(&beside, fab_picture::png::encode_gray(&other)).unwrap();
+    fs::write(&beside, fab_picture::png::encode(&other)).unwrap();
     let error = Calibration::load(&path).unwrap_err().to_string();
     assert!(
         error.contains("is not the picture that the calibration beside it was made with"),

@@ -2,10 +2,11 @@
 
 use super::super::*;
 use super::find;
+use fab_model::Lowering;
 use fab_program::pointing::{CoordinateUnit, Order};
 use proptest::prelude::*;
 
-fn with(text: &str) -> Result<Catalogue, CatalogueError> {
+fn with(text: &str) -> Result<Catalogue, String> {
     Catalogue::builtin().overlaid(text, "mine.toml")
 }
 
@@ -112,7 +113,7 @@ fn a_users_family_counts_before_an_embedded_id_and_a_longer_embedded_family() {
     assert_eq!(after("openai:gpt-6.2-sol"), expected);
     let qwen = catalogue.find("vllm:Qwen/Qwen3-VL-8B-Instruct");
     let qwen = qwen.expect("known");
-    assert_eq!(qwen.lowering(), Lowering::PIXELS);
+    assert_eq!(qwen.facts.lowering(), Lowering::PIXELS);
     assert!(
         qwen.facts.image_tokens.is_some(),
         "what it does not give stays"
@@ -194,7 +195,7 @@ fn what_is_wrong_in_a_file_is_told_with_its_line() {
             "line 2: missing field `name`",
         ),
     ] {
-        let error = with(text).expect_err(text).to_string();
+        let error = with(text).expect_err(text);
         assert!(
             error.contains(expected),
             "expected {expected:?} in: {error}"
@@ -236,7 +237,7 @@ proptest! {
         let end = (start + length).min(text.len());
         let damaged = [&text[..start], put.as_bytes(), &text[end..]].concat();
         if let Err(error) = with(&String::from_utf8_lossy(&damaged)) {
-            prop_assert!(error.to_string().contains("`mine.toml`"), "{}", error);
+            prop_assert!(error.contains("`mine.toml`"), "{}", error);
         }
     }
 }

@@ -64,8 +64,9 @@ fn a_pasted_endpoint_is_refused_with_the_base_that_was_meant() {
         ("http://h:11434/api/chat", "/api/chat", "http://h:11434/"),
     ] {
         let error = BaseUrl::parse(text).expect_err(text);
-        let meant = meant.to_owned();
-        assert_eq!(error, BaseUrlError::Endpoint(endpoint, meant), "{text}");
+        let ends = format!("ends in `{endpoint}`");
+        let write = format!("write `{meant}`");
+        assert!(error.contains(&ends) && error.ends_with(&write), "{error}");
     }
     for text in [
         "https://h/api",
@@ -80,20 +81,17 @@ fn a_pasted_endpoint_is_refused_with_the_base_that_was_meant() {
 #[test]
 fn urls_that_carry_secrets_are_refused_without_repeating_them() {
     for (text, expected) in [
-        ("https://me:canary-secret@host/v1", BaseUrlError::Secret),
-        ("https://canary-secret@host/v1", BaseUrlError::Secret),
-        ("https://host/v1?key=canary-secret", BaseUrlError::Secret),
-        (
-            "https://host/v1?x=1&Access_Token=canary-secret",
-            BaseUrlError::Secret,
-        ),
-        ("canary-secret", BaseUrlError::NoUrl),
-        ("file:///canary-secret", BaseUrlError::NoUrl),
-        ("", BaseUrlError::NoUrl),
+        ("https://me:canary-secret@host/v1", SECRET),
+        ("https://canary-secret@host/v1", SECRET),
+        ("https://host/v1?key=canary-secret", SECRET),
+        ("https://host/v1?x=1&Access_Token=canary-secret", SECRET),
+        ("canary-secret", NO_URL),
+        ("file:///canary-secret", NO_URL),
+        ("", NO_URL),
     ] {
         let error = BaseUrl::parse(text).expect_err("refused");
         assert_eq!(error, expected, "{text}");
-        assert!(!format!("{error} {error:?}").contains("canary"));
+        assert!(!error.contains("canary"));
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::*;
 use std::fs;
+use std::path::PathBuf;
 use tempfile::TempDir;
 
 const CANARY: &str = "sk-canary-0123456789";
@@ -23,7 +24,7 @@ fn restrict(path: &Path, mode: u32) {
 #[cfg(not(unix))]
 fn restrict(_: &Path, _: u32) {}
 
-fn in_file(path: &Path, name: &str) -> Result<Option<Key>, KeyError> {
+fn in_file(path: &Path, name: &str) -> Result<Option<Key>, String> {
     Key::find(&[name], &|_| None, Some(path))
 }
 
@@ -91,9 +92,8 @@ fn a_file_that_others_can_read_is_refused_with_the_command_that_mends_it() {
             }
             Err(error) => {
                 assert!(is_refused, "mode {mode:o}: {error}");
-                let said = error.to_string();
-                assert!(said.contains("chmod 600"), "{said}");
-                assert!(!said.contains(CANARY), "{said}");
+                assert!(error.contains("chmod 600"), "{error}");
+                assert!(!error.contains(CANARY), "{error}");
             }
         }
     }
@@ -122,27 +122,19 @@ fn broken_files_are_refused_without_quoting_them() {
         let (_folder, path) = file(content);
         let error = in_file(&path, "OPENAI_API_KEY").expect_err("refused");
         let said = format!("{error} {error:?}");
-        assert!(error.to_string().contains(expected), "{said}");
+        assert!(error.contains(expected), "{said}");
         assert!(!said.contains("canary"), "{said}");
         assert_eq!(Key::names_in(&path), Err(error), "one message per fault");
     }
     let (_folder, path) = file("OPENAI_API_KEY = \"\"\n");
     let error = in_file(&path, "OPENAI_API_KEY").expect_err("refused");
-    assert!(error.to_string().contains("empty"), "{error}");
+    assert!(error.contains("empty"), "{error}");
     let (folder, path) = file(&"# no key\n".repeat(10_000));
-    assert!(matches!(
-        in_file(&path, "A"),
-        Err(KeyError::Unreadable { .. })
-    ));
     let absent = folder.path().join("absent.toml");
-    assert!(matches!(
-        in_file(&absent, "A"),
-        Err(KeyError::Unreadable { .. })
-    ));
-    assert!(matches!(
-        in_file(folder.path(), "A"),
-        Err(KeyError::Unreadable { .. })
-    ));
+    for path in [path.as_path(), &absent, folder.path()] {
+        let error = in_file(path, "A").expect_err("unreadable");
+        assert!(error.starts_with("cannot read the keys in"), "{error}");
+    }
 }
 
 #[test]
@@ -155,6 +147,10 @@ fn the_names_in_a_file_are_told_and_its_keys_are_not() {
 #[test]
 fn a_key_shows_its_name_alone() {
     let key = Key::new("OPENAI_API_KEY", CANARY).expect("a key");
-    assert_eq!(format!("{key:?}"), "Key(OPENAI_API_KEY)");
+    let said = format!("{key:?}");
+    assert!(
+        said.contains("OPENAI_API_KEY") && !said.contains("canary"),
+        "{said}"
+    );
     assert_eq!(key.name(), "OPENAI_API_KEY");
 }

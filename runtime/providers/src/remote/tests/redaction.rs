@@ -18,7 +18,7 @@ fn the_longer_of_two_keys_is_hidden_whole_and_short_ones_stay() {
     let keys = ["sk-canary", "sk-canary-with-a-tail", "EMPTY"];
     let hidden = redactor(&keys).text("sk-canary-with-a-tail sk-canary EMPTY sk-canar");
     assert_eq!(hidden, "[key] [key] EMPTY sk-canar");
-    assert_eq!(format!("{:?}", redactor(&keys)), "Redactor(2 keys)");
+    assert!(!format!("{:?}", redactor(&keys)).contains("canary"));
 }
 
 #[test]

@@ -4,7 +4,7 @@
 
 use super::content::{base64, framed, stated, turn};
 use super::error::refuse_error;
-use super::{Answer, Ending, Failure, Sent, Unfit, count, elements, read};
+use super::{Answer, Ending, Failure, Sent, count, elements, read};
 use fab_model::calls::Usage;
 use fab_model::{Message, Part, Reasoning};
 use fab_program::ReasoningLevel;
@@ -25,7 +25,7 @@ pub(super) fn version(sent: &Sent) -> &'static str {
     }
 }
 
-pub(super) fn body(model: &str, messages: &[Message], sent: Sent) -> Result<Value, Unfit> {
+pub(super) fn body(model: &str, messages: &[Message], sent: Sent) -> Result<Value, String> {
     let (system, turns) = framed(messages)?;
     let (thinking, effort) = match sent.reasoning {
         None => (None, None),
@@ -82,10 +82,9 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
     let reply = read(bytes)?;
     let usage = usage(&reply["usage"]);
     refuse_error(&reply["error"], usage)?;
-    let explanation = reply["stop_details"]["explanation"].as_str();
     let mut ending = Ending {
         reason: reply["stop_reason"].as_str(),
-        explanation: explanation.map(str::to_owned),
+        explanation: reply["stop_details"]["explanation"].as_str(),
         ..Ending::default()
     };
     for block in elements(&reply["content"]) {

@@ -1,6 +1,5 @@
 //! Common parts of the four wire formats: where pictures and system prompts may appear.
 
-use super::Unfit;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use fab_model::{Message, Part, Png, Speaker};
@@ -13,7 +12,7 @@ pub(super) const BETWEEN: &str = "\n\n";
 pub(super) fn turn(
     message: &Message,
     asked: impl FnOnce(&Message) -> Value,
-) -> Result<Value, Unfit> {
+) -> Result<Value, String> {
     Ok(match message.speaker {
         Speaker::System => json!({ "role": "system", "content": words(message)? }),
         Speaker::Assistant => json!({ "role": "assistant", "content": words(message)? }),
@@ -40,39 +39,31 @@ pub(super) fn data_url(png: &Png) -> String {
 }
 
 /// Returns the joined texts of a turn that may not have pictures.
-pub(super) fn words(message: &Message) -> Result<String, Unfit> {
-    let texts: Option<Vec<&str>> = message.parts.iter().map(text).collect();
-    let texts = texts.ok_or_else(|| {
+pub(super) fn words(message: &Message) -> Result<String, String> {
+    let texts = message.parts.iter().map(|part| match part {
+        Part::Text(text) => Some(text.as_str()),
+        Part::Image(_) => None,
+    });
+    let texts = texts.collect::<Option<Vec<_>>>().ok_or_else(|| {
         let speaker = match message.speaker {
             Speaker::System => "the system",
             Speaker::User => "the user",
             Speaker::Assistant => "the model",
         };
-        Unfit(format!(
-            "there is a picture in a turn of {speaker}, and only the user's can hold one"
-        ))
+        format!("there is a picture in a turn of {speaker}, and only the user's can hold one")
     })?;
     Ok(texts.join(BETWEEN))
-}
-
-fn text(part: &Part) -> Option<&str> {
-    match part {
-        Part::Text(text) => Some(text),
-        Part::Image(_) => None,
-    }
 }
 
 /// Splits a conversation into system prompt and turns, for formats with a separate place for it.
 ///
 /// Fails if a system prompt appears among the turns.
-pub(super) fn framed(messages: &[Message]) -> Result<(Option<String>, &[Message]), Unfit> {
+pub(super) fn framed(messages: &[Message]) -> Result<(Option<String>, &[Message]), String> {
     let is_frame = |message: &Message| message.speaker == Speaker::System;
     let first_turn = messages.iter().position(|message| !is_frame(message));
     let (frame, turns) = messages.split_at(first_turn.unwrap_or(messages.len()));
     if turns.iter().any(is_frame) {
-        return Err(Unfit(
-            "there is a system message after the first question, and its interface has no place for it".to_owned(),
-        ));
+        return Err("there is a system message after the first question, and its interface has no place for it".to_owned());
     }
     let texts = frame.iter().map(words).collect::<Result<Vec<_>, _>>()?;
     let frame = (!texts.is_empty()).then(|| texts.join(BETWEEN));

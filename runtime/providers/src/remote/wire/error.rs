@@ -4,6 +4,7 @@
 //! a message, and how long to wait if the provider says so.
 
 use super::Failure;
+use crate::remote::status::judge;
 use fab_base::wording::shown;
 use fab_model::calls::{Fault, Usage};
 use serde_json::Value;
@@ -88,7 +89,8 @@ impl ErrorBody {
         let mut body = ErrorBody {
             message: repeated(message),
             text: message.to_lowercase(),
-            code: code(&error["code"]),
+            // A number, or a text with one.
+            code: error["code"].to_string().trim_matches('"').parse().ok(),
             ..ErrorBody::default()
         };
         body.take_names(error);
@@ -147,13 +149,8 @@ impl ErrorBody {
 
     /// Makes the failure of a reply with status 200 that contains an error.
     fn failure(&self, usage: Option<Usage>) -> Failure {
-        let by_code = || match self.code? {
-            401 | 403 => Some(Fault::NotAuthorised),
-            402 => Some(Fault::QuotaExhausted),
-            429 => Some(Fault::RateLimited),
-            400..=499 => Some(Fault::BadRequest),
-            _ => None,
-        };
+        let status = self.code.filter(|code| (400..=599).contains(code));
+        let by_code = || status.map(|status| judge(status, self).0);
         let fault = self.fault().or_else(by_code);
         Failure::new(fault.unwrap_or(Fault::ServerFailed), self.words(), usage)
     }
@@ -174,12 +171,4 @@ pub(super) fn refuse_error(error: &Value, usage: Option<Usage>) -> Result<(), Fa
 pub(super) fn repeated(words: &str) -> String {
     let joined = words.split_whitespace().collect::<Vec<_>>().join(" ");
     shown(&joined, MAX_MESSAGE)
-}
-
-fn code(value: &Value) -> Option<u16> {
-    match value {
-        Value::Number(number) => number.as_u64()?.try_into().ok(),
-        Value::String(text) => text.parse().ok(),
-        _ => None,
-    }
 }

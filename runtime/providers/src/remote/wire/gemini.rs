@@ -4,13 +4,13 @@
 
 use super::content::{base64, framed, stated, words};
 use super::error::{refuse_error, repeated};
-use super::{Answer, Ending, Failure, Sent, Unfit, count, elements, read};
+use super::{Answer, Ending, Failure, Sent, count, elements, read};
 use fab_model::calls::{Fault, Usage};
 use fab_model::{Message, Part, Reasoning, Speaker};
 use fab_program::ReasoningLevel;
 use serde_json::{Value, json};
 
-pub(super) fn body(messages: &[Message], sent: Sent) -> Result<Value, Unfit> {
+pub(super) fn body(messages: &[Message], sent: Sent) -> Result<Value, String> {
     let (frame, turns) = framed(messages)?;
     let thinking = sent.reasoning.map(|reasoning| match reasoning {
         Reasoning::Level(ReasoningLevel::None) => json!({ "thinkingBudget": 0 }),
@@ -31,7 +31,7 @@ pub(super) fn body(messages: &[Message], sent: Sent) -> Result<Value, Unfit> {
     })))
 }
 
-fn content(message: &Message) -> Result<Value, Unfit> {
+fn content(message: &Message) -> Result<Value, String> {
     let role = if message.speaker == Speaker::Assistant {
         words(message)?;
         "model"
@@ -76,7 +76,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
     }
     let mut ending = Ending {
         reason: candidate["finishReason"].as_str(),
-        explanation: candidate["finishMessage"].as_str().map(str::to_owned),
+        explanation: candidate["finishMessage"].as_str(),
         ..Ending::default()
     };
     for part in elements(&candidate["content"]["parts"]) {

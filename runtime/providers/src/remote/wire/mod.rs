@@ -15,6 +15,7 @@ use super::settings::{Lengths, Parameter, Settings};
 use crate::catalogue::{Accepted, Wire};
 use fab_model::calls::{Fault, Usage};
 use fab_model::{Part, Reasoning, Request, Speaker};
+use serde::{Deserialize, Serialize};
 use serde_json::error::Category;
 use serde_json::{Map, Value};
 
@@ -28,7 +29,7 @@ pub struct Encoded {
 }
 
 /// The contents of an answer.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Answer {
     /// The model's text, never empty.
     pub text: String,
@@ -49,26 +50,16 @@ pub struct Failure {
     pub cut_text: Option<String>,
 }
 
-/// Why a request cannot be encoded in a provider's format, in words.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct Unfit(pub String);
-
 impl Wire {
-    /// Encodes a request; equal requests give equal bytes.
+    /// Encodes a request with an answer of these lengths; equal requests give equal bytes.
     ///
     /// Fails if the model is known not to support something in the request.
-    pub fn encode(self, request: &Request, settings: &Settings) -> Result<Encoded, Unfit> {
-        self.encode_within(request, settings, Lengths::of(request, settings))
-    }
-
-    /// Encodes a request with an answer of these lengths.
-    pub(super) fn encode_within(
+    pub fn encode(
         self,
         request: &Request,
         settings: &Settings,
         lengths: Lengths,
-    ) -> Result<Encoded, Unfit> {
+    ) -> Result<Encoded, String> {
         let sent = Sent::of(request, settings, lengths)?;
         let (model, messages) = (settings.profile.id.as_str(), &request.messages);
         let facts = &settings.profile.facts;
@@ -145,7 +136,7 @@ struct Sent {
 }
 
 impl Sent {
-    fn of(request: &Request, settings: &Settings, lengths: Lengths) -> Result<Sent, Unfit> {
+    fn of(request: &Request, settings: &Settings, lengths: Lengths) -> Result<Sent, String> {
         let facts = &settings.profile.facts;
         let sampling = |value: Option<f64>, parameter: Parameter, accepted: &Option<Accepted>| {
             let Some(value) = value.filter(|_| settings.sends(parameter)) else {
@@ -159,18 +150,16 @@ impl Sent {
             let accepts = accepted
                 .as_ref()
                 .map_or("a finite number".to_owned(), Accepted::to_string);
-            Err(Unfit(format!(
+            Err(format!(
                 "the stage states `{name}` {value}, and it accepts {accepts}; state that, or leave it out with `--omit {name}`"
-            )))
+            ))
         };
         if { request.messages.iter() }.all(|message| message.speaker == Speaker::System) {
-            return Err(Unfit("the request asks nothing".to_owned()));
+            return Err("the request asks nothing".to_owned());
         }
         let mut parts = request.messages.iter().flat_map(|message| &message.parts);
         if facts.vision == Some(false) && parts.any(|part| matches!(part, Part::Image(_))) {
-            return Err(Unfit(
-                "the request holds a picture, and it takes text alone".to_owned(),
-            ));
+            return Err("the request holds a picture, and it takes text alone".to_owned());
         }
         let is_structured =
             facts.structured_output != Some(false) && settings.sends(Parameter::Schema);
@@ -220,17 +209,6 @@ impl Failure {
             cut_text: None,
         }
     }
-
-    fn invalid(error: &serde_json::Error) -> Failure {
-        // The parser's own message may quote its input at any length.
-        let why = match error.classify() {
-            Category::Data => "the reply has another form than the interface promises",
-            Category::Eof if error.column() == 0 => "the reply is empty",
-            Category::Eof => "the reply is not complete JSON",
-            Category::Syntax | Category::Io => "the reply is not JSON",
-        };
-        Failure::new(Fault::InvalidReply, why, None)
-    }
 }
 
 /// Reads the usage of OpenAI's two formats, whose names begin otherwise.
@@ -272,9 +250,9 @@ struct Ending<'r> {
     /// The interface's word for the end.
     reason: Option<&'r str>,
     /// The provider's own words about it.
-    explanation: Option<String>,
+    explanation: Option<&'r str>,
     /// A field beside the answer with the text of its reasoning.
-    reasoning: Option<(&'static str, String)>,
+    reasoning: Option<(&'static str, &'r str)>,
     is_tool_call: bool,
 }
 
@@ -310,11 +288,11 @@ impl Ending<'_> {
                 "the answer was cut off at its longest length".to_owned()
             }
             (Some(Fault::Refused), _) => match self.explanation {
-                Some(words) => error::repeated(&words),
+                Some(words) => error::repeated(words),
                 None => "the model declined to answer".to_owned(),
             },
             (_, reason) => {
-                let words = error::repeated(self.explanation.as_deref().unwrap_or_default());
+                let words = error::repeated(self.explanation.unwrap_or_default());
                 let reason = error::repeated(reason.unwrap_or_default());
                 format!("the answer stopped for `{reason}` {words}")
                     .trim_end()
@@ -325,7 +303,7 @@ impl Ending<'_> {
         let is_cut = fault == Fault::Truncated && !why.contains("context window");
         let mut failure = Failure::new(fault, why, usage);
         if let Some((field, text)) = reasoning.filter(|_| is_blank) {
-            let text = error::repeated(&text);
+            let text = error::repeated(text);
             failure
                 .why
                 .push_str(&format!("; `{field}` holds: `{text}`"));
@@ -361,8 +339,16 @@ fn fault_of_end(reason: &str) -> Option<Fault> {
 /// Reads a reply with status 200.
 fn read(bytes: &[u8]) -> Result<Value, Failure> {
     let read = serde_json::from_slice::<Map<String, Value>>(bytes);
-    read.map(Value::from)
-        .map_err(|error| Failure::invalid(&error))
+    read.map(Value::from).map_err(|error| {
+        // The parser's own message may quote its input at any length.
+        let why = match error.classify() {
+            Category::Data => "the reply has another form than the interface promises",
+            Category::Eof if error.column() == 0 => "the reply is empty",
+            Category::Eof => "the reply is not complete JSON",
+            Category::Syntax | Category::Io => "the reply is not JSON",
+        };
+        Failure::new(Fault::InvalidReply, why, None)
+    })
 }
 
 /// Returns the elements of a list; none if it is something else.

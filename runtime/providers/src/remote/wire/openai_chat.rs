@@ -5,7 +5,7 @@
 
 use super::content::{data_url, stated, turn};
 use super::error::{refuse_error, repeated};
-use super::{Answer, Ending, Failure, Sent, Unfit, elements, openai_usage, read};
+use super::{Answer, Ending, Failure, Sent, elements, openai_usage, read};
 use crate::catalogue::{Facts, MaxTokensField};
 use fab_model::calls::Fault;
 use fab_model::{Message, Part, Reasoning};
@@ -18,7 +18,7 @@ pub(super) fn body(
     sent: Sent,
     facts: &Facts,
     tokens_field: Option<&str>,
-) -> Result<Value, Unfit> {
+) -> Result<Value, String> {
     // Most compatible servers know the older name.
     let field = facts.max_tokens_field.unwrap_or(MaxTokensField::MaxTokens);
     let limit = |wanted| sent.max_tokens.filter(|_| field == wanted);
@@ -79,7 +79,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
             .filter_map(|it| it["text"].as_str())
             .collect(),
     };
-    let named = |name| Some((name, said[name].as_str()?.to_owned()));
+    let named = |name| Some((name, said[name].as_str()?));
     // llama.cpp's and older vLLM's name for thoughts; that of newer vLLM, Ollama and OpenRouter.
     let reasoning = named("reasoning_content").or_else(|| named("reasoning"));
     let ending = Ending {

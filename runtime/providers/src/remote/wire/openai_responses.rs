@@ -4,12 +4,12 @@
 
 use super::content::{BETWEEN, data_url, stated, turn};
 use super::error::{refuse_error, repeated};
-use super::{Answer, Ending, Failure, Sent, Unfit, elements, fault_of_end, openai_usage, read};
+use super::{Answer, Ending, Failure, Sent, elements, fault_of_end, openai_usage, read};
 use fab_model::calls::Fault;
 use fab_model::{Message, Part, Reasoning};
 use serde_json::{Value, json};
 
-pub(super) fn body(model: &str, messages: &[Message], sent: Sent) -> Result<Value, Unfit> {
+pub(super) fn body(model: &str, messages: &[Message], sent: Sent) -> Result<Value, String> {
     let reasoning = match sent.reasoning {
         Some(Reasoning::Level(effort)) => Some(json!({ "effort": effort })),
         // There is no field for a number of tokens, and `reasoning::sent` refuses it.

@@ -3,7 +3,6 @@
 //! In: a request and the facts about its model. Out: the level or the number of tokens to send, or why it cannot be sent.
 //! Each wire writes it into its own fields.
 
-use super::Unfit;
 use crate::catalogue::{ReasoningKind, Wire};
 use crate::remote::settings::{Parameter, Settings};
 use fab_model::{Reasoning, Request};
@@ -11,7 +10,7 @@ use fab_model::{Reasoning, Request};
 /// Returns what is sent of a request's `reasoning`, if anything.
 ///
 /// Fails if the model is known to refuse it, or its interface has no field for it.
-pub(super) fn sent(request: &Request, settings: &Settings) -> Result<Option<Reasoning>, Unfit> {
+pub(super) fn sent(request: &Request, settings: &Settings) -> Result<Option<Reasoning>, String> {
     let is_sent = settings.sends(Parameter::Reasoning);
     let Some(stated) = request.reasoning.filter(|_| is_sent) else {
         return Ok(None);
@@ -24,15 +23,14 @@ pub(super) fn sent(request: &Request, settings: &Settings) -> Result<Option<Reas
     };
     let least = facts.least_tokens.unwrap_or(1);
     let refused = facts.refuses.as_deref().unwrap_or_default();
-    let accepts = |kind: &ReasoningKind| {
+    let accepted = ReasoningKind::ALL.into_iter().filter(|kind| {
         !refused.contains(kind) && (*kind != ReasoningKind::Tokens || counts_tokens)
-    };
+    });
     let (kind, is_enough) = match stated {
         Reasoning::Tokens(tokens) => (ReasoningKind::Tokens.name(), tokens >= least),
         Reasoning::Level(level) => (level.word(), true),
     };
-    let mut kinds = ReasoningKind::ALL.iter().filter(|kind| accepts(kind));
-    if is_enough && kinds.any(|accepted| accepted.name() == kind) {
+    if is_enough && accepted.clone().any(|accepted| accepted.name() == kind) {
         let as_tokens = facts.levels_as_tokens == Some(true) && counts_tokens;
         return Ok(Some(if as_tokens {
             Reasoning::Tokens(stated.allowed_tokens())
@@ -40,7 +38,6 @@ pub(super) fn sent(request: &Request, settings: &Settings) -> Result<Option<Reas
             stated
         }));
     }
-    let accepted = ReasoningKind::ALL.iter().filter(|kind| accepts(kind));
     let accepted: Vec<String> = accepted
         .map(|kind| match kind {
             ReasoningKind::Tokens => format!("a number of tokens from {least}"),
@@ -51,7 +48,7 @@ pub(super) fn sent(request: &Request, settings: &Settings) -> Result<Option<Reas
         true => "none at all".to_owned(),
         false => accepted.join(", "),
     };
-    Err(Unfit(format!(
+    Err(format!(
         "`reasoning` is `{stated}`, and it accepts {accepted}; give another one with `--reasoning`, or leave it out with `--omit reasoning`"
-    )))
+    ))
 }

@@ -24,22 +24,14 @@ pub fn smallest_rectangle(pixels: &[PixelPoint]) -> Result<Rectangle, VisionErro
         let side = hull::minus(to, from);
         let length = hull::dot(side, side).sqrt();
         let along = side.map(|component| component / length);
-        let across = [-along[1], along[0]];
-        let extent = |axis: hull::Point| {
-            let each = hull.iter().map(|&point| hull::dot(point, axis));
-            each.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| {
-                [low.min(at), high.max(at)]
-            })
-        };
-        let [[left, right], [low, high]] = [extent(along), extent(across)];
-        let area = (right - left) * (high - low);
+        let (center, sides) = hull::rectangle(&hull, along);
+        let area = sides[0] * sides[1];
         if area < least {
-            let [x, y] = [(left + right) / 2.0, (low + high) / 2.0];
             least = area;
             best = Rectangle {
-                center: [0, 1].map(|axis| x * along[axis] + y * across[axis]),
+                center,
                 along,
-                sides: [right - left, high - low],
+                sides,
             };
         }
     }

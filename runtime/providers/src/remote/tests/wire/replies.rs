@@ -500,7 +500,7 @@ fn a_paid_text_is_read_unless_it_was_cut_off_or_refused() {
             assert_eq!(
                 answer.map(|it| it.text),
                 Ok("fold it".to_owned()),
-                "{wire} {reason}"
+                "{wire:?} {reason}"
             );
         }
         for (reason, fault) in [
@@ -513,7 +513,7 @@ fn a_paid_text_is_read_unless_it_was_cut_off_or_refused() {
             ("error", Fault::ServerFailed),
         ] {
             let failure = decoded(wire, reason.into()).expect_err("no answer");
-            assert_eq!(failure.fault, fault, "{wire} {reason}");
+            assert_eq!(failure.fault, fault, "{wire:?} {reason}");
         }
     }
 }
@@ -601,7 +601,7 @@ fn what_is_no_json_is_an_invalid_reply_that_is_not_quoted() {
     ] {
         for wire in Wire::ALL {
             if let Err(failure) = wire.decode(bytes) {
-                assert_eq!(failure.fault, Fault::InvalidReply, "{wire}");
+                assert_eq!(failure.fault, Fault::InvalidReply, "{wire:?}");
                 assert!(!failure.why.contains("canary"), "{}", failure.why);
             }
         }

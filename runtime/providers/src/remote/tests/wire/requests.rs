@@ -1,28 +1,22 @@
 //! Tests of requests, byte for byte as JSON; `make test-all` passes them to the providers' own clients.
 
 use super::*;
-use crate::catalogue::{Catalogue, MaxTokensField};
+use crate::catalogue::{Catalogue, Date, MaxTokensField};
 use fab_program::ReasoningLevel;
 use serde_json::json;
 
+fn encoded(request: &Request, settings: &Settings) -> Result<Encoded, String> {
+    let wire = settings.profile.provider.wire;
+    wire.encode(request, settings, Lengths::of(request, settings))
+}
+
 fn sent(request: &Request, settings: &Settings) -> Value {
-    let encoded = settings
-        .profile
-        .provider
-        .wire
-        .encode(request, settings)
-        .expect("it fits");
+    let encoded = encoded(request, settings).expect("it fits");
     serde_json::from_slice(&encoded.body).expect("JSON")
 }
 
 fn refused(request: &Request, settings: &Settings) -> String {
-    let unfit = settings
-        .profile
-        .provider
-        .wire
-        .encode(request, settings)
-        .expect_err("unfit");
-    unfit.to_string()
+    encoded(request, settings).expect_err("unfit")
 }
 
 #[test]
@@ -84,7 +78,11 @@ fn conversations_are_told_with_pictures_and_frames_where_each_provider_wants_the
         }),
     };
     for wire in Wire::ALL {
-        assert_eq!(sent(&request(), &settings(wire)), expected(wire), "{wire}");
+        assert_eq!(
+            sent(&request(), &settings(wire)),
+            expected(wire),
+            "{wire:?}"
+        );
     }
 }
 
@@ -148,7 +146,7 @@ fn settings_and_schema_go_where_each_provider_wants_them() {
                 let pointer = place[0].as_str().expect("a pointer");
                 // As text, in which the order of properties counts.
                 let found = body.pointer(pointer).map(Value::to_string);
-                assert_eq!(found, Some(place[1].to_string()), "{wire} {pointer}");
+                assert_eq!(found, Some(place[1].to_string()), "{wire:?} {pointer}");
             }
         }
         let plain = sent(&request, &knowing(Some(false))).to_string();
@@ -178,8 +176,7 @@ fn newer_models_get_the_longest_answer_under_its_newer_name() {
 fn sampling_goes_to_the_version_of_anthropics_interface_that_knows_it() {
     let version = |request: &Request| {
         let settings = settings(Wire::Anthropic);
-        let encoded = Wire::Anthropic.encode(request, &settings);
-        encoded.expect("it fits").headers
+        encoded(request, &settings).expect("it fits").headers
     };
     let warm = Request {
         temperature: Some(1.0),
@@ -244,7 +241,11 @@ fn what_is_known_of_a_model_decides_what_is_sent() {
     let known = |model: &str| {
         let profile = Catalogue::builtin().find(model).expect("a provider");
         let base = BaseUrl::parse("http://localhost:1").expect("a base URL");
-        Settings::of(&profile, base, "2026-11-20".parse().expect("a date"))
+        Settings::of(
+            &profile,
+            base,
+            Date::try_from("2026-11-20".to_owned()).expect("a date"),
+        )
     };
     let short = Request {
         max_tokens: Some(7),
@@ -306,9 +307,9 @@ fn requests_that_a_model_cannot_take_are_refused() {
         late.messages.push(Message::text(Speaker::System, "more"));
         let has_place = matches!(wire, Wire::OpenaiChat | Wire::OpenaiResponses);
         assert_eq!(
-            wire.encode(&late, &settings(wire)).is_ok(),
+            encoded(&late, &settings(wire)).is_ok(),
             has_place,
-            "{wire}"
+            "{wire:?}"
         );
     }
 }
@@ -426,7 +427,11 @@ fn reasoning_that_the_model_refuses_is_refused_before_it_is_sent() {
     let find = |model: &str| {
         let profile = Catalogue::builtin().find(model).expect("a provider");
         let base = BaseUrl::parse("http://localhost:1").expect("a base URL");
-        Settings::of(&profile, base, "2026-11-24".parse().expect("a date"))
+        Settings::of(
+            &profile,
+            base,
+            Date::try_from("2026-11-24".to_owned()).expect("a date"),
+        )
     };
     let none = LEVELS[0];
     for (model, stated, said) in [
