@@ -122,9 +122,10 @@ impl Io {
     /// Writes data and a line end to stdout. On a terminal, hidden characters of foreign text are made visible;
     /// programs get the bytes as they are.
     pub(crate) fn data(&self, text: &str) {
-        match self.streams.terminals[1] {
-            true => self.painted_data(&visible(text)),
-            false => self.painted_data(text),
+        if self.streams.terminals[1] {
+            self.painted_data(&visible(text))
+        } else {
+            self.painted_data(text)
         }
     }
 

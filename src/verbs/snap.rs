@@ -143,9 +143,10 @@ pub fn run(arguments: &SnapArguments, io: &Io) -> Result<Exit, Failure> {
         }
     }
     Ok(
-        match arguments.check && changed + new + orphaned + pending > 0 {
-            true => Exit::Author,
-            false => Exit::Done,
+        if arguments.check && changed + new + orphaned + pending > 0 {
+            Exit::Author
+        } else {
+            Exit::Done
         },
     )
 }

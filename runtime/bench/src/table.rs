@@ -215,9 +215,12 @@ fn cost(row: &Row) -> String {
 
 /// Returns the first columns: method, policy, what varies if anything does in the table, actions, starts.
 fn names(is_varied: bool) -> Vec<Column<'static>> {
-    let method = |row: &Row| match row.quoted {
-        true => format!("quoted: {}", row.method),
-        false => row.method.clone(),
+    let method = |row: &Row| {
+        if row.quoted {
+            format!("quoted: {}", row.method)
+        } else {
+            row.method.clone()
+        }
     };
     let varied = |row: &Row| match (row.vary, row.quoted) {
         (Some(varied), _) => varied.to_owned(),

@@ -125,9 +125,10 @@ fn table(stage: &ShownStage, price: Option<&Price>) -> Vec<String> {
     let rows: Vec<_> = rows
         .map(|weight| {
             let (least, most) = (weight.at_least, weight.at_most);
-            let tokens = match least == most {
-                true => least.to_string(),
-                false => format!("{least}-{most}"),
+            let tokens = if least == most {
+                least.to_string()
+            } else {
+                format!("{least}-{most}")
             };
             let cost = weight.cost_nano_usd.map(dollars).unwrap_or_default();
             [weight.said_by.clone(), format!("{tokens:>7}"), cost]

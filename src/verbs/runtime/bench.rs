@@ -218,9 +218,10 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
         elsewhere,
         out: out.clone(),
         threads,
-        answers: match arguments.share_answers {
-            true => Answers::Shared,
-            false => Answers::PerStart,
+        answers: if arguments.share_answers {
+            Answers::Shared
+        } else {
+            Answers::PerStart
         },
         cache: &cache,
         budget: &budget,

@@ -4,20 +4,20 @@
 //! `attempts` limit the number of questions per stage.
 
 mod conversation;
+mod dialogue;
 mod rehearsal;
-mod talk;
 
 use super::proposing::{Refusal, Settled};
 use super::{Again, Decision, Description, Exchange, Kind, Policy, RoleModels, RunError, StepView};
 use crate::outcome::Outcome;
 pub use conversation::{MessagePart, StageMessage, conversation, opening};
+use dialogue::{Dialogue, Setting};
 use fab_model::{Description as ModelDescription, Models, Png, lowering};
 use fab_picture::png;
 use fab_program::render::{RenderError, Values};
 use fab_program::{Program, Read};
 pub use rehearsal::{Rehearsed, rehearse};
 use std::collections::BTreeMap;
-use talk::{Setting, Talk};
 
 /// What the model is told with the picture of what would come of its answer.
 const PREDICTED: &str = "The picture shows how the cloth would lie after this action, as a simulation predicts it. Answer once more, in the same format: with the same action if the cloth would lie as it should, otherwise with a better one.";
@@ -30,7 +30,7 @@ pub struct Prompted<'m> {
     /// The texts that the current step's stages read.
     texts: BTreeMap<String, String>,
     /// The index of the stage that reads the action, and its conversations in the current step, one for each answer.
-    acting: (usize, Vec<Talk>),
+    acting: (usize, Vec<Dialogue>),
 }
 
 impl<'m> Prompted<'m> {
@@ -92,10 +92,10 @@ impl Policy for Prompted<'_> {
         let mut decision = step.without_answer(Outcome::MalformedReply);
         for (index, stage) in step.program.stages.iter().enumerate() {
             let at = self.setting(step, index);
-            let mut talk = Talk::begin(at, Values::Known, [0, 0])?;
-            let settled = talk.settle(at, step.program.verify.attempts, exchange)?;
+            let mut dialogue = Dialogue::begin(at, Values::Known, [0, 0])?;
+            let settled = dialogue.settle(at, step.program.verify.attempts, exchange)?;
             if stage.read == Read::Action {
-                self.acting = (index, vec![talk]);
+                self.acting = (index, vec![dialogue]);
             }
             match settled {
                 Settled::Text { name, value } => {
@@ -119,28 +119,32 @@ impl Policy for Prompted<'_> {
         if self.acting.1.is_empty() {
             return Ok(None);
         }
-        let (stage, mut talks) = std::mem::take(&mut self.acting);
+        let (stage, mut dialogues) = std::mem::take(&mut self.acting);
         let at = self.setting(step, stage);
-        let asked = talks.iter().map(|talk| talk.asked).max().unwrap_or(0);
+        let asked = dialogues
+            .iter()
+            .map(|dialogue| dialogue.asked)
+            .max()
+            .unwrap_or(0);
         let settled = match again {
             Again::Independent => {
-                let numbers = [talks.len() as u32, asked];
-                let mut talk = Talk::begin(at, Values::Known, numbers)?;
-                let settled = talk.settle(at, step.program.verify.attempts, exchange)?;
-                talks.push(talk);
+                let numbers = [dialogues.len() as u32, asked];
+                let mut dialogue = Dialogue::begin(at, Values::Known, numbers)?;
+                let settled = dialogue.settle(at, step.program.verify.attempts, exchange)?;
+                dialogues.push(dialogue);
                 settled
             }
             Again::Revised { answer, predicted } => {
-                let Some(talk) = talks.get_mut(answer) else {
+                let Some(dialogue) = dialogues.get_mut(answer) else {
                     return Ok(None);
                 };
                 let sent = at.model.lowering().resized(predicted).into_owned();
-                talk.show_prediction(PREDICTED, Png::new(png::encode(&sent)));
-                talk.asked = asked;
-                talk.settle(at, 1, exchange)?
+                dialogue.show_prediction(PREDICTED, Png::new(png::encode(&sent)));
+                dialogue.asked = asked;
+                dialogue.settle(at, 1, exchange)?
             }
         };
-        self.acting = (stage, talks);
+        self.acting = (stage, dialogues);
         Ok(Some(match settled {
             Settled::Action(proposal, accepted) => Decision::act(proposal, accepted),
             Settled::Failed {

@@ -214,9 +214,10 @@ pub fn entries<'a>(
                 subgoals,
                 examples: Examples::load(shown, &prepared.folder)?,
                 varies: policy.varies(),
-                repeats: match policy.varies() {
-                    true => repeats.unwrap_or(suite.repeats),
-                    false => 1,
+                repeats: if policy.varies() {
+                    repeats.unwrap_or(suite.repeats)
+                } else {
+                    1
                 },
             };
             entries.push(own.clone());

@@ -136,16 +136,18 @@ pub(super) fn describe(state: &RunState) -> String {
         return "clear".to_owned();
     };
     let segment = segment.text();
-    let progress = match is_verified {
-        true => "was verified and is the last there is",
-        false => "was begun and not verified",
+    let progress = if is_verified {
+        "was verified and is the last there is"
+    } else {
+        "was begun and not verified"
     };
     let to = to_m.map_or(String::new(), |[x, y, z]| {
         format!("; the tool was to go to {x:.3}, {y:.3}, {z:.3} m")
     });
-    let holds = match may_hold {
-        true => "may hold cloth",
-        false => "holds nothing",
+    let holds = if may_hold {
+        "may hold cloth"
+    } else {
+        "holds nothing"
     };
     let halted: String = why.iter().map(|why| format!("; halted: {why}")).collect();
     format!("`{segment}` of action {action} {progress}{to}; the hand {holds}{halted}")

@@ -113,9 +113,10 @@ impl Progress<'_> {
 
 fn grip(action: &Action, grasp: Grasp) -> String {
     let (pick_px, place_px, taken_px) = (action.pick_px, action.place_px, action.pick_on_cloth_px);
-    let beside = match taken_px == pick_px {
-        true => String::new(),
-        false => format!(", taken at {taken_px} on the cloth"),
+    let beside = if taken_px == pick_px {
+        String::new()
+    } else {
+        format!(", taken at {taken_px} on the cloth")
     };
     let missed = match grasp {
         Grasp::Missed => ", nothing grasped",

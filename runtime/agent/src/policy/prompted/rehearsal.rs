@@ -5,7 +5,7 @@
 //! model's texts.
 
 use super::StageMessage;
-use super::talk::{Setting, Talk};
+use super::dialogue::{Dialogue, Setting};
 use crate::policy::proposing::Settled;
 use crate::policy::{Asking, Exchange, Exchanged, Finding, RunError, StepView};
 use fab_base::interrupt::Interrupt;
@@ -79,8 +79,8 @@ pub fn rehearse(
             texts: &texts,
             model: &given,
         };
-        let mut talk = Talk::begin(at, Values::Partly, [0, 0])?;
-        let n_asked_first = talk.messages.len();
+        let mut dialogue = Dialogue::begin(at, Values::Partly, [0, 0])?;
+        let n_asked_first = dialogue.messages.len();
         let mut findings = Vec::new();
         let mut exchange = Exchange {
             asking: &mut Asking::default(),
@@ -94,11 +94,11 @@ pub fn rehearse(
             },
             interrupt: &Interrupt::default(),
         };
-        let settled = talk.settle(at, view.program.verify.attempts, &mut exchange)?;
+        let settled = dialogue.settle(at, view.program.verify.attempts, &mut exchange)?;
         rehearsed.push(Rehearsed {
             stage: stage.name.clone(),
             n_asked_first,
-            conversation: talk.messages,
+            conversation: dialogue.messages,
             findings,
         });
         match settled {

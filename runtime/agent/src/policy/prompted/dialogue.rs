@@ -39,7 +39,7 @@ impl<'a> Setting<'a> {
 
 /// The conversation of one stage in one step. All its calls get the setting that it began with.
 #[derive(Clone, Debug)]
-pub(super) struct Talk {
+pub(super) struct Dialogue {
     pub messages: Vec<StageMessage>,
     /// The notation of the scene's points for the model.
     notation: Notation,
@@ -53,7 +53,7 @@ pub(super) struct Talk {
     answer: String,
 }
 
-impl Talk {
+impl Dialogue {
     /// Begins with the stage's messages.
     ///
     /// - `known`: [`Values::Known`], or [`Values::Partly`] to show missing texts as words in angle brackets.
@@ -63,7 +63,7 @@ impl Talk {
         at: Setting<'a>,
         known: fn(Facts<'a>) -> Values<'a>,
         [candidate, asked]: [u32; 2],
-    ) -> Result<Talk, RunError> {
+    ) -> Result<Dialogue, RunError> {
         let (program, view, facts) = (at.view.program, at.view, at.facts());
         let (values, lowering) = (known(facts), at.model.lowering());
         let pictures = view.pictures;
@@ -76,7 +76,7 @@ impl Talk {
         let offered: Vec<_> = fields
             .map(|field| (field.name.clone(), space::choices(field, view.scene)))
             .collect();
-        Ok(Talk {
+        Ok(Dialogue {
             messages,
             schema: reply::for_stage(program, at.stage, &notation, &offered),
             notation,
