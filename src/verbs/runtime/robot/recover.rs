@@ -136,7 +136,7 @@ pub(super) fn describe(state: &RunState) -> String {
         return "clear".to_owned();
     };
     let segment = segment.text();
-    let progress = if is_verified {
+    let progress = if *is_verified {
         "was verified and is the last there is"
     } else {
         "was begun and not verified"
@@ -144,7 +144,7 @@ pub(super) fn describe(state: &RunState) -> String {
     let to = to_m.map_or(String::new(), |[x, y, z]| {
         format!("; the tool was to go to {x:.3}, {y:.3}, {z:.3} m")
     });
-    let holds = if may_hold {
+    let holds = if *may_hold {
         "may hold cloth"
     } else {
         "holds nothing"
