@@ -1,6 +1,6 @@
 //! Tests against third-party programs; `make test-all` runs them.
 
-use super::support::{fabc, finish, project};
+use super::support::{bring_library, fabc, finish, project};
 use fab_agent::record::Record;
 use std::io::Write;
 use std::process::Command;
@@ -87,4 +87,49 @@ fn peer_mujoco_keeps_the_promises_of_every_world() {
     );
     let said = finish(fabc(folder.path()).args(["world", "check", &world]));
     assert_eq!(said.code, 0, "{}{}", said.stdout, said.stderr);
+}
+
+/// What the page of policies teaches: random pulls, the script's fit, and a rollout with the file that it wrote.
+#[test]
+#[ignore = "needs Python with jax and onnxruntime"]
+fn peer_jax_fits_a_network_to_stored_pulls_and_fabc_plays_it() {
+    let python = std::env::var("FABC_PEER_PYTHON").expect("make test-all sets FABC_PEER_PYTHON");
+    let folder = tempfile::tempdir().unwrap();
+    bring_library(folder.path());
+    let short = "use \"lib/smoothing.fab\"\n\ntask short extends smoothing_by_corners {
+    cloth   grid(42, 42, start: crumpled)\n    goal    normalized_improvement > 0.95\n    horizon 5\n}\n";
+    std::fs::write(folder.path().join("short.fab"), short).unwrap();
+    let run = |policy: &str, start: &str, out: &str| {
+        let arguments = [
+            "run",
+            "short.fab",
+            "--policy",
+            policy,
+            "--start",
+            start,
+            "--out",
+            out,
+        ];
+        let said = finish(fabc(folder.path()).args(arguments));
+        assert!([0, 3].contains(&said.code), "{}", said.stderr);
+    };
+    for start in ["0", "1", "2"] {
+        run("random:1", start, &format!("pulls/{start}"));
+    }
+    let fitted = Command::new(python)
+        .arg(project("scripts/smoother/fit.py"))
+        .args(["pulls", "own.onnx"])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    let printed = String::from_utf8_lossy(&fitted.stdout);
+    let why = String::from_utf8_lossy(&fitted.stderr);
+    assert!(fitted.status.success(), "{why}");
+    assert!(
+        printed.contains("by random policy, seed 1) from 3 starts of short;"),
+        "{printed}"
+    );
+    run("onnx:own.onnx", "3", "own");
+    let record = Record::read(&folder.path().join("own")).unwrap();
+    assert_eq!(record.steps.len(), 5);
 }
