@@ -125,7 +125,7 @@ fn what_a_probe_prints_is_used_when_it_is_pasted() {
         code, 3,
         "pixels were asked for, and thousandths came: {text}{told}"
     );
-    assert!(told.contains("at most 10 questions"), "{told}");
+    assert!(told.contains("at most 9 questions"), "{told}");
     let (_, entry) = text.split_once("[[model]]").unwrap();
     let entry = format!("[[model]]{entry}");
     for line in [

@@ -48,11 +48,6 @@ pub enum Points {
 pub enum Resize {
     /// Not at all.
     Never,
-    /// It is shrunk, keeping its aspect ratio, until no side is longer; smaller pictures stay as they are.
-    Within {
-        /// The longest side, pixels.
-        side_px: NonZeroU32,
-    },
     /// Each side is rounded to the nearest multiple, as Qwen2.5-VL does with every picture.
     Multiples {
         /// Multiple of this many pixels.
@@ -71,25 +66,14 @@ impl Lowering {
 
     /// Returns the size in which a picture is sent; both `[width, height]`, pixels.
     pub fn sent(&self, size: [u32; 2]) -> [u32; 2] {
-        let sides = match self.resize {
-            Resize::Never => return size,
-            Resize::Within { side_px } => {
-                let longest = size[0].max(size[1]).max(1);
-                if longest <= side_px.get() {
-                    return size;
-                }
-                let scale = f64::from(side_px.get()) / f64::from(longest);
-                size.map(|side| (f64::from(side) * scale).round() as u32)
-            }
-            Resize::Multiples { of_px } => {
-                let of = u64::from(of_px.get());
-                size.map(|side| {
-                    let nearest = (u64::from(side) + of / 2) / of * of;
-                    u32::try_from(nearest.max(of)).unwrap_or(MAX_SENT_PX)
-                })
-            }
+        let Resize::Multiples { of_px } = self.resize else {
+            return size;
         };
-        sides.map(|side| side.clamp(1, MAX_SENT_PX))
+        let of = of_px.get().min(MAX_SENT_PX);
+        size.map(|side| {
+            let nearest = (side.min(MAX_SENT_PX) + of / 2) / of * of;
+            nearest.clamp(of, MAX_SENT_PX)
+        })
     }
 
     /// Resizes a picture for sending.
@@ -142,7 +126,6 @@ impl fmt::Display for Lowering {
         })?;
         match self.resize {
             Resize::Never => Ok(()),
-            Resize::Within { side_px } => write!(f, ", pictures within {side_px}"),
             Resize::Multiples { of_px } => write!(f, " in multiples of {of_px}"),
         }
     }

@@ -59,8 +59,6 @@ pub struct Profile {
     pub facts: Facts,
     /// The most similar id of another entry.
     pub near: Option<String>,
-    /// Whether its vendor has shut it down.
-    pub is_retired: bool,
 }
 
 /// An entry's models, with all that is known of them.
@@ -140,16 +138,15 @@ impl Catalogue {
             let start = error.span().map_or(0, |span| span.start);
             wrong(start, error.message())
         })?;
-        type Lay = fn(&mut Catalogue, Table) -> Result<(), String>;
-        let kinds: [(_, Lay); 2] = [
-            (read.provider, Catalogue::lay_provider),
-            (read.model, Catalogue::lay_model),
-        ];
-        for (entries, lay) in kinds {
-            for entry in entries {
-                let start = entry.span().start;
-                lay(&mut self, entry.into_inner()).map_err(|why| wrong(start, &why))?;
-            }
+        for entry in read.provider {
+            let start = entry.span().start;
+            let laid = self.lay_provider(entry.into_inner());
+            laid.map_err(|why| wrong(start, &why))?;
+        }
+        for entry in read.model {
+            let start = entry.span().start;
+            let laid = self.lay_model(entry.into_inner());
+            laid.map_err(|why| wrong(start, &why))?;
         }
         Ok(self)
     }
@@ -171,7 +168,6 @@ impl Catalogue {
         }
         table.extend(changes);
         let provider: Provider = from_table(table)?;
-        provider.check()?;
         match { self.providers.iter_mut() }.find(|it| it.name == provider.name) {
             Some(before) => *before = provider,
             None => self.providers.push(provider),
@@ -232,7 +228,6 @@ impl Catalogue {
             id: id.to_owned(),
             facts,
             near: near.filter(|near| *near != id).map(str::to_owned),
-            is_retired: self.provider(provider.owner())?.has_retired(id),
         })
     }
 
@@ -354,18 +349,13 @@ impl Profile {
         self.provider.runs_on == Some(RunsOn::Own)
     }
 
-    /// Returns what makes a run with the model likely to fail or to mislead, in words.
-    pub fn warnings(&self) -> Vec<String> {
-        let mut warnings = Vec::new();
-        if self.is_retired {
-            warnings.push("its vendor has shut it down".to_owned());
-        }
-        if self.facts.coordinates.is_none() {
-            warnings.push(format!(
-                "it is not known how it states positions in a picture{}: `fabc probe` finds out",
-                meant(self.near.as_deref())
-            ));
-        }
-        warnings
+    /// Returns what makes a run with the model likely to mislead, in words.
+    pub fn warning(&self) -> Option<String> {
+        let near = meant(self.near.as_deref());
+        self.facts.coordinates.is_none().then(|| {
+            format!(
+                "it is not known how it states positions in a picture{near}: `fabc probe` finds out"
+            )
+        })
     }
 }

@@ -16,7 +16,7 @@ use std::thread;
 use std::time::Duration;
 
 /// The key that must never appear again.
-pub const CANARY: &str = "sk-canary/0123456789+abc";
+pub const CANARY: &str = "sk-canary_0123456789.abc";
 
 /// A listener that runs `act` on each connection after reading its request.
 pub struct Rude {

@@ -119,7 +119,7 @@ impl Providers {
             ));
         }
         let profile = self.catalogue.find(name).map_err(Failure::usage)?;
-        for warning in profile.warnings() {
+        if let Some(warning) = profile.warning() {
             self.io.talk(&format!("warning: {name}: {warning}"));
         }
         Ok(profile)

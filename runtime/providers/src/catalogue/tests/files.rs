@@ -183,10 +183,6 @@ fn what_is_wrong_in_a_file_is_told_with_its_line() {
             "line 2: `key_env` lists names of variables",
         ),
         (
-            &provider("base_url = \"http://me:canary@x/v1\""),
-            "line 2: `base_url` holds `@`, `?` or `#`",
-        ),
-        (
             &provider("wire = \"grpc\""),
             "line 2: unknown variant `grpc`, expected one of `openai_responses`",
         ),
