@@ -72,7 +72,7 @@ fn draw(property: &Value, request: &Request, chance: &mut Chance) -> Option<Stri
     }
     let last = request.messages.iter().flat_map(pictures).last()?;
     let picture = png::opened(last, Path::new("the last picture")).ok()?;
-    let (width, height) = picture.rgb.dimensions();
+    let (width, height) = picture.dimensions();
     let [u, v] = [width, height].map(|side| chance.below(side as usize));
     Some(format!("({u}, {v})"))
 }

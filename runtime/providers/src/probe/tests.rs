@@ -161,7 +161,7 @@ fn a_question_has_the_words_of_rollouts_and_a_picture_in_their_size() {
         assert!(text.contains(&format!("\nmagenta: {form}")), "{text}");
         let shown = png::opened(png.bytes(), std::path::Path::new("shown"));
         assert_eq!(
-            <[u32; 2]>::from(shown.expect("a picture").rgb.dimensions()),
+            <[u32; 2]>::from(shown.expect("a picture").dimensions()),
             sent
         );
     }
