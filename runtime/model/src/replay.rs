@@ -9,6 +9,7 @@ use crate::calls::ledger::{self, LEDGER_FILE, Question};
 use crate::calls::{Calls, Fault, LedgerError};
 use crate::{Lowering, Model, ModelError, ModelKind, ModelRole, Reply, Request};
 use fab_base::difference;
+use fab_base::wording::quoted;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -68,13 +69,11 @@ impl Replay {
             .collect();
         if models.len() > 1 {
             // Equal questions to different models could not be told apart.
-            let models = models.into_iter().collect::<Vec<_>>().join("`, `");
-            return Err(unusable(
-                path,
-                &format!(
-                    "it holds answers of several models, `{models}`; name the folder of one method or run"
-                ),
-            ));
+            let models = quoted(models);
+            let why = format!(
+                "it holds answers of several models, {models}; name the folder of one method or run"
+            );
+            return Err(unusable(path, &why));
         }
         if own.is_empty() {
             // A task may never ask this role.
@@ -128,10 +127,8 @@ fn ledgers(path: &Path) -> Result<Vec<PathBuf>, LedgerError> {
         }
     }
     if found.is_empty() {
-        return Err(unusable(
-            path,
-            &format!("no {LEDGER_FILE} lies in it: no model of a provider was asked there"),
-        ));
+        let why = format!("no {LEDGER_FILE} lies in it: no model of a provider was asked there");
+        return Err(unusable(path, &why));
     }
     Ok(found)
 }
@@ -157,18 +154,8 @@ fn question_key(request: &Value) -> String {
 }
 
 /// How much two requests have in common, most important criterion first.
-fn likeness(recorded: &Value, asked: &Value) -> (bool, bool, usize, usize) {
-    let list = |value: &Value| value.as_array().cloned().unwrap_or_default();
-    let (there, here) = (list(&recorded["messages"]), list(&asked["messages"]));
-    let alike = there.iter().zip(&here).take_while(|(a, b)| a == b).count();
-    let fields = asked.as_object().into_iter().flatten();
-    let settings = fields.filter(|(name, value)| recorded[name.as_str()] == **value);
-    (
-        recorded["role"] == asked["role"],
-        recorded["step"] == asked["step"],
-        alike + usize::from(there.len() == here.len()),
-        settings.count(),
-    )
+fn likeness(recorded: &Value, asked: &Value) -> [bool; 5] {
+    ["role", "start", "step", "messages", "candidate"].map(|name| recorded[name] == asked[name])
 }
 
 impl Model for Replay {

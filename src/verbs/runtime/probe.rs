@@ -102,7 +102,7 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
         reach.reasoning,
         &mut calls,
     );
-    let findings = findings.map_err(|error| failure(error, &calls))?;
+    let findings = findings.map_err(failure)?;
     let examination = Examination {
         model: profile.title(),
         best: findings.dots.as_ref().and_then(Dots::best),
@@ -119,18 +119,10 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
     })
 }
 
-fn failure(error: ModelError, calls: &Ledger<'_>) -> Failure {
+fn failure(error: ModelError) -> Failure {
     match error {
         ModelError::Interrupted => Failure::interrupted(),
-        ModelError::NotSent(CallRefused::Budget(cap)) => {
-            let option = cap.raise.map_or(String::new(), |option| {
-                format!("; a probe begins anew: allow more with `{option}`")
-            });
-            let last = calls.last_failure().map_or(String::new(), |why| {
-                format!("\nthe last call gave no answer: {why}")
-            });
-            Failure::capped(format!("{}{option}{last}", cap.why))
-        }
+        ModelError::NotSent(CallRefused::Budget(cap)) => Failure::capped(cap),
         error => Failure::environment(error),
     }
 }

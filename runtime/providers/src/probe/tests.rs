@@ -3,7 +3,7 @@
 use super::reading::pairs;
 use super::*;
 use crate::catalogue::{Accepted, Catalogue, MaxTokensField};
-use fab_model::calls::Unrecorded;
+use fab_model::calls::{Budget, Ledger};
 use fab_model::{ModelKind, Reply};
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -61,7 +61,7 @@ impl Model for Seeing {
         };
         let shown = png::opened(png.bytes(), std::path::Path::new("shown")).expect("a picture");
         let mut seen = [([0.0, 0.0], 0.0); DOTS.len()];
-        for (x, y, pixel) in shown.rgb.enumerate_pixels() {
+        for (x, y, pixel) in shown.enumerate_pixels() {
             let Some(dot) = DOTS.iter().position(|(_, colour)| pixel.0 == *colour) else {
                 continue;
             };
@@ -73,7 +73,7 @@ impl Model for Seeing {
             .iter()
             .zip(seen)
             .map(|((name, _), (sum, count))| {
-                let got = [shown.rgb.width(), shown.rgb.height()];
+                let got = [shown.width(), shown.height()];
                 let part = [0, 1].map(|axis| (sum[axis] / count + 0.5) / f64::from(got[axis]));
                 (self.form)(name, self.numbers(part, got))
             })
@@ -103,7 +103,13 @@ fn multiples() -> Resize {
 
 fn found(told: Lowering, says: Lowering) -> Dots {
     let form = plain;
-    dots(&Seeing { told, says, form }, 7, None, &mut Unrecorded).expect("it answers")
+    dots(
+        &Seeing { told, says, form },
+        7,
+        None,
+        &mut Ledger::unwritten(&Budget::default()),
+    )
+    .expect("it answers")
 }
 
 #[test]
@@ -177,7 +183,13 @@ fn errors_count_pixels_of_the_cameras_picture_whatever_was_sent() {
     );
     let form = |name: &str, [x, y]: [f64; 2]| plain(name, [x + 1.0, y]);
     let says = Lowering::PIXELS;
-    let found = dots(&Seeing { told, says, form }, 7, None, &mut Unrecorded).expect("it answers");
+    let found = dots(
+        &Seeing { told, says, form },
+        7,
+        None,
+        &mut Ledger::unwritten(&Budget::default()),
+    )
+    .expect("it answers");
     let error = found.tried[0].error_px;
     // One pixel of the large picture, which is sent unchanged, and of the small one, which is enlarged from 224 to 360.
     let expected = (1.0 + 224.0 / 360.0) / 2.0;
@@ -196,7 +208,13 @@ fn coordinates_are_asked_for_where_rollouts_ask_for_numbers() {
 
 fn in_pixels(form: fn(&str, [f64; 2]) -> String, seed: u64) -> Dots {
     let [told, says] = [Lowering::PIXELS; 2];
-    dots(&Seeing { told, says, form }, seed, None, &mut Unrecorded).expect("it answers")
+    dots(
+        &Seeing { told, says, form },
+        seed,
+        None,
+        &mut Ledger::unwritten(&Budget::default()),
+    )
+    .expect("it answers")
 }
 
 #[test]
@@ -354,7 +372,13 @@ fn probed(character: &Character) -> (Profile, Result<Findings, ModelError>) {
             facts: facts.clone(),
         }) as Box<dyn Model>)
     };
-    let findings = probe(&profile, &under, 7, None, &mut Unrecorded);
+    let findings = probe(
+        &profile,
+        &under,
+        7,
+        None,
+        &mut Ledger::unwritten(&Budget::default()),
+    );
     (profile, findings)
 }
 

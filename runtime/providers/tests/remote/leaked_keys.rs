@@ -1,7 +1,7 @@
 //! Tests that a key echoed by the server never appears again.
 
 use crate::support::*;
-use fab_model::calls::{Unrecorded, Usd};
+use fab_model::calls::{Budget, Ledger, Usd};
 use fab_model::{Model, Reply};
 use fab_providers::remote::{Answers, Key, Wire};
 use serde_json::{Value, json};
@@ -159,7 +159,10 @@ fn no_kept_answer_holds_a_key() {
     let mut trial = Trial::of(provider.base_url());
     let cache = fab_base::cache::Cache::at(folder.path().to_owned());
     trial.shared.answers = Arc::new(Answers::kept_in(cache));
-    let reply: Reply = trial.model().ask(&request(), &mut Unrecorded).unwrap();
+    let reply: Reply = trial
+        .model()
+        .ask(&request(), &mut Ledger::unwritten(&Budget::default()))
+        .unwrap();
     assert_eq!(
         (reply.text.as_str(), reply.cost),
         ("it is [key]", Some(Usd::from_nano(150)))
@@ -201,7 +204,11 @@ fn no_panic_message_holds_a_key() {
     assert!(text.contains("a-model"), "{text}");
     check(&text);
     // The gate and the claim were released despite the panic.
-    assert!(model.ask(&request(), &mut Unrecorded).is_ok());
+    assert!(
+        model
+            .ask(&request(), &mut Ledger::unwritten(&Budget::default()))
+            .is_ok()
+    );
 }
 
 #[test]
