@@ -27,9 +27,8 @@ pub struct Replay {
     name: String,
     path: PathBuf,
     lowering: Lowering,
-    /// Questions with an end, by [`question_key`], in the order in which they were first asked.
-    exchanges: Vec<(Question, End)>,
-    by_key: BTreeMap<String, usize>,
+    /// Questions with an end, by [`question_key`].
+    exchanges: BTreeMap<String, (Question, End)>,
 }
 
 impl Replay {
@@ -37,8 +36,7 @@ impl Replay {
     ///
     /// Fails if a ledger cannot be read, or if there is no answer from a model.
     pub fn load(path: &Path, role: ModelRole) -> Result<Replay, LedgerError> {
-        let mut exchanges: Vec<(Question, End)> = Vec::new();
-        let mut by_key = BTreeMap::new();
+        let mut exchanges: BTreeMap<String, (Question, End)> = BTreeMap::new();
         let mut models = BTreeSet::new();
         let role = serde_json::json!(role);
         for file in ledgers(path)? {
@@ -54,19 +52,13 @@ impl Replay {
                         None => continue,
                     },
                 };
-                let next = exchanges.len();
-                let index = *{ by_key.entry(question_key(&question.request)) }.or_insert(next);
-                if index == next {
-                    exchanges.push((question, end));
-                } else if end.is_ok() || exchanges[index].1.is_err() {
-                    exchanges[index] = (question, end);
+                let key = question_key(&question.request);
+                let is_answered = matches!(exchanges.get(&key), Some((_, Ok(_))));
+                if end.is_ok() || !is_answered {
+                    exchanges.insert(key, (question, end));
                 }
             }
         }
-        let questions = || exchanges.iter().map(|(question, _)| question);
-        let mut own: Vec<&Question> = questions()
-            .filter(|question| question.request["role"] == role)
-            .collect();
         if models.len() > 1 {
             // Equal questions to different models could not be told apart.
             let models = quoted(models);
@@ -75,27 +67,25 @@ impl Replay {
             );
             return Err(unusable(path, &why));
         }
-        if own.is_empty() {
-            // A task may never ask this role.
-            own.extend(questions());
-        }
-        let Some(first) = own.first() else {
+        let mut questions = exchanges.values().map(|(question, _)| question);
+        // A task may never ask this role.
+        let any = questions.clone().next();
+        let own = questions.find(|question| question.request["role"] == role);
+        let Some(first) = own.or(any) else {
             return Err(unusable(path, "it holds no answer from a model"));
         };
         Ok(Replay {
             name: format!("replay({})", first.model),
             path: path.to_owned(),
             lowering: first.lowering,
-            by_key,
             exchanges,
         })
     }
 
     /// Names the recorded question most similar to a request, and what differs first.
     fn nearest(&self, asked: &Value) -> String {
-        // The last of equal ones wins, and reversed that is the first.
-        let in_reverse = self.exchanges.iter().rev().map(|(question, _)| question);
-        let best = in_reverse.max_by_key(|question| likeness(&question.request, asked));
+        let questions = self.exchanges.values().map(|(question, _)| question);
+        let best = questions.max_by_key(|question| likeness(&question.request, asked));
         let question = best.expect("a replay holds a question");
         let is_other = |name: &str| question.request[name] != asked[name];
         if is_other("role") && is_other("messages") {
@@ -173,14 +163,14 @@ impl Model for Replay {
     }
 
     fn shares_answers(&self) -> bool {
-        let mut requests = self.exchanges.iter().map(|(question, _)| &question.request);
-        requests.all(|request| request["start"].is_null())
+        let mut questions = self.exchanges.values();
+        questions.all(|(question, _)| question.request["start"].is_null())
     }
 
     fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
         let asked =
             serde_json::to_value(request).expect("a request holds strings and finite numbers");
-        let Some(index) = self.by_key.get(&question_key(&asked)) else {
+        let Some((_, end)) = self.exchanges.get(&question_key(&asked)) else {
             return Err(ModelError::Unsupported {
                 model: self.name.clone(),
                 why: format!(
@@ -190,7 +180,7 @@ impl Model for Replay {
                 ),
             });
         };
-        match &self.exchanges[*index].1 {
+        match end {
             // A replay buys nothing, so it does not report the original cost.
             Ok(reply) => Ok(Reply {
                 cost: None,

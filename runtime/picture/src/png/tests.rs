@@ -159,14 +159,12 @@ fn a_photograph_that_was_cut_off_is_refused_and_one_with_more_behind_it_is_not()
     for bytes in [&whole, &with_small, &with_more] {
         assert_eq!(opened(bytes, path).unwrap().dimensions(), (40, 20));
     }
-    for bytes in [&whole, &with_small] {
-        for length in 3..bytes.len() - 1 {
-            let why = opened(&bytes[..length], path).unwrap_err().to_string();
-            assert!(
-                why.contains("`a.jpg` is not a readable picture in PNG or JPEG"),
-                "{why}"
-            );
-        }
+    for length in 3..whole.len() - 1 {
+        let why = opened(&whole[..length], path).unwrap_err().to_string();
+        assert!(
+            why.contains("`a.jpg` is not a readable picture in PNG or JPEG"),
+            "{why}"
+        );
     }
 }
 

@@ -290,15 +290,6 @@ fn a_list_of_models_that_never_ends_is_given_up() {
 }
 
 #[test]
-fn a_byte_order_mark_before_an_answer_is_passed_over() {
-    let body = format!("\u{feff}{}", good_body("there"));
-    let port = play(&case("", "200 OK", "json", body));
-    let trial = trial(&format!("http://127.0.0.1:{port}/v1"));
-    let reply = trial.model().ask(&request(), &mut Notes::new()).unwrap();
-    assert_eq!(reply.text, "there");
-}
-
-#[test]
 fn a_pasted_endpoint_is_refused_with_the_base_that_was_meant() {
     let error = BaseUrl::parse("http://localhost:8000/v1/chat/completions").unwrap_err();
     insta::assert_snapshot!("pasted_endpoint", error);
