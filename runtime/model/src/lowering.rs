@@ -3,11 +3,9 @@
 //! In: the model's properties, as data. Out: the [`Pointing`] of prompts, schema and reader for a camera's picture, and
 //! pictures in the size that is sent. `fab_program::pointing` converts coordinates; `fab_vision` draws numbers.
 
-use super::{Model, Models};
-use fab_base::wording::quoted;
+use super::Models;
 use fab_program::Program;
 use fab_program::pointing::{CoordinateUnit, Frame, Order, Pointing, PointingError};
-use fab_program::render;
 use image::RgbImage;
 use image::imageops::{self, FilterType};
 use serde::{Deserialize, Serialize};
@@ -134,29 +132,10 @@ impl fmt::Display for Lowering {
 /// Returns why a task cannot be given to these models, before anything is sent.
 pub fn check(program: &Program, models: Models<'_>) -> Result<(), PointingError> {
     program.stages.iter().try_for_each(|stage| {
-        let pointing = pointing_of(program, models.of(stage.model));
+        let lowering = models.of(stage.model).lowering();
+        let pointing = lowering.pointing([program.camera.image_px; 2]);
         pointing.check(program, stage)
     })
-}
-
-/// Names the stages that do not state how points are written although the model does not use pixels; the convention is
-/// stated for them.
-pub fn note(program: &Program, models: Models<'_>) -> Option<String> {
-    let stages = program.stages.iter().filter(|stage| {
-        let pointing = pointing_of(program, models.of(stage.model));
-        render::leaves_frame_open(program, stage, &pointing)
-    });
-    let stages = quoted(stages.map(|stage| &stage.name));
-    (!stages.is_empty()).then(|| {
-        format!(
-            "no text of stage {stages} says `{{{{ actions.points }}}}`, how a point is written, and the model does not \
-             answer in the task's pixels; a sentence at the end of the question says it"
-        )
-    })
-}
-
-fn pointing_of(program: &Program, model: &dyn Model) -> Pointing {
-    model.lowering().pointing([program.camera.image_px; 2])
 }
 
 #[cfg(test)]

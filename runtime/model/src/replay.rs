@@ -6,7 +6,7 @@
 //! last failure.
 
 use crate::calls::ledger::{self, LEDGER_FILE, Question};
-use crate::calls::{Calls, Fault, LedgerError};
+use crate::calls::{Calls, FailedCall, LedgerError};
 use crate::{Lowering, Model, ModelError, ModelKind, ModelRole, Reply, Request};
 use fab_base::difference;
 use fab_base::wording::quoted;
@@ -18,8 +18,8 @@ use walkdir::WalkDir;
 /// The deepest that a ledger may lie below the named folder.
 const MAX_DEPTH: usize = 5;
 
-/// How a question ended: with an answer, or with a fault and its description.
-type End = Result<Reply, (Fault, String)>;
+/// How a question ended: with an answer, or with a failed call.
+type End = Result<Reply, FailedCall>;
 
 /// The runs that answer in place of the model of one role.
 #[derive(Debug)]
@@ -45,12 +45,10 @@ impl Replay {
                 if question.request["role"] == role {
                     models.insert(question.model.clone());
                 }
-                let end = match noted.answered.remove(&question.key) {
-                    Some(reply) => Ok(reply),
-                    None => match noted.failed.remove(&question.key) {
-                        Some(failed) => Err((failed.fault, failed.why)),
-                        None => continue,
-                    },
+                let answered = noted.answered.remove(&question.key).map(Ok);
+                let failed = || noted.failed.remove(&question.key).map(Err);
+                let Some(end) = answered.or_else(failed) else {
+                    continue;
                 };
                 let key = question_key(&question.request);
                 let is_answered = matches!(exchanges.get(&key), Some((_, Ok(_))));
@@ -186,10 +184,10 @@ impl Model for Replay {
                 cost: None,
                 ..reply.clone()
             }),
-            Err((fault, why)) => Err(ModelError::Failed {
+            Err(failed) => Err(ModelError::Failed {
                 model: self.name.clone(),
-                fault: *fault,
-                why: why.clone(),
+                fault: failed.fault,
+                why: failed.why.clone(),
             }),
         }
     }

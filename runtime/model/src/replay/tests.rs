@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
-use crate::calls::{Billing, Budget, Call, CallEnd, FailedCall, Ledger, Usage, Usd};
+use crate::calls::{Billing, Budget, Call, CallEnd, FailedCall, Fault, Ledger, Usage, Usd};
 use crate::{Message, Part, Png, Speaker};
 use serde_json::json;
 

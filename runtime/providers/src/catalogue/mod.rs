@@ -204,7 +204,6 @@ impl Catalogue {
         let found = self.providers.iter().find(|provider| provider.name == name);
         found.ok_or_else(|| {
             let near = meant(nearest(name, names()));
-            let name: String = name.chars().take(40).collect();
             let all = among(names());
             format!("there is no provider `{name}`{near}; there is {all}")
         })
@@ -214,10 +213,8 @@ impl Catalogue {
     pub fn find(&self, model: &str) -> Result<Profile, String> {
         let split = model.split_once(':');
         let split = split.filter(|(_, id)| !id.is_empty() && !id.chars().any(char::is_control));
-        let (provider, id) = split.ok_or_else(|| {
-            let model: String = model.chars().take(80).collect();
-            format!("`{model}` is not a model; write PROVIDER:NAME, on one line")
-        })?;
+        let (provider, id) = split
+            .ok_or_else(|| format!("`{model}` is not a model; write PROVIDER:NAME, on one line"))?;
         let provider = self.provider(provider)?;
         let (facts, _) = self.known(Some(provider), id);
         let of_provider = |entry: &&Entry| entry.head.provider.as_deref() == Some(provider.owner());

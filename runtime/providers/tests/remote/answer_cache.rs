@@ -128,7 +128,7 @@ fn a_schema_that_is_refused_is_left_out_from_then_on_and_nothing_is_paid_for_twi
         });
         assert_eq!(kept, replies);
         assert_eq!(provider.calls(), 3);
-        // What is known to take a schema is not asked without one: the refusal names the option.
+        // What is known to take a schema is not asked without one: the message says how.
         trial.settings.profile.facts.structured_output = Some(true);
         let provider = Provider::playing(vec![status(400).json(body)]);
         trial.settings.base_url =
@@ -137,7 +137,7 @@ fn a_schema_that_is_refused_is_left_out_from_then_on_and_nothing_is_paid_for_twi
             .model()
             .ask(&asked(1), &mut Ledger::unwritten(&Budget::default()))
             .unwrap_err();
-        assert!(error.to_string().contains("--omit schema"), "{error}");
+        assert!(error.to_string().contains("--omit SETTING"), "{error}");
     }
 }
 
