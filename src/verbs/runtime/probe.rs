@@ -25,13 +25,13 @@ pub struct ProbeArguments {
     pub reach: ReachArguments,
     #[command(flatten)]
     pub caps: CapArguments,
-    /// Draws the dots' places.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub seed: u64,
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,
 }
+
+/// Draws the dots' places.
+const SEED: u64 = 1;
 
 /// What was found out.
 #[derive(Serialize)]
@@ -95,13 +95,7 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
     };
     let budget = Budget::new(caps, Spent::default());
     let mut calls = Ledger::unwritten(&budget);
-    let findings = probe(
-        &profile,
-        &under,
-        arguments.seed,
-        reach.reasoning,
-        &mut calls,
-    );
+    let findings = probe(&profile, &under, SEED, reach.reasoning, &mut calls);
     let findings = findings.map_err(failure)?;
     let examination = Examination {
         model: profile.title(),

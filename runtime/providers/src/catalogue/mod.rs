@@ -16,7 +16,7 @@ pub use date::Date;
 pub use facts::{Accepted, Facts, MaxTokensField, PositionFormat, ReasoningFacts, ReasoningKind};
 pub use price::{Price, SAFETY};
 pub(crate) use provider::is_key_name;
-pub use provider::{KeyNeed, Provider, RunsOn, Wire};
+pub use provider::{Provider, RunsOn, Wire};
 pub use tokens::{ImageTokens, Tokens};
 
 use fab_base::files::{self, line_of};

@@ -22,9 +22,6 @@ pub struct Provider {
     /// Variable names that may hold its key; the first one found counts.
     #[serde(default, deserialize_with = "key_names")]
     pub key_env: Vec<String>,
-    /// Whether it needs a key.
-    #[serde(default)]
-    pub key: KeyNeed,
     /// Whose machine answers; `None`: unknown, and prices have to be known.
     pub runs_on: Option<RunsOn>,
     /// Another provider with the same models.
@@ -56,22 +53,11 @@ fab_base::named! {
     }
 }
 
-/// Whether a provider needs a key.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum KeyNeed {
-    /// It does not answer without a key.
-    Required,
-    /// It may be configured to require a key.
-    #[default]
-    Optional,
-}
-
 /// Whose machine answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RunsOn {
-    /// The vendor's, which bills each call.
+    /// The vendor's, which bills each call, and answers none without a key.
     Vendor,
     /// The user's; no call is billed.
     Own,

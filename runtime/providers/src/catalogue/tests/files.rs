@@ -74,10 +74,7 @@ fn a_users_file_replaces_what_it_gives_and_keeps_the_rest() {
     assert_eq!(ollama.source.as_deref(), Some("our machine"));
     let house = catalogue.find("house:anything").expect("new");
     assert!(house.is_free());
-    assert_eq!(
-        (house.provider.wire, house.provider.key),
-        (Wire::OpenaiChat, KeyNeed::Optional)
-    );
+    assert_eq!(house.provider.wire, Wire::OpenaiChat);
 }
 
 #[test]
