@@ -86,7 +86,7 @@ fn no_error_reply_or_note_holds_a_key_that_the_server_gives_back() {
             }
             check(&format!("{:?}", notes.told));
         }
-        check(&format!("{model:?} {:?}", trial.shared.hidden));
+        check(&format!("{:?} {:?}", trial.settings, trial.shared.hidden));
         assert_eq!(provider.calls(), replies.len());
         let expected = match wire {
             Wire::OpenaiChat | Wire::Gemini => 6,
@@ -216,7 +216,8 @@ fn a_key_within_the_base_url_is_refused_before_anything_is_sent() {
     let trial = Trial::of(&format!("http://127.0.0.1:1/{OTHER}/v1"));
     let mut shared = trial.shared.clone();
     shared.hidden = vec![Key::new("OTHER", OTHER).unwrap()];
-    let error = fab_providers::remote::Remote::new(trial.settings, shared).unwrap_err();
+    let error = fab_providers::remote::Remote::new(trial.settings, shared);
+    let error = error.err().unwrap();
     check(&format!("{error} {error:?}"));
     assert!(error.to_string().contains("key"), "{error}");
 }
