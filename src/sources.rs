@@ -97,14 +97,11 @@ fn similar_file(path: &Path) -> Option<String> {
 /// The largest file that a check looks into, bytes; as much as a start may have.
 const MAX_LOOKED_AT: u64 = 64 << 20;
 
-/// What a file is, and what is done to a picture to show it.
-type Found = (Listed, Option<String>);
-
 /// A loader that also looks into the files that tasks name, for `fabc check` alone, and remembers what was asked for.
 struct Looking {
     disk: Disk,
     /// What was found, because each task that inherits a file asks again.
-    found: RefCell<BTreeMap<(String, Wanted), Found>>,
+    found: RefCell<BTreeMap<(String, Wanted), Listed>>,
     /// The files that were asked for, including missing ones.
     asked: RefCell<BTreeSet<PathBuf>>,
 }
@@ -137,9 +134,9 @@ impl Loader for Looking {
         let mut found = self.found.borrow_mut();
         let found = found.entry((path.to_owned(), wanted)).or_insert_with(|| {
             let seen = listed(&self.disk.folder, &file, wanted);
-            seen.unwrap_or_else(|why| (Listed::Nothing(why), None))
+            seen.unwrap_or_else(Listed::Nothing)
         });
-        found.0.clone()
+        found.clone()
     }
 
     fn trial(&self, title: &str) -> Option<Trial> {
@@ -166,8 +163,8 @@ pub fn pinned_trial(folder: &Path, title: &str) -> Option<Trial> {
     files::read_json::<Tried>(&path, MAX_BYTES).ok()?.tried
 }
 
-/// Reads the file at a path in a folder as the kind of file that is wanted; says what it found, and what is done to show it.
-fn listed(folder: &Path, path: &Path, wanted: Wanted) -> Result<Found, String> {
+/// Reads the file at a path in a folder as the kind of file that is wanted; says what it found.
+fn listed(folder: &Path, path: &Path, wanted: Wanted) -> Result<Listed, String> {
     let bytes = files::read(&inside(folder, path)?, MAX_LOOKED_AT)?;
     match wanted {
         Wanted::CameraPicture | Wanted::Picture => picture(path, &bytes),
@@ -176,26 +173,26 @@ fn listed(folder: &Path, path: &Path, wanted: Wanted) -> Result<Found, String> {
             if !positions.iter().flatten().all(|number| number.is_finite()) {
                 return Err("a coordinate in it is not a number".to_owned());
             }
-            Ok((Listed::Other, None))
+            Ok(Listed::Other)
         }
-        Wanted::Demonstrations => are_json_lines(&bytes).map(|()| (Listed::Other, None)),
+        Wanted::Demonstrations => are_json_lines(&bytes).map(|()| Listed::Other),
     }
 }
 
 /// Opens a picture as a rollout will.
 #[cfg(feature = "runtime")]
-fn picture(path: &Path, bytes: &[u8]) -> Result<Found, String> {
+fn picture(path: &Path, bytes: &[u8]) -> Result<Listed, String> {
     let named = format!("`{}`", path.display());
     let opened = fab_picture::png::opened(bytes, path);
     let opened = opened.map_err(|error| error.to_string().replacen(&named, "it", 1))?;
-    let (width, height) = opened.rgb.dimensions();
-    Ok((Listed::Picture { width, height }, opened.note))
+    let (width, height) = opened.dimensions();
+    Ok(Listed::Picture { width, height })
 }
 
 /// The authoring tool opens no pictures.
 #[cfg(not(feature = "runtime"))]
-fn picture(_: &Path, _: &[u8]) -> Result<Found, String> {
-    Ok((Listed::Unknown, None))
+fn picture(_: &Path, _: &[u8]) -> Result<Listed, String> {
+    Ok(Listed::Unknown)
 }
 
 /// Checks that bytes are lines with a JSON object each, the first of which states the format.
@@ -212,12 +209,9 @@ fn are_json_lines(bytes: &[u8]) -> Result<(), String> {
     fault.map_or(Ok(()), Err)
 }
 
-/// Compiles a file, and looks for the files that its tasks name; returns what is done to pictures to show them, too.
-pub fn compile_looking(file: &str) -> Result<(Compiled, Vec<String>), Failure> {
-    let loader = Looking::beside(file);
-    let compiled = fab_compiler::compile(file, &loader)?;
-    let found = loader.found.into_inner().into_values();
-    Ok((compiled, found.filter_map(|(_, note)| note).collect()))
+/// Compiles a file, and looks for the files that its tasks name.
+pub fn compile_looking(file: &str) -> Result<Compiled, Failure> {
+    Ok(fab_compiler::compile(file, &Looking::beside(file))?)
 }
 
 /// Returns a file of tasks and all files that it uses, including missing ones.

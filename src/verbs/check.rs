@@ -98,10 +98,7 @@ fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
             Ok((sources::compile_looking(&found)?, beside))
         });
         match compiled {
-            Ok(((compiled, notes), beside)) => {
-                for note in notes {
-                    io.talk(&format!("note: {note}"));
-                }
+            Ok((compiled, beside)) => {
                 let tasks = checked.add(file, &compiled, &beside);
                 if !arguments.json {
                     report(file, &compiled, tasks, io);

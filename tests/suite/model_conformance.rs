@@ -2,7 +2,7 @@
 
 use super::support::{self, Scripted};
 use fab_base::interrupt::Interrupt;
-use fab_model::calls::Unrecorded;
+use fab_model::calls::{Budget, Ledger};
 use fab_model::{Message, Model, Part, Png, Request, Speaker};
 use fab_program::ModelRole;
 use fab_providers::Remote;
@@ -17,8 +17,8 @@ fn conforms(make: &dyn Fn() -> Box<dyn Model>) {
     let model = make();
     assert!(!model.name().is_empty());
     for request in requests() {
-        let first = make().ask(&request, &mut Unrecorded);
-        let again = make().ask(&request, &mut Unrecorded);
+        let first = make().ask(&request, &mut Ledger::unwritten(&Budget::default()));
+        let again = make().ask(&request, &mut Ledger::unwritten(&Budget::default()));
         match (first, again) {
             (Ok(first), Ok(again)) => assert_eq!(
                 first, again,

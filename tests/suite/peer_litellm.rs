@@ -229,7 +229,7 @@ fn peer_litellm_carries_whole_rollouts_with_pictures() {
             "litellm:unknown",
             key,
             "bad_request",
-            "the server does not serve `unknown`; it serves `geometric`",
+            "the server does not serve `unknown`",
         ),
         failed("litellm:chatty", wrong, "not_authorised", not_accepted),
         failed("openai:chatty", wrong, "not_authorised", not_accepted),

@@ -4,7 +4,7 @@
 
 use super::support::{fabc, finish, project};
 use fab_base::interrupt::Interrupt;
-use fab_model::calls::{Fault, Unrecorded};
+use fab_model::calls::{Budget, Fault, Ledger};
 use fab_model::{Message, Model, ModelError, Part, Png, Request, Speaker};
 use fab_program::pointing::Notation;
 use fab_program::{ModelRole, PixelPoint, Read, Value, reply};
@@ -71,7 +71,9 @@ impl Server {
             hidden: Vec::new(),
         };
         let model = Remote::new(settings, shared).unwrap();
-        model.ask(request, &mut Unrecorded).map(|reply| reply.text)
+        model
+            .ask(request, &mut Ledger::unwritten(&Budget::default()))
+            .map(|reply| reply.text)
     }
 }
 

@@ -132,7 +132,7 @@ fn a_cloth_that_leaves_the_picture_is_told_once() {
 }
 
 #[test]
-fn a_transparent_subgoal_is_white_in_the_prompt_and_told() {
+fn a_transparent_subgoal_is_white_in_the_prompt() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     write_task(
@@ -151,17 +151,8 @@ fn a_transparent_subgoal_is_white_in_the_prompt_and_told() {
     for name in ["a.png", "b.png"] {
         drawing.save(here.join(name)).unwrap();
     }
-    for arguments in [
-        &["check", "small.fab"][..],
-        &["render", "small.fab", "--out", "out"],
-        &["run", "small.fab"],
-    ] {
-        let said = finish(fabc(here).args(arguments)).stderr;
-        let n_told = said
-            .matches("are transparent; they are shown on white")
-            .count();
-        assert_eq!(n_told, 2, "{arguments:?}: {said}");
-    }
+    let rendered = finish(fabc(here).args(["render", "small.fab", "--out", "out"]));
+    assert_eq!(rendered.code, 0, "{}", rendered.stderr);
     let mut n_pictures = 0;
     for entry in fs::read_dir(here.join("out")).unwrap() {
         let path = entry.unwrap().path();

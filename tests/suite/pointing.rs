@@ -336,12 +336,6 @@ fn pictures(request: &Request) -> Vec<&Png> {
 #[test]
 fn pictures_are_sent_in_the_size_that_coordinates_count() {
     let plain = asked("smoothing", Lowering::PIXELS);
-    let within = Lowering {
-        resize: Resize::Within {
-            side_px: NonZeroU32::new(512).unwrap(),
-        },
-        ..Lowering::PIXELS
-    };
     let multiples = Lowering {
         resize: Resize::Multiples {
             of_px: NonZeroU32::new(28).unwrap(),
@@ -355,12 +349,10 @@ fn pictures_are_sent_in_the_size_that_coordinates_count() {
         (picture.width(), picture.height())
     };
     assert_eq!(size(&plain), (720, 720));
-    for (lowering, side) in [(within, 512), (multiples, 728)] {
-        let request = asked("smoothing", lowering);
-        assert_eq!(size(&request), (side, side));
-        let says = format!("(x, y) in pixels of a picture {side} wide and {side} high");
-        assert!(words_of(&request).contains(&says), "{}", words_of(&request));
-    }
+    let request = asked("smoothing", multiples);
+    assert_eq!(size(&request), (728, 728));
+    let says = "(x, y) in pixels of a picture 728 wide and 728 high";
+    assert!(words_of(&request).contains(says), "{}", words_of(&request));
 }
 
 /// Returns the points after `The corners are` in a prompt with numbers.

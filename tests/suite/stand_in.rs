@@ -5,7 +5,7 @@ use fab_agent::outcome::Outcome;
 use fab_agent::rollout::Event;
 use fab_agent::subgoals::SubgoalSet;
 use fab_model::Models;
-use fab_model::calls::Unrecorded;
+use fab_model::calls::{Budget, Ledger};
 use fab_model::{Message, Model, ModelError, ModelRole, Request, Speaker};
 use fab_program::space;
 use fab_program::{ActionField, Choices, Program};
@@ -138,7 +138,10 @@ fn the_stand_in_refuses_actions_that_it_does_not_know() {
     let ask = |format: &str| {
         let prompt = format!("Cloth corners: (1, 2), (3, 4)\n{format}");
         let question = vec![Message::text(Speaker::User, prompt)];
-        Geometric.ask(&Request::new(ModelRole::Text, question), &mut Unrecorded)
+        Geometric.ask(
+            &Request::new(ModelRole::Text, question),
+            &mut Ledger::unwritten(&Budget::default()),
+        )
     };
     let mut program = task("double_triangle");
     assert!(ask(&space::format_with("(x, y)", &program.actions)).is_ok());

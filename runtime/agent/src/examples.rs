@@ -16,8 +16,6 @@ use std::path::Path;
 pub struct Examples {
     /// By path.
     pub(crate) pictures: BTreeMap<String, Png>,
-    /// What was done to show the pictures as a viewer does.
-    pub notes: Vec<String>,
     /// The demonstrations, if the task shows any.
     pub demonstrations: Option<Demonstrations>,
 }
@@ -36,13 +34,12 @@ pub enum ExamplesError {
 impl Examples {
     /// Reads the pictures and the demonstrations of a program; `folder` is the one that holds its file.
     pub fn load(program: &Program, folder: &Path) -> Result<Examples, ExamplesError> {
-        let (mut pictures, mut notes) = (BTreeMap::new(), Vec::new());
+        let mut pictures = BTreeMap::new();
         let examples = program.stages.iter().flat_map(|stage| &stage.examples);
         for file in examples.flat_map(|example| &example.images) {
             let path = task_files::resolve(folder, file)?;
-            let opened = png::open(&path).map_err(FileError::from)?;
-            notes.extend(opened.note);
-            pictures.insert(file.path.clone(), Png::new(png::encode(&opened.rgb)));
+            let picture = png::load(&path).map_err(FileError::from)?;
+            pictures.insert(file.path.clone(), Png::new(png::encode(&picture)));
         }
         let demonstrations = match &program.demos {
             Some(demos) => Some(Demonstrations::load(program, demos, folder)?),
@@ -50,7 +47,6 @@ impl Examples {
         };
         Ok(Examples {
             pictures,
-            notes,
             demonstrations,
         })
     }

@@ -62,11 +62,9 @@ pub trait Policy {
         true
     }
 
-    /// Returns a note for the user before the first step, if any.
-    ///
     /// Fails if this policy cannot do the task at all.
-    fn prepare(&self, _program: &Program) -> Result<Option<String>, RunError> {
-        Ok(None)
+    fn prepare(&self, _program: &Program) -> Result<(), RunError> {
+        Ok(())
     }
 
     /// Decides a step.

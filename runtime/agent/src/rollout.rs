@@ -152,9 +152,7 @@ pub fn run(
 ) -> Result<Ended, RunError> {
     let begun = Instant::now();
     let mut policy = job.make_policy.make();
-    if let Some(note) = policy.prepare(job.program)? {
-        progress(Event::Note { note });
-    }
+    policy.prepare(job.program)?;
     let who = policy.description();
     let mut world = (job.make_world)()?;
     world.reset(job.start)?;

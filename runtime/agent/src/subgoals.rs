@@ -33,8 +33,6 @@ pub struct SubgoalSet {
     pub arrows: Vec<Option<ArrowPx>>,
     /// Their origin.
     pub origin: Origin,
-    /// What was done to show the author's pictures as a viewer does.
-    pub notes: Vec<String>,
     /// What the steps did to the cloth, if they were drawn anew to be pinned.
     pub trial: Option<Trial>,
 }
@@ -207,9 +205,7 @@ fn load_images(program: &Program, folder: &Path) -> Result<SubgoalSet, SubgoalEr
     };
     for image in images {
         let path = task_files::resolve(folder, &image.file)?;
-        let opened = png::open(&path)?;
-        set.pictures.push(opened.rgb);
-        set.notes.extend(opened.note);
+        set.pictures.push(png::load(&path)?);
         let pixel = |point: fab_program::PixelPoint| [f64::from(point.u), f64::from(point.v)];
         set.arrows
             .push(image.arrow.map(|[tail, tip]| [pixel(tail), pixel(tip)]));

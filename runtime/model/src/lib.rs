@@ -101,18 +101,19 @@ impl<'a> Models<'a> {
 
     /// Returns the name for reports; both names if the roles differ.
     pub fn name(&self) -> String {
-        match self.vision.name() == self.text.name() {
-            true => self.vision.name().to_owned(),
-            false => format!("{}, {}", self.vision.name(), self.text.name()),
+        let [vision, text] = [self.vision, self.text].map(Model::name);
+        if vision == text {
+            return vision.to_owned();
         }
+        format!("{vision}, {text}")
     }
 
     /// Returns what stands behind them: a stand-in if either is one.
     pub fn nature(&self) -> ModelKind {
-        match [self.vision.nature(), self.text.nature()].contains(&ModelKind::StandIn) {
-            true => ModelKind::StandIn,
-            false => ModelKind::Model,
+        if self.vision.nature() == ModelKind::StandIn {
+            return ModelKind::StandIn;
         }
+        self.text.nature()
     }
 
     /// Returns whether equal questions may get different answers at another repetition.

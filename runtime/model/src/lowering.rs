@@ -3,11 +3,9 @@
 //! In: the model's properties, as data. Out: the [`Pointing`] of prompts, schema and reader for a camera's picture, and
 //! pictures in the size that is sent. `fab_program::pointing` converts coordinates; `fab_vision` draws numbers.
 
-use super::{Model, Models};
-use fab_base::wording::quoted;
+use super::Models;
 use fab_program::Program;
 use fab_program::pointing::{CoordinateUnit, Frame, Order, Pointing, PointingError};
-use fab_program::render;
 use image::RgbImage;
 use image::imageops::{self, FilterType};
 use serde::{Deserialize, Serialize};
@@ -48,11 +46,6 @@ pub enum Points {
 pub enum Resize {
     /// Not at all.
     Never,
-    /// It is shrunk, keeping its aspect ratio, until no side is longer; smaller pictures stay as they are.
-    Within {
-        /// The longest side, pixels.
-        side_px: NonZeroU32,
-    },
     /// Each side is rounded to the nearest multiple, as Qwen2.5-VL does with every picture.
     Multiples {
         /// Multiple of this many pixels.
@@ -71,25 +64,14 @@ impl Lowering {
 
     /// Returns the size in which a picture is sent; both `[width, height]`, pixels.
     pub fn sent(&self, size: [u32; 2]) -> [u32; 2] {
-        let sides = match self.resize {
-            Resize::Never => return size,
-            Resize::Within { side_px } => {
-                let longest = size[0].max(size[1]).max(1);
-                if longest <= side_px.get() {
-                    return size;
-                }
-                let scale = f64::from(side_px.get()) / f64::from(longest);
-                size.map(|side| (f64::from(side) * scale).round() as u32)
-            }
-            Resize::Multiples { of_px } => {
-                let of = u64::from(of_px.get());
-                size.map(|side| {
-                    let nearest = (u64::from(side) + of / 2) / of * of;
-                    u32::try_from(nearest.max(of)).unwrap_or(MAX_SENT_PX)
-                })
-            }
+        let Resize::Multiples { of_px } = self.resize else {
+            return size;
         };
-        sides.map(|side| side.clamp(1, MAX_SENT_PX))
+        let of = of_px.get().min(MAX_SENT_PX);
+        size.map(|side| {
+            let nearest = (side.min(MAX_SENT_PX) + of / 2) / of * of;
+            nearest.clamp(of, MAX_SENT_PX)
+        })
     }
 
     /// Resizes a picture for sending.
@@ -142,7 +124,6 @@ impl fmt::Display for Lowering {
         })?;
         match self.resize {
             Resize::Never => Ok(()),
-            Resize::Within { side_px } => write!(f, ", pictures within {side_px}"),
             Resize::Multiples { of_px } => write!(f, " in multiples of {of_px}"),
         }
     }
@@ -151,29 +132,10 @@ impl fmt::Display for Lowering {
 /// Returns why a task cannot be given to these models, before anything is sent.
 pub fn check(program: &Program, models: Models<'_>) -> Result<(), PointingError> {
     program.stages.iter().try_for_each(|stage| {
-        let pointing = pointing_of(program, models.of(stage.model));
+        let lowering = models.of(stage.model).lowering();
+        let pointing = lowering.pointing([program.camera.image_px; 2]);
         pointing.check(program, stage)
     })
-}
-
-/// Names the stages that do not state how points are written although the model does not use pixels; the convention is
-/// stated for them.
-pub fn note(program: &Program, models: Models<'_>) -> Option<String> {
-    let stages = program.stages.iter().filter(|stage| {
-        let pointing = pointing_of(program, models.of(stage.model));
-        render::leaves_frame_open(program, stage, &pointing)
-    });
-    let stages = quoted(stages.map(|stage| &stage.name));
-    (!stages.is_empty()).then(|| {
-        format!(
-            "no text of stage {stages} says `{{{{ actions.points }}}}`, how a point is written, and the model does not \
-             answer in the task's pixels; a sentence at the end of the question says it"
-        )
-    })
-}
-
-fn pointing_of(program: &Program, model: &dyn Model) -> Pointing {
-    model.lowering().pointing([program.camera.image_px; 2])
 }
 
 #[cfg(test)]

@@ -6,9 +6,10 @@
 //! last failure.
 
 use crate::calls::ledger::{self, LEDGER_FILE, Question};
-use crate::calls::{Calls, Fault, LedgerError};
+use crate::calls::{Calls, FailedCall, LedgerError};
 use crate::{Lowering, Model, ModelError, ModelKind, ModelRole, Reply, Request};
 use fab_base::difference;
+use fab_base::wording::quoted;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -17,8 +18,8 @@ use walkdir::WalkDir;
 /// The deepest that a ledger may lie below the named folder.
 const MAX_DEPTH: usize = 5;
 
-/// How a question ended: with an answer, or with a fault and its description.
-type End = Result<Reply, (Fault, String)>;
+/// How a question ended: with an answer, or with a failed call.
+type End = Result<Reply, FailedCall>;
 
 /// The runs that answer in place of the model of one role.
 #[derive(Debug)]
@@ -26,9 +27,8 @@ pub struct Replay {
     name: String,
     path: PathBuf,
     lowering: Lowering,
-    /// Questions with an end, by [`question_key`], in the order in which they were first asked.
-    exchanges: Vec<(Question, End)>,
-    by_key: BTreeMap<String, usize>,
+    /// Questions with an end, by [`question_key`].
+    exchanges: BTreeMap<String, (Question, End)>,
 }
 
 impl Replay {
@@ -36,8 +36,7 @@ impl Replay {
     ///
     /// Fails if a ledger cannot be read, or if there is no answer from a model.
     pub fn load(path: &Path, role: ModelRole) -> Result<Replay, LedgerError> {
-        let mut exchanges: Vec<(Question, End)> = Vec::new();
-        let mut by_key = BTreeMap::new();
+        let mut exchanges: BTreeMap<String, (Question, End)> = BTreeMap::new();
         let mut models = BTreeSet::new();
         let role = serde_json::json!(role);
         for file in ledgers(path)? {
@@ -46,57 +45,45 @@ impl Replay {
                 if question.request["role"] == role {
                     models.insert(question.model.clone());
                 }
-                let end = match noted.answered.remove(&question.key) {
-                    Some(reply) => Ok(reply),
-                    None => match noted.failed.remove(&question.key) {
-                        Some(failed) => Err((failed.fault, failed.why)),
-                        None => continue,
-                    },
+                let answered = noted.answered.remove(&question.key).map(Ok);
+                let failed = || noted.failed.remove(&question.key).map(Err);
+                let Some(end) = answered.or_else(failed) else {
+                    continue;
                 };
-                let next = exchanges.len();
-                let index = *{ by_key.entry(question_key(&question.request)) }.or_insert(next);
-                if index == next {
-                    exchanges.push((question, end));
-                } else if end.is_ok() || exchanges[index].1.is_err() {
-                    exchanges[index] = (question, end);
+                let key = question_key(&question.request);
+                let is_answered = matches!(exchanges.get(&key), Some((_, Ok(_))));
+                if end.is_ok() || !is_answered {
+                    exchanges.insert(key, (question, end));
                 }
             }
         }
-        let questions = || exchanges.iter().map(|(question, _)| question);
-        let mut own: Vec<&Question> = questions()
-            .filter(|question| question.request["role"] == role)
-            .collect();
         if models.len() > 1 {
             // Equal questions to different models could not be told apart.
-            let models = models.into_iter().collect::<Vec<_>>().join("`, `");
-            return Err(unusable(
-                path,
-                &format!(
-                    "it holds answers of several models, `{models}`; name the folder of one method or run"
-                ),
-            ));
+            let models = quoted(models);
+            let why = format!(
+                "it holds answers of several models, {models}; name the folder of one method or run"
+            );
+            return Err(unusable(path, &why));
         }
-        if own.is_empty() {
-            // A task may never ask this role.
-            own.extend(questions());
-        }
-        let Some(first) = own.first() else {
+        let mut questions = exchanges.values().map(|(question, _)| question);
+        // A task may never ask this role.
+        let any = questions.clone().next();
+        let own = questions.find(|question| question.request["role"] == role);
+        let Some(first) = own.or(any) else {
             return Err(unusable(path, "it holds no answer from a model"));
         };
         Ok(Replay {
             name: format!("replay({})", first.model),
             path: path.to_owned(),
             lowering: first.lowering,
-            by_key,
             exchanges,
         })
     }
 
     /// Names the recorded question most similar to a request, and what differs first.
     fn nearest(&self, asked: &Value) -> String {
-        // The last of equal ones wins, and reversed that is the first.
-        let in_reverse = self.exchanges.iter().rev().map(|(question, _)| question);
-        let best = in_reverse.max_by_key(|question| likeness(&question.request, asked));
+        let questions = self.exchanges.values().map(|(question, _)| question);
+        let best = questions.max_by_key(|question| likeness(&question.request, asked));
         let question = best.expect("a replay holds a question");
         let is_other = |name: &str| question.request[name] != asked[name];
         if is_other("role") && is_other("messages") {
@@ -128,10 +115,8 @@ fn ledgers(path: &Path) -> Result<Vec<PathBuf>, LedgerError> {
         }
     }
     if found.is_empty() {
-        return Err(unusable(
-            path,
-            &format!("no {LEDGER_FILE} lies in it: no model of a provider was asked there"),
-        ));
+        let why = format!("no {LEDGER_FILE} lies in it: no model of a provider was asked there");
+        return Err(unusable(path, &why));
     }
     Ok(found)
 }
@@ -157,18 +142,8 @@ fn question_key(request: &Value) -> String {
 }
 
 /// How much two requests have in common, most important criterion first.
-fn likeness(recorded: &Value, asked: &Value) -> (bool, bool, usize, usize) {
-    let list = |value: &Value| value.as_array().cloned().unwrap_or_default();
-    let (there, here) = (list(&recorded["messages"]), list(&asked["messages"]));
-    let alike = there.iter().zip(&here).take_while(|(a, b)| a == b).count();
-    let fields = asked.as_object().into_iter().flatten();
-    let settings = fields.filter(|(name, value)| recorded[name.as_str()] == **value);
-    (
-        recorded["role"] == asked["role"],
-        recorded["step"] == asked["step"],
-        alike + usize::from(there.len() == here.len()),
-        settings.count(),
-    )
+fn likeness(recorded: &Value, asked: &Value) -> [bool; 5] {
+    ["role", "start", "step", "messages", "candidate"].map(|name| recorded[name] == asked[name])
 }
 
 impl Model for Replay {
@@ -186,14 +161,14 @@ impl Model for Replay {
     }
 
     fn shares_answers(&self) -> bool {
-        let mut requests = self.exchanges.iter().map(|(question, _)| &question.request);
-        requests.all(|request| request["start"].is_null())
+        let mut questions = self.exchanges.values();
+        questions.all(|(question, _)| question.request["start"].is_null())
     }
 
     fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
         let asked =
             serde_json::to_value(request).expect("a request holds strings and finite numbers");
-        let Some(index) = self.by_key.get(&question_key(&asked)) else {
+        let Some((_, end)) = self.exchanges.get(&question_key(&asked)) else {
             return Err(ModelError::Unsupported {
                 model: self.name.clone(),
                 why: format!(
@@ -203,16 +178,16 @@ impl Model for Replay {
                 ),
             });
         };
-        match &self.exchanges[*index].1 {
+        match end {
             // A replay buys nothing, so it does not report the original cost.
             Ok(reply) => Ok(Reply {
                 cost: None,
                 ..reply.clone()
             }),
-            Err((fault, why)) => Err(ModelError::Failed {
+            Err(failed) => Err(ModelError::Failed {
                 model: self.name.clone(),
-                fault: *fault,
-                why: why.clone(),
+                fault: failed.fault,
+                why: failed.why.clone(),
             }),
         }
     }

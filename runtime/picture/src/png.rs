@@ -27,44 +27,15 @@ fn unusable(path: &Path, what: String) -> PictureError {
     PictureError(format!("`{}` {what}", path.display()))
 }
 
-/// A picture from outside.
-#[derive(Clone, Debug)]
-pub struct Opened {
-    /// Its colours.
-    pub rgb: RgbImage,
-    /// What was done that may surprise, in words that name the file.
-    pub note: Option<String>,
-}
-
 /// Opens a PNG or JPEG file.
-pub fn open(path: &Path) -> Result<Opened, PictureError> {
+pub fn load(path: &Path) -> Result<RgbImage, PictureError> {
     opened(&read(path)?, path)
 }
 
 /// Opens the bytes of a PNG or JPEG file; `path` names them.
-pub fn opened(bytes: &[u8], path: &Path) -> Result<Opened, PictureError> {
-    let (picture, orientation) = decoded(
-        bytes,
-        path,
-        &[ImageFormat::Png, ImageFormat::Jpeg],
-        CONVERTED,
-    )?;
-    let (rgb, n_transparent) = on_white(picture);
-    let name = path.display();
-    let transparent = (n_transparent > 0).then(|| {
-        format!("{n_transparent} pixels of `{name}` are transparent; they are shown on white")
-    });
-    let turned = (orientation != Orientation::NoTransforms).then(|| {
-        format!("`{name}` is turned as its Exif data say, which a depth picture beside it is not")
-    });
-    let notes: Vec<String> = transparent.into_iter().chain(turned).collect();
-    let note = (!notes.is_empty()).then(|| notes.join("; "));
-    Ok(Opened { rgb, note })
-}
-
-/// Opens a PNG or JPEG file without a word on what was done.
-pub fn load(path: &Path) -> Result<RgbImage, PictureError> {
-    Ok(open(path)?.rgb)
+pub fn opened(bytes: &[u8], path: &Path) -> Result<RgbImage, PictureError> {
+    let formats = [ImageFormat::Png, ImageFormat::Jpeg];
+    decoded(bytes, path, &formats, CONVERTED).map(on_white)
 }
 
 /// Reads a depth picture: 8-bit grey has 255 levels per metre, 16-bit grey is millimetres; 0, and 65535 in 16 bits,
@@ -73,7 +44,7 @@ pub fn load(path: &Path) -> Result<RgbImage, PictureError> {
 /// Returns metres. The recorded data and `fabc sim render --depth` have 8 bits; depth cameras write 16. Fails for
 /// colour pictures, too.
 pub fn load_depth(path: &Path) -> Result<DepthImage, PictureError> {
-    let picture = decoded(&read(path)?, path, &[ImageFormat::Png], GREY)?.0;
+    let picture = decoded(&read(path)?, path, &[ImageFormat::Png], GREY)?;
     let (width, height) = (picture.width(), picture.height());
     let metres: Vec<f32> = match picture {
         DynamicImage::ImageLuma8(levels) => {
@@ -113,13 +84,13 @@ pub fn size(bytes: &[u8]) -> Option<[u32; 2]> {
     Some([width, height])
 }
 
-/// Decodes a picture and turns it as its Exif data say, which are returned too.
+/// Decodes a picture and turns it as its Exif data say.
 fn decoded(
     bytes: &[u8],
     path: &Path,
     formats: &[ImageFormat],
     otherwise: &str,
-) -> Result<(DynamicImage, Orientation), PictureError> {
+) -> Result<DynamicImage, PictureError> {
     let wrong = |why: &dyn Display| {
         let what = format!("is not a readable picture in PNG or JPEG: {why}");
         unusable(path, what)
@@ -132,7 +103,9 @@ fn decoded(
         let remedy = kind.remedy.unwrap_or(otherwise);
         return Err(unusable(path, format!("is {}; {remedy}", kind.name)));
     };
-    if format == ImageFormat::Jpeg && !is_whole_jpeg(bytes) {
+    // The decoder would fill up what is missing with grey.
+    let has_end = || bytes.windows(2).any(|mark| mark == [0xff, 0xd9]);
+    if format == ImageFormat::Jpeg && !has_end() {
         return Err(wrong(&"it is cut off, or lacks its end mark"));
     }
     let decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder();
@@ -150,39 +123,20 @@ fn decoded(
     let picture = DynamicImage::from_decoder(decoder);
     let mut picture = picture.map_err(|error| wrong(&error))?;
     picture.apply_orientation(orientation);
-    Ok((picture, orientation))
+    Ok(picture)
 }
 
-/// Returns whether the pixels of a JPEG picture have an end; the decoder would fill up what is missing with grey.
-fn is_whole_jpeg(bytes: &[u8]) -> bool {
-    let mut rest = bytes.get(2..).unwrap_or_default();
-    // Each segment before the pixels says its length; one may hold a small picture with an end of its own.
-    while let [0xff, kind, high, low, ..] = *rest {
-        if kind == 0xda {
-            return rest.windows(2).any(|mark| mark == [0xff, 0xd9]);
-        }
-        let length = match kind {
-            0xff => 1,
-            _ => 2 + usize::from(u16::from_be_bytes([high, low])),
-        };
-        rest = rest.get(length..).unwrap_or_default();
-    }
-    false
-}
-
-/// Puts a picture on white; returns how many of its pixels are transparent, wholly or partly.
-fn on_white(picture: DynamicImage) -> (RgbImage, usize) {
+/// Puts a picture on white, as viewers do.
+fn on_white(picture: DynamicImage) -> RgbImage {
     if !picture.color().has_alpha() {
-        return (picture.into_rgb8(), 0);
+        return picture.into_rgb8();
     }
     let picture = picture.into_rgba8();
-    let n_transparent = picture.pixels().filter(|pixel| pixel.0[3] < 255).count();
-    let rgb = RgbImage::from_fn(picture.width(), picture.height(), |column, row| {
+    RgbImage::from_fn(picture.width(), picture.height(), |column, row| {
         let [red, green, blue, alpha] = picture.get_pixel(column, row).0.map(u32::from);
         Rgb([red, green, blue]
             .map(|level| ((level * alpha + 255 * (255 - alpha) + 127) / 255) as u8))
-    });
-    (rgb, n_transparent)
+    })
 }
 
 /// Encodes a picture, in colour or grey, as PNG.

@@ -4,10 +4,10 @@
 //! its step and repetition, and the seed determine the draw: equal requests get equal answers. Questions for words get
 //! words without content. `fab_agent::policy::Random` draws in the same way, without a prompt.
 
-use crate::geometric::{pictures, spoken};
+use crate::geometric::pictures;
 use fab_base::chance::Chance;
 use fab_model::calls::Calls;
-use fab_model::{Model, ModelError, ModelKind, Reply, Request, Speaker};
+use fab_model::{Model, ModelError, ModelKind, Reply, Request};
 use fab_picture::png;
 use serde_json::{Map, Value};
 use std::path::Path;
@@ -42,10 +42,10 @@ impl Model for Random {
         let mut chance = Chance::of(&format!("random {} {}", self.seed, request.key()));
         let schema = request.schema.as_ref();
         let properties = schema.and_then(|schema| schema["properties"].as_object());
-        let (mut answer, mut texts) = (Map::new(), Map::new());
+        let (mut answer, mut texts) = (Map::new(), Vec::new());
         for (name, property) in properties.into_iter().flatten() {
             if property["enum"].is_null() && property["pattern"].is_null() {
-                texts.insert(name.clone(), "I look at nothing.".into());
+                texts.push(name.clone());
                 continue;
             }
             let value = draw(property, request, &mut chance);
@@ -55,10 +55,12 @@ impl Model for Random {
             })?;
             answer.insert(name.clone(), value.into());
         }
-        if answer.is_empty() {
-            return Ok(Reply::text(idle_words(request)));
-        }
-        answer.append(&mut texts);
+        let words = if answer.is_empty() {
+            "Pick any point and place it on any other."
+        } else {
+            "I look at nothing."
+        };
+        answer.extend(texts.into_iter().map(|name| (name, words.into())));
         Ok(Reply::text(Value::Object(answer).to_string()))
     }
 }
@@ -72,24 +74,7 @@ fn draw(property: &Value, request: &Request, chance: &mut Chance) -> Option<Stri
     }
     let last = request.messages.iter().flat_map(pictures).last()?;
     let picture = png::opened(last, Path::new("the last picture")).ok()?;
-    let (width, height) = picture.rgb.dimensions();
+    let (width, height) = picture.dimensions();
     let [u, v] = [width, height].map(|side| chance.below(side as usize));
     Some(format!("({u}, {v})"))
-}
-
-/// Fills every line that the last question asks for, such as `- Instructions: …`, with words without content.
-fn idle_words(request: &Request) -> String {
-    let mut turns = request.messages.iter().rev();
-    let question = turns.find(|message| message.speaker == Speaker::User);
-    let asked = question.map_or(String::new(), spoken);
-    let labels = asked.lines().filter_map(|line| {
-        let (label, _) = line.trim().strip_prefix("- ")?.split_once(": ")?;
-        let is_word = label.chars().all(|c| c.is_alphabetic() || c == ' ');
-        is_word.then(|| format!("{label}: Pick any point and place it on any other."))
-    });
-    let lines: Vec<String> = labels.collect();
-    if lines.is_empty() {
-        return "I look at nothing and have nothing to say.".to_owned();
-    }
-    lines.join("\n")
 }

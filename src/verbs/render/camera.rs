@@ -111,7 +111,7 @@ pub fn rendered(
         pictures,
         subgoals,
     } = &seen;
-    say_pictures(subgoals, &pictures.examples, &arguments.task.file, io);
+    say_pictures(subgoals, &arguments.task.file, io);
     let texts = BTreeMap::new();
     let values = Values::Partly(Facts {
         scene,

@@ -82,7 +82,7 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
     let mut shown = make_expert_world()?;
     shown.reset(&start)?;
     let subgoals = setting::subgoals(&declared, &beside, shown.as_mut(), &interrupt)?;
-    say_pictures(&subgoals, &examples, &arguments.task.file, io);
+    say_pictures(&subgoals, &arguments.task.file, io);
     let out = setting::out_folder(
         arguments.out.as_deref(),
         &format!("best-{}", declared.title().replace('/', "-")),

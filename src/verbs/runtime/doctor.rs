@@ -10,7 +10,7 @@ use crate::verbs::runtime::setting::remote;
 use clap::Args;
 use fab_base::interrupt::Interrupt;
 use fab_base::parallel::in_parallel;
-use fab_providers::catalogue::{Catalogue, KeyNeed, Provider, RunsOn};
+use fab_providers::catalogue::{Catalogue, Provider, RunsOn};
 use fab_providers::remote::{BaseUrl, Key, NotListed, Settings, served_models};
 use serde::Serialize;
 use std::fmt::Display;
@@ -163,7 +163,7 @@ fn look(provider: &Provider, is_broken: bool, io: &Io) -> Result<Found, Failure>
         return Ok(missing(found, "name its address with --base-url"));
     };
     if provider.runs_on == Some(RunsOn::Vendor) {
-        return Ok(if key.is_none() && provider.key == KeyNeed::Required {
+        return Ok(if key.is_none() {
             missing("no key", export(provider))
         } else {
             Ok(format!("{base_url}{with}; not tried"))

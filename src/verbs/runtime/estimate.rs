@@ -67,9 +67,12 @@ fn rehearsed(program: &Program, stage: &str) -> [u32; 2] {
 /// Prints an estimate, and what it assumes.
 pub fn say(estimate: &Estimate, json: bool, io: &Io) {
     let asks = estimate.at_most.calls > 0;
-    io.either(json, estimate, || match asks {
-        true => estimate.to_string(),
-        false => "no calls would be sent: the model is embedded or a replay".to_owned(),
+    io.either(json, estimate, || {
+        if asks {
+            estimate.to_string()
+        } else {
+            "no calls would be sent: the model is embedded or a replay".to_owned()
+        }
     });
     if !json && asks {
         io.talk(&format!(

@@ -25,13 +25,13 @@ pub struct ProbeArguments {
     pub reach: ReachArguments,
     #[command(flatten)]
     pub caps: CapArguments,
-    /// Draws the dots' places.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub seed: u64,
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,
 }
+
+/// Draws the dots' places.
+const SEED: u64 = 1;
 
 /// What was found out.
 #[derive(Serialize)]
@@ -95,14 +95,8 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
     };
     let budget = Budget::new(caps, Spent::default());
     let mut calls = Ledger::unwritten(&budget);
-    let findings = probe(
-        &profile,
-        &under,
-        arguments.seed,
-        reach.reasoning,
-        &mut calls,
-    );
-    let findings = findings.map_err(|error| failure(error, &calls))?;
+    let findings = probe(&profile, &under, SEED, reach.reasoning, &mut calls);
+    let findings = findings.map_err(failure)?;
     let examination = Examination {
         model: profile.title(),
         best: findings.dots.as_ref().and_then(Dots::best),
@@ -119,18 +113,10 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
     })
 }
 
-fn failure(error: ModelError, calls: &Ledger<'_>) -> Failure {
+fn failure(error: ModelError) -> Failure {
     match error {
         ModelError::Interrupted => Failure::interrupted(),
-        ModelError::NotSent(CallRefused::Budget(cap)) => {
-            let option = cap.raise.map_or(String::new(), |option| {
-                format!("; a probe begins anew: allow more with `{option}`")
-            });
-            let last = calls.last_failure().map_or(String::new(), |why| {
-                format!("\nthe last call gave no answer: {why}")
-            });
-            Failure::capped(format!("{}{option}{last}", cap.why))
-        }
+        ModelError::NotSent(CallRefused::Budget(cap)) => Failure::capped(cap),
         error => Failure::environment(error),
     }
 }

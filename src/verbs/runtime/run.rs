@@ -174,7 +174,7 @@ pub fn play(arguments: &RunArguments, resumed: Option<&Path>, io: &Io) -> Result
     let asks_operator =
         |settings: &Settings| setting::arm::has_operator(&arguments.arm, settings, io);
     let has_operator = arguments.operator || arm.as_ref().is_some_and(asks_operator);
-    say_pictures(&subgoals, &examples, &arguments.task.file, io);
+    say_pictures(&subgoals, &arguments.task.file, io);
     let policy = policies::in_words(&deciding.make().description());
     let title = program.title();
     io.talk(&format!("{title}: start {}, {policy}", start.name));
@@ -281,11 +281,8 @@ pub fn play(arguments: &RunArguments, resumed: Option<&Path>, io: &Io) -> Result
     Ok(exit)
 }
 
-/// Reports the origin of subgoal pictures if it is unusual, and pictures that were changed to be shown.
-pub fn say_pictures(subgoals: &SubgoalSet, examples: &Examples, file: &str, io: &Io) {
-    for note in subgoals.notes.iter().chain(&examples.notes) {
-        io.talk(&format!("note: {note}"));
-    }
+/// Reports the origin of subgoal pictures if it is unusual.
+pub fn say_pictures(subgoals: &SubgoalSet, file: &str, io: &Io) {
     let note = match subgoals.origin {
         Origin::Author | Origin::Pinned | Origin::Absent => return,
         Origin::PinnedByOther => {

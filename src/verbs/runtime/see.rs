@@ -59,10 +59,10 @@ fn as_map<T: Serialize, S: Serializer>(pairs: &[(&str, T)], to: S) -> Result<S::
 /// Analyses the picture, writes pictures if `--out` is given, and lists the keypoints.
 pub fn run(arguments: &SeeArguments, io: &Io) -> Result<Exit, Failure> {
     let program = sources::compile_task(&arguments.task, io)?;
-    let opened = png::open(&arguments.image)?;
+    let rgb = png::load(&arguments.image)?;
     let depth_m = arguments.depth.as_deref().map(png::load_depth);
     let brought = SeeInput {
-        rgb: opened.rgb,
+        rgb,
         depth_m: depth_m.transpose()?,
         last: arguments.last_place.map(|place| LastAction {
             pick: arguments.last_pick,
@@ -70,7 +70,7 @@ pub fn run(arguments: &SeeArguments, io: &Io) -> Result<Exit, Failure> {
         }),
     };
     let seen = see(&program, brought).map_err(failure)?;
-    for note in opened.note.iter().chain(&seen.notes) {
+    for note in &seen.notes {
         io.talk(&format!("note: {note}"));
     }
     for layer in &seen.left_out {

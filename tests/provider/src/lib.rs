@@ -7,7 +7,7 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use fab_model::calls::Unrecorded;
+use fab_model::calls::{Budget, Ledger};
 use fab_model::{Message, Model, ModelRole, Part, Png, Request};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -192,7 +192,7 @@ impl Question {
         }
         let mut request = Request::new(role, messages);
         request.schema = body.pointer("/response_format/json_schema/schema").cloned();
-        match model.ask(&request, &mut Unrecorded) {
+        match model.ask(&request, &mut Ledger::unwritten(&Budget::default())) {
             Ok(reply) => Response::answer(&reply.text, input, reply.text.len().div_ceil(4)),
             Err(error) => Response::error(400, "invalid_request_error", &error.to_string()),
         }

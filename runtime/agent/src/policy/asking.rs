@@ -4,7 +4,7 @@
 //! then stored there.
 
 use crate::rollout::RunError;
-use fab_model::calls::{Budget, CallRefused, Ledger, LedgerError, Spent, Unrecorded};
+use fab_model::calls::{Budget, CallRefused, Ledger, LedgerError, Spent};
 use fab_model::{Model, ModelError, ModelKind, Reply, Request};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -29,7 +29,7 @@ impl<'a> Asking<'a> {
     /// Returns the model's reply.
     pub fn ask(&mut self, model: &dyn Model, request: &Request) -> Result<Reply, ModelError> {
         let Some(ledger) = &mut self.ledger else {
-            return model.ask(request, &mut Unrecorded);
+            return model.ask(request, &mut Ledger::unwritten(&Budget::default()));
         };
         // A stand-in is asked again: it answers the same, and costs nothing.
         if model.nature() == ModelKind::StandIn {

@@ -39,8 +39,8 @@ impl Policy for Expert {
         false
     }
 
-    fn prepare(&self, program: &Program) -> Result<Option<String>, RunError> {
-        folds(program).map(|_| None)
+    fn prepare(&self, program: &Program) -> Result<(), RunError> {
+        folds(program).map(|_| ())
     }
 
     fn decide(

@@ -175,7 +175,7 @@ impl Policy for Onnx {
         false
     }
 
-    fn prepare(&self, program: &Program) -> Result<Option<String>, RunError> {
+    fn prepare(&self, program: &Program) -> Result<(), RunError> {
         let unfit = |why: String| Err(RunError::Unfit(why));
         let (task, policy) = (program.title(), &self.name);
         for name in ["pick", "place"] {
@@ -201,7 +201,7 @@ impl Policy for Onnx {
                 }
             }
         }
-        Ok(None)
+        Ok(())
     }
 
     fn decide(

@@ -72,9 +72,8 @@ impl Policy for Prompted<'_> {
         self.models.varies()
     }
 
-    fn prepare(&self, program: &Program) -> Result<Option<String>, RunError> {
-        lowering::check(program, self.models).map_err(RenderError::from)?;
-        Ok(lowering::note(program, self.models))
+    fn prepare(&self, program: &Program) -> Result<(), RunError> {
+        Ok(lowering::check(program, self.models).map_err(RenderError::from)?)
     }
 
     fn rehearses(&self) -> bool {

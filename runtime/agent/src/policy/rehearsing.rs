@@ -227,7 +227,7 @@ impl Policy for Rehearsing<'_> {
         self.inner.varies()
     }
 
-    fn prepare(&self, program: &Program) -> Result<Option<String>, RunError> {
+    fn prepare(&self, program: &Program) -> Result<(), RunError> {
         self.inner.prepare(program)
     }
 

@@ -5,7 +5,7 @@
 #[path = "../../../../tests/recorded_data.rs"]
 mod recorded;
 
-use fab_model::calls::Unrecorded;
+use fab_model::calls::{Budget, Ledger};
 use fab_model::{Message, Model, ModelRole, Part, Png, Request, Speaker};
 use fab_picture::{DepthImage, centroid, depth_mask};
 use fab_program::{PixelPoint, Response};
@@ -25,7 +25,10 @@ fn ask(role: ModelRole, parts: Vec<Part>) -> String {
         parts,
     }];
     let request = Request::new(role, messages);
-    Geometric.ask(&request, &mut Unrecorded).unwrap().text
+    Geometric
+        .ask(&request, &mut Ledger::unwritten(&Budget::default()))
+        .unwrap()
+        .text
 }
 
 /// Puts a step of a task's recorded subgoal pictures into words.

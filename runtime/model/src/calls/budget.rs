@@ -5,7 +5,7 @@
 //! not fit, it waits until calls under way have ended, because most of them cost less than was reserved. So the cap is
 //! passed at most by what the calls under way cost beyond their reservations.
 
-use super::{Billing, CallEnd, CallRefused, CapReached, FailedCall, Usage, Usd};
+use super::{Billing, CallEnd, CallRefused, FailedCall, Usage, Usd};
 use fab_base::interrupt::Interrupt;
 use fab_base::wording::counted;
 use serde::{Deserialize, Serialize};
@@ -73,24 +73,18 @@ impl Spent {
 
     /// Describes the total cost.
     pub fn in_words(&self) -> String {
-        let known = self.known_cost();
-        let mut text = match known {
+        let mut text = match self.known_cost() {
+            Some(cost) if self.possibly > Usd::ZERO => format!("{cost} to {}", self.at_most()),
             Some(cost) => cost.to_string(),
             None if self.unpriced > 0 => "cost unknown".to_owned(),
             None => format!("at most {}", self.at_most()),
         };
-        if self.unreported > 0 {
-            let calls = counted(self.unreported as usize, "call");
-            text.push_str(&format!("; {calls} reported no usage"));
-            if known.is_none() && self.unpriced == 0 {
-                text.push_str(" and may have cost what was reserved");
-            }
-        }
-        if self.possibly_billed > 0 {
-            let calls = counted(self.possibly_billed as usize, "unanswered call");
-            text.push_str(&format!("; {calls} may also have been billed"));
-            if known.is_some() {
-                text.push_str(&format!(", up to {}", self.possibly));
+        for (calls, which) in [
+            (self.unreported, "without reported usage"),
+            (self.possibly_billed, "unanswered and possibly billed"),
+        ] {
+            if calls > 0 {
+                text.push_str(&format!("; {} {which}", counted(calls as usize, "call")));
             }
         }
         text
@@ -147,45 +141,36 @@ struct State {
 
 impl State {
     /// Reserves what a call may cost; `false`: it fits only if calls under way cost less than is reserved for them.
-    fn admit(&mut self, caps: Caps, at_most: Option<Usd>) -> Result<bool, CapReached> {
+    ///
+    /// Fails with the cap that lets no further call through.
+    fn admit(&mut self, caps: Caps, at_most: Option<Usd>) -> Result<bool, String> {
         let under_way = self.under_way.len() as u64;
-        let refused = |why: String, raise| Err(CapReached { why, raise });
         // Each call under way will count, whatever its end, so waiting would not help.
         if let Some(cap) = caps.calls
             && self.spent.calls + under_way >= cap
         {
             let calls = counted(cap as usize, "call");
-            return refused(
-                format!("the cap of {calls} is reached"),
-                Some("--max-calls"),
-            );
+            return Err(format!(
+                "the cap of {calls} is reached; a higher `--max-calls` allows more"
+            ));
         }
         if let Some(cap) = caps.cost {
-            let Some(at_most) = at_most else {
-                let why = format!(
+            let at_most = at_most.ok_or_else(|| {
+                format!(
                     "the cost cap of {cap} cannot be enforced, because the price of this model is unknown; use \
                      `--max-calls` instead"
-                );
-                return refused(why, None);
-            };
+                )
+            })?;
             let taken = self.spent.at_most();
             let reserved: Usd = self.under_way.iter().copied().flatten().sum();
             if taken + reserved + at_most > cap {
                 if under_way > 0 {
                     return Ok(false);
                 }
-                if taken > cap {
-                    let over = taken.less(cap);
-                    let why = format!(
-                        "the cap of {cap} is passed by {over}: a call cost more than was to be expected"
-                    );
-                    return refused(why, None);
-                }
-                let left = cap.less(taken);
-                let why = format!(
-                    "the next call may cost {at_most}, and of the cap of {cap} {left} is left"
-                );
-                return refused(why, Some("--max-cost"));
+                return Err(format!(
+                    "the next call may cost {at_most}, and {taken} of the cap of {cap} are used; a higher `--max-cost` \
+                     allows more"
+                ));
             }
         }
         self.under_way.push(at_most);

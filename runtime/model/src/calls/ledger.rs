@@ -172,7 +172,6 @@ pub struct Ledger<'b> {
     asked: Option<Question>,
     /// The call in progress: its number, and its part of the budget.
     open: Option<(u64, Reservation<'b>)>,
-    last_failure: Option<String>,
 }
 
 impl<'b> Ledger<'b> {
@@ -196,13 +195,7 @@ impl<'b> Ledger<'b> {
             noted: Noted::default(),
             asked: None,
             open: None,
-            last_failure: None,
         }
-    }
-
-    /// Returns why the last call gave no answer; `None` if it gave one.
-    pub fn last_failure(&self) -> Option<&str> {
-        self.last_failure.as_deref()
     }
 
     /// Returns the stored answer to a question.
@@ -297,10 +290,6 @@ impl Calls for Ledger<'_> {
             return Ok(());
         };
         reserved.settle(end);
-        self.last_failure = match end {
-            CallEnd::Answered(_) => None,
-            CallEnd::Failed(failed) => Some(failed.why.clone()),
-        };
         let line = match *end {
             CallEnd::Answered(reply) => Line::Answered {
                 call,

@@ -16,7 +16,6 @@ pub use usage::{Usage, Usd};
 
 use crate::Reply;
 use serde::{Deserialize, Serialize};
-use std::fmt;
 
 /// Is told of every call before it is sent, and of its end.
 ///
@@ -85,9 +84,9 @@ impl FailedCall {
 /// Why a call must not be sent, or could not be noted.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CallRefused {
-    /// A cap on calls or cost is reached.
+    /// A cap on calls or cost is reached: which one, and how far it is used.
     #[error("{0}")]
-    Budget(CapReached),
+    Budget(String),
     /// The user interrupted the wait for calls under way.
     #[error("interrupted")]
     Interrupted,
@@ -105,36 +104,4 @@ pub enum CallRefused {
          pictures, the facts about the model or the task changed since; nothing was sent"
     )]
     Lost,
-}
-
-/// A cap that lets no further call through.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct CapReached {
-    /// Which cap, and how far it is used.
-    pub why: String,
-    /// The option that raises it, if that would help.
-    pub raise: Option<&'static str>,
-}
-
-/// Accepts all calls and stores nothing: for questions outside any run.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Unrecorded;
-
-impl Calls for Unrecorded {
-    fn begin(&mut self, _: &Call<'_>) -> Result<(), CallRefused> {
-        Ok(())
-    }
-
-    fn end(&mut self, _: &CallEnd<'_>) -> Result<(), CallRefused> {
-        Ok(())
-    }
-}
-
-impl fmt::Display for CapReached {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.raise {
-            Some(option) => write!(f, "{}; a higher `{option}` continues from here", self.why),
-            None => f.write_str(&self.why),
-        }
-    }
 }

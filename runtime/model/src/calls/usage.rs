@@ -81,13 +81,6 @@ impl Usd {
     pub fn dollars(self) -> f64 {
         self.nano as f64 / 1e9
     }
-
-    /// Returns the difference, or zero if `other` is more.
-    pub fn less(self, other: Usd) -> Usd {
-        Usd {
-            nano: self.nano.saturating_sub(other.nano),
-        }
-    }
 }
 
 impl Add for Usd {

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
-use crate::calls::{Billing, Budget, Call, CallEnd, FailedCall, Ledger, Unrecorded, Usage, Usd};
+use crate::calls::{Billing, Budget, Call, CallEnd, FailedCall, Fault, Ledger, Usage, Usd};
 use crate::{Message, Part, Png, Speaker};
 use serde_json::json;
 
@@ -87,7 +87,7 @@ fn asked(folder: &Path) -> Replay {
 }
 
 fn ask(replay: &Replay, request: &Request) -> Result<Reply, ModelError> {
-    replay.ask(request, &mut Unrecorded)
+    replay.ask(request, &mut Ledger::unwritten(&Budget::default()))
 }
 
 #[test]

@@ -9,12 +9,6 @@ fn sides_fit_or_become_the_nearest_multiple_and_a_resized_picture_stays() {
     for (resize, expected) in [
         (Resize::Never, sides),
         (
-            Resize::Within {
-                side_px: number(500),
-            },
-            [224, 500, 5, 41, 42, 500],
-        ),
-        (
             Resize::Multiples { of_px: number(28) },
             [224, 728, 28, 28, 56, MAX_SENT_PX],
         ),

@@ -35,11 +35,8 @@ impl TryFrom<String> for Date {
         let start = humantime::parse_rfc3339(&format!("{text}T00:00:00Z"));
         let since = start.ok().and_then(|it| it.duration_since(UNIX_EPOCH).ok());
         let days = since.map(|since| since.as_secs() / DAY_SECS);
-        days.map(|days| Date { days }).ok_or_else(|| {
-            // A long text is not repeated in full.
-            let text: String = text.chars().take(40).collect();
-            format!("`{text}` is not a date; write one such as `2026-11-20`")
-        })
+        days.map(|days| Date { days })
+            .ok_or_else(|| format!("`{text}` is not a date; write one such as `2026-11-20`"))
     }
 }
 

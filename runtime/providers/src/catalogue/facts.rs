@@ -28,9 +28,6 @@ pub struct Facts {
     pub reasoning: Option<ReasoningFacts>,
     /// The Chat Completions field for the maximum answer length.
     pub max_tokens_field: Option<MaxTokensField>,
-    /// The longest side of a picture that is not downscaled, pixels.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub largest_side_px: Option<NonZeroU32>,
     /// What a picture costs.
     pub image_tokens: Option<ImageTokens>,
     /// How it states positions in a picture.
@@ -59,8 +56,6 @@ pub struct PositionFormat {
 pub enum Accepted {
     /// These and no others.
     Only(Vec<f64>),
-    /// All from the first to the second.
-    Range([f64; 2]),
     /// None: the model refuses the parameter itself.
     Refused,
 }
@@ -70,7 +65,6 @@ impl Accepted {
     pub fn takes(&self, value: f64) -> bool {
         match self {
             Accepted::Only(values) => values.contains(&value),
-            Accepted::Range([least, most]) => (*least..=*most).contains(&value),
             Accepted::Refused => false,
         }
     }
@@ -83,7 +77,6 @@ impl fmt::Display for Accepted {
                 let values: Vec<String> = values.iter().map(f64::to_string).collect();
                 write!(f, "{} alone", values.join(", "))
             }
-            Accepted::Range([least, most]) => write!(f, "{least} to {most}"),
             Accepted::Refused => f.write_str("no value of it"),
         }
     }
@@ -150,18 +143,15 @@ impl Facts {
     /// Returns how the model gets points, and a picture size that it has no reason to change; without known
     /// coordinates, pixels of the picture as sent.
     pub fn lowering(&self) -> Lowering {
-        let within = self.largest_side_px;
-        let mut lowering = Lowering {
-            resize: within.map_or(Resize::Never, |side_px| Resize::Within { side_px }),
-            ..Lowering::PIXELS
+        let Some(coordinates) = self.coordinates else {
+            return Lowering::PIXELS;
         };
-        if let Some(coordinates) = self.coordinates {
-            lowering.unit = coordinates.unit;
-            lowering.order = coordinates.order;
-            if let Some(of_px) = coordinates.multiples_of_px {
-                lowering.resize = Resize::Multiples { of_px };
-            }
+        let multiples = coordinates.multiples_of_px;
+        Lowering {
+            unit: coordinates.unit,
+            order: coordinates.order,
+            resize: multiples.map_or(Resize::Never, |of_px| Resize::Multiples { of_px }),
+            ..Lowering::PIXELS
         }
-        lowering
     }
 }

@@ -16,7 +16,7 @@ pub use date::Date;
 pub use facts::{Accepted, Facts, MaxTokensField, PositionFormat, ReasoningFacts, ReasoningKind};
 pub use price::{Price, SAFETY};
 pub(crate) use provider::is_key_name;
-pub use provider::{KeyNeed, Provider, RunsOn, Wire};
+pub use provider::{Provider, RunsOn, Wire};
 pub use tokens::{ImageTokens, Tokens};
 
 use fab_base::files::{self, line_of};
@@ -59,8 +59,6 @@ pub struct Profile {
     pub facts: Facts,
     /// The most similar id of another entry.
     pub near: Option<String>,
-    /// Whether its vendor has shut it down.
-    pub is_retired: bool,
 }
 
 /// An entry's models, with all that is known of them.
@@ -140,16 +138,15 @@ impl Catalogue {
             let start = error.span().map_or(0, |span| span.start);
             wrong(start, error.message())
         })?;
-        type Lay = fn(&mut Catalogue, Table) -> Result<(), String>;
-        let kinds: [(_, Lay); 2] = [
-            (read.provider, Catalogue::lay_provider),
-            (read.model, Catalogue::lay_model),
-        ];
-        for (entries, lay) in kinds {
-            for entry in entries {
-                let start = entry.span().start;
-                lay(&mut self, entry.into_inner()).map_err(|why| wrong(start, &why))?;
-            }
+        for entry in read.provider {
+            let start = entry.span().start;
+            let laid = self.lay_provider(entry.into_inner());
+            laid.map_err(|why| wrong(start, &why))?;
+        }
+        for entry in read.model {
+            let start = entry.span().start;
+            let laid = self.lay_model(entry.into_inner());
+            laid.map_err(|why| wrong(start, &why))?;
         }
         Ok(self)
     }
@@ -171,7 +168,6 @@ impl Catalogue {
         }
         table.extend(changes);
         let provider: Provider = from_table(table)?;
-        provider.check()?;
         match { self.providers.iter_mut() }.find(|it| it.name == provider.name) {
             Some(before) => *before = provider,
             None => self.providers.push(provider),
@@ -208,7 +204,6 @@ impl Catalogue {
         let found = self.providers.iter().find(|provider| provider.name == name);
         found.ok_or_else(|| {
             let near = meant(nearest(name, names()));
-            let name: String = name.chars().take(40).collect();
             let all = among(names());
             format!("there is no provider `{name}`{near}; there is {all}")
         })
@@ -218,10 +213,8 @@ impl Catalogue {
     pub fn find(&self, model: &str) -> Result<Profile, String> {
         let split = model.split_once(':');
         let split = split.filter(|(_, id)| !id.is_empty() && !id.chars().any(char::is_control));
-        let (provider, id) = split.ok_or_else(|| {
-            let model: String = model.chars().take(80).collect();
-            format!("`{model}` is not a model; write PROVIDER:NAME, on one line")
-        })?;
+        let (provider, id) = split
+            .ok_or_else(|| format!("`{model}` is not a model; write PROVIDER:NAME, on one line"))?;
         let provider = self.provider(provider)?;
         let (facts, _) = self.known(Some(provider), id);
         let of_provider = |entry: &&Entry| entry.head.provider.as_deref() == Some(provider.owner());
@@ -232,7 +225,6 @@ impl Catalogue {
             id: id.to_owned(),
             facts,
             near: near.filter(|near| *near != id).map(str::to_owned),
-            is_retired: self.provider(provider.owner())?.has_retired(id),
         })
     }
 
@@ -354,18 +346,13 @@ impl Profile {
         self.provider.runs_on == Some(RunsOn::Own)
     }
 
-    /// Returns what makes a run with the model likely to fail or to mislead, in words.
-    pub fn warnings(&self) -> Vec<String> {
-        let mut warnings = Vec::new();
-        if self.is_retired {
-            warnings.push("its vendor has shut it down".to_owned());
-        }
-        if self.facts.coordinates.is_none() {
-            warnings.push(format!(
-                "it is not known how it states positions in a picture{}: `fabc probe` finds out",
-                meant(self.near.as_deref())
-            ));
-        }
-        warnings
+    /// Returns what makes a run with the model likely to mislead, in words.
+    pub fn warning(&self) -> Option<String> {
+        let near = meant(self.near.as_deref());
+        self.facts.coordinates.is_none().then(|| {
+            format!(
+                "it is not known how it states positions in a picture{near}: `fabc probe` finds out"
+            )
+        })
     }
 }

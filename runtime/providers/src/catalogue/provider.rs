@@ -4,7 +4,8 @@
 
 use super::date::Date;
 use super::facts::ReasoningFacts;
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// A provider of models. All fields but the name have defaults: those of a server of one's own that speaks OpenAI's Chat
 /// Completions.
@@ -19,11 +20,8 @@ pub struct Provider {
     /// The base of its interface's paths; `None`: the user has to state it.
     pub base_url: Option<String>,
     /// Variable names that may hold its key; the first one found counts.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "key_names")]
     pub key_env: Vec<String>,
-    /// Whether it needs a key.
-    #[serde(default)]
-    pub key: KeyNeed,
     /// Whose machine answers; `None`: unknown, and prices have to be known.
     pub runs_on: Option<RunsOn>,
     /// Another provider with the same models.
@@ -33,9 +31,6 @@ pub struct Provider {
     /// How it takes `reasoning`, unless a model's own facts say otherwise.
     #[serde(default)]
     pub reasoning: ReasoningFacts,
-    /// The ids that no longer answer; one that ends in `*` stands for all that begin so.
-    #[serde(default)]
-    pub retired: Vec<String>,
     /// When these facts were gathered.
     pub as_of: Option<Date>,
     /// Their origin.
@@ -58,22 +53,11 @@ fab_base::named! {
     }
 }
 
-/// Whether a provider needs a key.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum KeyNeed {
-    /// It does not answer without a key.
-    Required,
-    /// It may be configured to require a key.
-    #[default]
-    Optional,
-}
-
 /// Whose machine answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RunsOn {
-    /// The vendor's, which bills each call.
+    /// The vendor's, which bills each call, and answers none without a key.
     Vendor,
     /// The user's; no call is billed.
     Own,
@@ -85,36 +69,19 @@ pub(crate) fn is_key_name(name: &str) -> bool {
     (1..=60).contains(&name.len()) && name.chars().all(is_of_it)
 }
 
+/// Reads `key_env`. What is no name is not repeated: it may be a key, put there by mistake.
+fn key_names<'de, D: Deserializer<'de>>(names: D) -> Result<Vec<String>, D::Error> {
+    let names: Vec<String> = Vec::deserialize(names)?;
+    if names.iter().all(|name| is_key_name(name)) {
+        return Ok(names);
+    }
+    let why = "`key_env` lists names of variables, such as `OPENAI_API_KEY`, and never keys";
+    Err(D::Error::custom(why))
+}
+
 impl Provider {
     /// Returns the name of the provider whose models it offers: its own, or another's.
     pub fn owner(&self) -> &str {
         self.models_of.as_ref().unwrap_or(&self.name)
-    }
-
-    /// Returns whether a model no longer answers.
-    pub(super) fn has_retired(&self, id: &str) -> bool {
-        self.retired
-            .iter()
-            .any(|retired| match retired.strip_suffix('*') {
-                Some(beginning) => id.starts_with(beginning),
-                None => id == retired,
-            })
-    }
-
-    /// Returns what is wrong with an address or a variable's name. Neither is repeated: it may be a key, put there by
-    /// mistake.
-    pub(super) fn check(&self) -> Result<(), &'static str> {
-        let holds_more = |url: &String| url.contains(['@', '?', '#']);
-        if self.base_url.as_ref().is_some_and(holds_more) {
-            return Err(
-                "`base_url` holds `@`, `?` or `#`; it is an address alone, and a key has no place in it",
-            );
-        }
-        if !self.key_env.iter().all(|name| is_key_name(name)) {
-            return Err(
-                "`key_env` lists names of variables, such as `OPENAI_API_KEY`, and never keys",
-            );
-        }
-        Ok(())
     }
 }

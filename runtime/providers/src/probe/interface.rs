@@ -1,8 +1,8 @@
 //! Finds out what a model's interface refuses: a name of the token limit, values of sampling, a schema.
 //!
 //! In: a model that can be asked under other assumptions than its known facts. Out: the facts that its answers and
-//! refusals show, and in words what they leave open. A setting counts as refused only if the same question is taken
-//! without it.
+//! refusals show, and in words what they leave open. A setting counts as refused if a short question with it is refused:
+//! the first question, without it, was taken.
 
 use super::{MAX_TOKENS, Under};
 use crate::catalogue::{Accepted, Facts, MaxTokensField, Profile, Wire};
@@ -12,8 +12,8 @@ use fab_model::{Message, ModelError, ModelRole, Request, Speaker};
 use fab_program::reply::standing;
 use serde_json::{Value, json};
 
-/// The most questions about the interface: two each for the limit, `temperature`, `top_p` and the schema.
-pub(super) const MOST_QUESTIONS: u64 = 8;
+/// The most questions about the interface: two each for the limit, `temperature` and `top_p`, and one for the schema.
+pub(super) const MOST_QUESTIONS: u64 = 7;
 /// A sampling value that the shipped tasks state, and that some models refuse.
 const TEMPERATURE: f64 = 0.2;
 /// As common as it is refused by models that fix their sampling.
@@ -132,8 +132,9 @@ impl Prober<'_> {
             "required": ["reason", "at", "colour"],
             "additionalProperties": false,
         }));
-        let open = |why: String| (None, format!("whether it follows a schema is open: {why}"));
         let (follows, note) = match self.ask(&request)? {
+            Outcome::Open(why) => (None, format!("whether it follows a schema is open: {why}")),
+            Outcome::Refused(_) => (Some(false), "the server refuses a schema".to_owned()),
             Outcome::Answered(text) => {
                 let answer = standing(&text).text;
                 let answer: Value = serde_json::from_str(answer.trim()).unwrap_or_default();
@@ -147,14 +148,6 @@ impl Prober<'_> {
                 );
                 (Some(false), note)
             }
-            Outcome::Refused(_) => {
-                request.schema = None;
-                match self.ask(&request)? {
-                    Outcome::Answered(_) => (Some(false), "the server refuses a schema".to_owned()),
-                    Outcome::Refused(why) | Outcome::Open(why) => open(why),
-                }
-            }
-            Outcome::Open(why) => open(why),
         };
         self.found.structured_output = follows;
         self.notes.push(note);

@@ -82,14 +82,6 @@ impl BaseUrl {
         self.below(wire, vec!["models".to_owned()])
     }
 
-    /// Returns the base that a server without anything unusual has: its root and the version.
-    pub(super) fn usual(&self, wire: Wire) -> String {
-        let mut url = self.0.clone();
-        url.set_query(None);
-        url.set_path(wire.version_segment());
-        url.to_string()
-    }
-
     fn below(&self, wire: Wire, path: Vec<String>) -> Url {
         let mut url = self.0.clone();
         let is_bare = url.path().trim_matches('/').is_empty();

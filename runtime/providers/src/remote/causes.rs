@@ -6,15 +6,12 @@
 
 use super::Key;
 use super::exchange::Exchange;
-use super::settings::{Parameter, Settings};
+use super::settings::Settings;
 use super::transport::Obstacle;
 use crate::catalogue::Wire;
 use fab_base::wording::{quoted, shown};
 use fab_model::calls::Fault;
 use reqwest::Url;
-
-/// How many served models are listed.
-const MAX_LISTED: usize = 12;
 
 /// The longest address of a redirect that is shown, characters.
 const MAX_LOCATION: usize = 200;
@@ -77,8 +74,8 @@ const CAUSES: &[Cause] = &[
         help: "check that its value is whole, still valid, made for this server (a LiteLLM proxy without a database takes its master key alone), and allowed for this model; looked for: {keys}",
     },
     Cause {
-        applies: lacks_model,
-        cause: "the server does not serve `{model}`{served}",
+        applies: names_no_model,
+        cause: "the server does not serve `{model}`",
         help: "ask one that it serves, `--model {provider}:NAME`, or load the model in it; `fabc doctor` lists what servers on this machine serve, `fabc models {provider}` what is known of others",
     },
     Cause {
@@ -106,9 +103,9 @@ const CAUSES: &[Cause] = &[
         help: "raise the context of the server (llama.cpp `--ctx-size`, vLLM `--max-model-len`, Ollama `OLLAMA_CONTEXT_LENGTH`), or state fewer `tokens`; of a gateway, the size of a body (nginx: `client_max_body_size`)",
     },
     Cause {
-        applies: |e| e.failed.omit.is_some(),
-        cause: "the server does not accept `{omit}` as it was sent",
-        help: "`--omit {omit}` leaves it out; `fabc models {provider}` shows what is known of the model",
+        applies: |e| e.failed.is_refusal(),
+        cause: "the server does not accept the question or a setting as it was sent",
+        help: "`--omit SETTING` leaves out one that the reply names: temperature, top_p, tokens, reasoning or schema; `fabc models {provider}` shows what is known of the model",
     },
     // The server, and replies of status 200 that are no answers.
     Cause {
@@ -138,12 +135,6 @@ pub(super) fn likely(exchange: &Exchange<'_>) -> Option<(String, String)> {
     Some((filled(row.cause), filled(row.help)))
 }
 
-/// Returns whether a list of the served models would tell what is wrong.
-pub(super) fn asks_for_list(exchange: &Exchange<'_>) -> bool {
-    exchange.status() == Some(404)
-        || (exchange.failed.fault == Fault::BadRequest && names_no_model(exchange))
-}
-
 /// Puts the values of a call into a text.
 fn filled(text: &str, e: &Exchange<'_>) -> String {
     let Settings { profile, key, .. } = e.settings;
@@ -159,7 +150,7 @@ fn filled(text: &str, e: &Exchange<'_>) -> String {
     let start = start.map(|start| format!("start it with `{start}`"));
     let values = [
         ("{address}", authority(e)),
-        ("{base}", base_url(e)),
+        ("{base}", format!("`{}`", e.settings.base_url)),
         ("{interface}", interface(provider.wire).to_owned()),
         ("{key}", key.as_ref().map_or("", Key::name).to_owned()),
         ("{keys}", quoted(names)),
@@ -171,13 +162,8 @@ fn filled(text: &str, e: &Exchange<'_>) -> String {
         ("{model}", profile.id.clone()),
         ("{name}", name.to_owned()),
         ("{no_key}", no_key),
-        (
-            "{omit}",
-            e.failed.omit.map_or("", Parameter::name).to_owned(),
-        ),
         ("{path}", e.url.path().to_owned()),
         ("{provider}", provider.name.clone()),
-        ("{served}", served(e)),
         ("{start}", start.unwrap_or("start the server".to_owned())),
     ];
     let fill = |text: String, (name, value): &(&str, String)| text.replace(name, value);
@@ -192,26 +178,6 @@ fn authority(e: &Exchange<'_>) -> String {
     }
 }
 
-/// Returns the base URL, with the usual one beside it if that is another.
-fn base_url(e: &Exchange<'_>) -> String {
-    let base = e.settings.base_url.to_string();
-    let usual = e.settings.base_url.usual(e.settings.profile.provider.wire);
-    // A bare host gets the usual version.
-    if usual.starts_with(base.trim_end_matches('/')) {
-        format!("`{base}`")
-    } else {
-        format!("`{base}` (most servers have theirs at `{usual}`)")
-    }
-}
-
-/// Returns whether the server's list lacks the model, or the server says so.
-fn lacks_model(e: &Exchange<'_>) -> bool {
-    match e.served {
-        Some(Ok(ids)) => !ids.contains(&e.settings.profile.id),
-        Some(Err(_)) | None => names_no_model(e),
-    }
-}
-
 /// Returns whether the server says that it has no such model.
 fn names_no_model(exchange: &Exchange<'_>) -> bool {
     let is_missing = [
@@ -222,18 +188,6 @@ fn names_no_model(exchange: &Exchange<'_>) -> bool {
         "not loaded",
     ];
     exchange.says(&["model"]) && exchange.says(&is_missing)
-}
-
-/// Says which models the server lists.
-fn served(e: &Exchange<'_>) -> String {
-    let Some(Ok(ids)) = e.served else {
-        return String::new();
-    };
-    match (ids.len(), ids.len().saturating_sub(MAX_LISTED)) {
-        (0, _) => "; it serves no model yet".to_owned(),
-        (_, 0) => format!("; it serves {}", quoted(ids)),
-        (_, more) => format!("; it serves {} and {more} more", quoted(&ids[..MAX_LISTED])),
-    }
 }
 
 /// Returns whether a reply of the right form has no text.

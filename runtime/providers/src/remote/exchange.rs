@@ -4,8 +4,7 @@
 //! type, the beginning of the body, and the likely cause with its remedy, which [`causes`] knows.
 
 use super::causes;
-use super::served::Served;
-use super::settings::{Lengths, Parameter, Settings};
+use super::settings::{Lengths, Settings};
 use super::transport::{Incoming, NoReply, Obstacle};
 use super::wire::error::ErrorBody;
 use fab_base::wording::shown;
@@ -15,6 +14,14 @@ use std::time::Duration;
 
 /// How much of a body is shown, characters.
 const MAX_EXCERPT: usize = 200;
+
+/// How requests and messages of providers name the schema, lower case.
+const SCHEMA_NAMES: [&str; 4] = [
+    "response_format",
+    "responsejsonschema",
+    "output_format",
+    "schema",
+];
 
 /// A call without an answer.
 pub(super) struct Failed {
@@ -28,8 +35,6 @@ pub(super) struct Failed {
     pub usage: Option<Usage>,
     /// The lengths to ask with once more, if reasoning cut the answer off.
     pub again: Option<Lengths>,
-    /// The parameter that the provider refuses and that can be left out.
-    pub omit: Option<Parameter>,
 }
 
 /// A call that failed, and what is known about it.
@@ -37,8 +42,6 @@ pub(super) struct Exchange<'a> {
     pub settings: &'a Settings,
     pub url: &'a Url,
     pub failed: &'a Failed,
-    /// The models that the server lists, if it was asked.
-    pub served: Option<&'a Served>,
 }
 
 impl Failed {
@@ -52,8 +55,18 @@ impl Failed {
             problem: None,
             usage: None,
             again: None,
-            omit: None,
         }
+    }
+
+    /// Returns whether the provider finds the request wrong, by a status that says no more.
+    pub(super) fn is_refusal(&self) -> bool {
+        let status = self.reply.as_ref().map(|incoming| incoming.status);
+        self.fault == Fault::BadRequest && matches!(status, Ok(400 | 422))
+    }
+
+    /// Returns whether the provider refuses the schema of the answer.
+    pub(super) fn refuses_schema(&self) -> bool {
+        self.is_refusal() && self.error.says(&SCHEMA_NAMES)
     }
 
     /// Returns the wait that the provider asks for.

@@ -15,7 +15,6 @@ mod exchange;
 mod hidden;
 mod hints;
 mod key;
-mod omit;
 mod redact;
 mod retry;
 mod served;
@@ -42,12 +41,9 @@ use fab_model::{Lowering, Model, ModelError, ModelKind, Reply, Request};
 use reqwest::Url;
 use reqwest::header::{CONTENT_TYPE, HeaderMap, HeaderName, HeaderValue};
 use retry::QuestionCalls;
-use served::Served;
-use settings::Parameter;
 use std::borrow::Cow;
-use std::fmt;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 use transport::{Incoming, NoReply, Transport};
 use wire::error::ErrorBody;
@@ -66,8 +62,6 @@ pub struct Remote {
     url: Url,
     transport: Transport,
     shared: Shared,
-    /// The models that the server lists, asked once, after the first failure that the list may explain.
-    served: OnceLock<Served>,
     /// Whether the server has refused the schema of an answer; it gets none from then on.
     refuses_schema: AtomicBool,
 }
@@ -114,7 +108,6 @@ impl Remote {
             url,
             transport,
             shared,
-            served: OnceLock::new(),
             refuses_schema: AtomicBool::new(false),
         })
     }
@@ -176,7 +169,7 @@ impl Remote {
             let message = self.transport.client.post(self.url.clone());
             let message = message.headers(headers.clone()).body(encoded.body.clone());
             let reply = self.transport.send(message, MAX_REPLY_BYTES, interrupt);
-            let failed = match self.read(reply, &encoded, lengths) {
+            let failed = match self.read(reply, lengths) {
                 Ok(answer) => {
                     self.shared.answers.put(cached_as, &answer);
                     let reply = Reply {
@@ -201,9 +194,9 @@ impl Remote {
             if interrupt.is_raised() {
                 return Err(ModelError::Interrupted);
             }
-            if failed.omit == Some(Parameter::Schema)
-                && request.schema.is_some()
+            if request.schema.is_some()
                 && profile.facts.structured_output.is_none()
+                && failed.refuses_schema()
             {
                 if !self.refuses_schema.swap(true, Ordering::Relaxed) {
                     (self.shared.tell)(&format!(
@@ -241,16 +234,11 @@ impl Remote {
 
     /// Describes a failed call, in a headline and details; they hold no key.
     fn message(&self, failed: &Failed) -> [String; 2] {
-        let mut exchange = Exchange {
+        let exchange = Exchange {
             settings: &self.settings,
             url: &self.url,
             failed,
-            served: None,
         };
-        if causes::asks_for_list(&exchange) {
-            let ask = || served::ask(&self.settings, &self.transport, &self.shared.interrupt);
-            exchange.served = Some(self.served.get_or_init(ask));
-        }
         // A key that the server split over two pieces of text is whole once they are joined.
         let redactor = &self.transport.redactor;
         exchange.message().map(|text| redactor.text(&text))
@@ -260,7 +248,6 @@ impl Remote {
     fn read(
         &self,
         reply: Result<Incoming, NoReply>,
-        sent: &Encoded,
         lengths: Lengths,
     ) -> Result<Answer, Box<Failed>> {
         let incoming = reply.map_err(|nothing| {
@@ -271,13 +258,7 @@ impl Remote {
         if !(200..300).contains(&incoming.status) {
             let error = ErrorBody::of_bytes(&incoming.body);
             let (fault, billing) = status::judge(incoming.status, &error);
-            let is_refusal = fault == Fault::BadRequest && matches!(incoming.status, 400 | 422);
-            let field = profile.reasoning().tokens_field;
-            let omit = omit::refused(&incoming.body, &sent.body, field.as_deref());
-            return Err(Box::new(Failed {
-                omit: omit.filter(|_| is_refusal),
-                ..Failed::of(fault, billing, Ok(incoming))
-            }));
+            return Err(Box::new(Failed::of(fault, billing, Ok(incoming))));
         }
         match profile.provider.wire.decode(&incoming.body) {
             Ok(answer) => Ok(Answer {
@@ -381,14 +362,5 @@ impl Model for Remote {
             }),
             None => self.buy(request, encoded, &key, calls),
         }
-    }
-}
-
-impl fmt::Debug for Remote {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Remote")
-            .field("name", &self.name)
-            .field("settings", &self.settings)
-            .finish_non_exhaustive()
     }
 }

@@ -21,9 +21,6 @@ const TIMEOUT: Duration = Duration::from_secs(5);
 /// The longest id that is repeated, characters.
 const MAX_ID: usize = 100;
 
-/// What a server said about its models.
-pub(super) type Served = Result<Vec<String>, NotListed>;
-
 /// Why a server lists no models.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NotListed {
@@ -44,11 +41,6 @@ pub enum NotListed {
 pub fn served_models(settings: &Settings, interrupt: &Interrupt) -> Result<Vec<String>, NotListed> {
     let redactor = Redactor::of(&settings.key);
     let transport = Transport::new(redactor, settings).map_err(NotListed::Other)?;
-    ask(settings, &transport, interrupt)
-}
-
-/// Asks through a transport that is there already.
-pub(super) fn ask(settings: &Settings, transport: &Transport, interrupt: &Interrupt) -> Served {
     let wire = settings.profile.provider.wire;
     let message = transport.client.get(settings.base_url.models(wire));
     let message = message.headers(headers(settings, wire.version_header().as_slice()));
@@ -59,7 +51,7 @@ pub(super) fn ask(settings: &Settings, transport: &Transport, interrupt: &Interr
     }
 }
 
-fn read(incoming: &Incoming) -> Served {
+fn read(incoming: &Incoming) -> Result<Vec<String>, NotListed> {
     let status = incoming.status;
     if status != 200 {
         let (fault, _) = status::judge(status, &ErrorBody::of_bytes(&incoming.body));

@@ -19,9 +19,6 @@ use tokio::runtime::{Builder, Runtime};
 /// Time limit for connecting.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// The UTF-8 byte order mark, which readers of JSON may ignore (RFC 8259, section 8.1).
-const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
-
 /// The async runtime of the whole process; calls block their own threads.
 static RUNTIME: LazyLock<Result<Runtime, String>> = LazyLock::new(|| {
     Builder::new_multi_thread()
@@ -49,7 +46,7 @@ pub(super) struct Incoming {
     pub location: Option<String>,
     /// The wait that the headers ask for.
     pub wait: Option<Duration>,
-    /// The body, without any key and without a byte order mark.
+    /// The body, without any key.
     pub body: Vec<u8>,
 }
 
@@ -213,8 +210,7 @@ impl Transport {
                 });
             }
         }
-        let body = body.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&body);
-        incoming.body = self.redactor.body(body);
+        incoming.body = self.redactor.body(&body);
         Ok(incoming)
     }
 

@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use fab_base::cache::Cache;
-use fab_model::calls::{Billing, Fault, Unrecorded, Usd};
+use fab_model::calls::{Billing, Budget, Fault, Ledger, Usd};
 use fab_model::{Model, Request};
 use fab_providers::remote::{Answers, Wire};
 use std::fs;
@@ -22,7 +22,10 @@ fn keeping(url: &str) -> (Trial, TempDir) {
 fn a_kept_answer_is_the_same_costs_nothing_and_tells_nothing() {
     let provider = Provider::playing(vec![good("first"), good("second")]);
     let (trial, _folder) = keeping(provider.base_url());
-    let bought = trial.model().ask(&request(), &mut Unrecorded).unwrap();
+    let bought = trial
+        .model()
+        .ask(&request(), &mut Ledger::unwritten(&Budget::default()))
+        .unwrap();
     let mut notes = Notes::new();
     let kept = trial.model().ask(&request(), &mut notes).unwrap();
     assert_eq!((kept.text.as_str(), kept.usage), ("first", bought.usage));
@@ -40,7 +43,13 @@ fn whatever_an_answer_depends_on_makes_another_question_of_it() {
     let mut ask = |trial: &Trial, change: &dyn Fn(&mut Request)| {
         let mut changed = request();
         change(&mut changed);
-        texts.push(trial.model().ask(&changed, &mut Unrecorded).unwrap().text);
+        texts.push(
+            trial
+                .model()
+                .ask(&changed, &mut Ledger::unwritten(&Budget::default()))
+                .unwrap()
+                .text,
+        );
     };
     ask(&trial, &|_| {});
     ask(&trial, &|request| request.repetition = 1);
@@ -111,16 +120,24 @@ fn a_schema_that_is_refused_is_left_out_from_then_on_and_nothing_is_paid_for_twi
         );
         // A later run does not know of the refusal, and still finds both answers.
         let later = trial.model();
-        let kept = [1, 2].map(|step| later.ask(&asked(step), &mut Unrecorded).unwrap().text);
+        let kept = [1, 2].map(|step| {
+            later
+                .ask(&asked(step), &mut Ledger::unwritten(&Budget::default()))
+                .unwrap()
+                .text
+        });
         assert_eq!(kept, replies);
         assert_eq!(provider.calls(), 3);
-        // What is known to take a schema is not asked without one: the refusal names the option.
+        // What is known to take a schema is not asked without one: the message says how.
         trial.settings.profile.facts.structured_output = Some(true);
         let provider = Provider::playing(vec![status(400).json(body)]);
         trial.settings.base_url =
             fab_providers::remote::BaseUrl::parse(provider.base_url()).unwrap();
-        let error = trial.model().ask(&asked(1), &mut Unrecorded).unwrap_err();
-        assert!(error.to_string().contains("--omit schema"), "{error}");
+        let error = trial
+            .model()
+            .ask(&asked(1), &mut Ledger::unwritten(&Budget::default()))
+            .unwrap_err();
+        assert!(error.to_string().contains("--omit SETTING"), "{error}");
     }
 }
 
@@ -128,8 +145,14 @@ fn a_schema_that_is_refused_is_left_out_from_then_on_and_nothing_is_paid_for_twi
 fn failures_are_not_kept() {
     let provider = Provider::playing(vec![status(400), good("there")]);
     let (trial, _folder) = keeping(provider.base_url());
-    trial.model().ask(&request(), &mut Unrecorded).unwrap_err();
-    let reply = trial.model().ask(&request(), &mut Unrecorded).unwrap();
+    trial
+        .model()
+        .ask(&request(), &mut Ledger::unwritten(&Budget::default()))
+        .unwrap_err();
+    let reply = trial
+        .model()
+        .ask(&request(), &mut Ledger::unwritten(&Budget::default()))
+        .unwrap();
     assert_eq!(reply.text, "there");
 }
 
@@ -137,11 +160,17 @@ fn failures_are_not_kept() {
 fn a_broken_file_costs_a_call_and_no_error() {
     let provider = Provider::playing(vec![good("first"), good("second")]);
     let (trial, folder) = keeping(provider.base_url());
-    trial.model().ask(&request(), &mut Unrecorded).unwrap();
+    trial
+        .model()
+        .ask(&request(), &mut Ledger::unwritten(&Budget::default()))
+        .unwrap();
     for entry in fs::read_dir(folder.path().join("answers")).unwrap() {
         fs::write(entry.unwrap().path(), "{\"format\":1,\"text\":").unwrap();
     }
-    let reply = trial.model().ask(&request(), &mut Unrecorded).unwrap();
+    let reply = trial
+        .model()
+        .ask(&request(), &mut Ledger::unwritten(&Budget::default()))
+        .unwrap();
     assert_eq!(reply.text, "second");
 }
 
@@ -151,8 +180,15 @@ fn threads_with_one_question_make_one_call() {
     let provider = Provider::playing(vec![slow, good("another")]);
     let (trial, _folder) = keeping(provider.base_url());
     let texts: Vec<String> = std::thread::scope(|scope| {
-        let asking = (0..4)
-            .map(|_| scope.spawn(|| trial.model().ask(&request(), &mut Unrecorded).unwrap().text));
+        let asking = (0..4).map(|_| {
+            scope.spawn(|| {
+                trial
+                    .model()
+                    .ask(&request(), &mut Ledger::unwritten(&Budget::default()))
+                    .unwrap()
+                    .text
+            })
+        });
         let asking: Vec<_> = asking.collect();
         asking
             .into_iter()

@@ -18,8 +18,6 @@ struct Case {
     name: &'static str,
     /// The reply to a question, from the status line.
     reply: Vec<u8>,
-    /// The body of the reply to `GET /models`; without one, the server has no such path.
-    models: Option<&'static str>,
     wire: Wire,
     /// The names that a key is looked for under, and whether the first one is set.
     keys: (&'static [&'static str], KeySent),
@@ -47,20 +45,12 @@ fn case(name: &'static str, status: &str, kind: &str, body: impl AsRef<[u8]>) ->
     Case {
         name,
         reply: [head.as_bytes(), body].concat(),
-        models: None,
         wire: Wire::OpenaiChat,
         keys: (&["A_KEY"], KeySent::Yes),
     }
 }
 
 impl Case {
-    fn lists(self, models: &'static str) -> Case {
-        Case {
-            models: Some(models),
-            ..self
-        }
-    }
-
     fn wire(self, wire: Wire) -> Case {
         Case { wire, ..self }
     }
@@ -104,10 +94,7 @@ fn replies() -> Vec<Case> {
         // Money and limits.
         case("429_quota_used_up", "429 Too Many Requests", "json", r#"{"error":{"message":"You exceeded your current quota, please check your plan and billing details.","type":"insufficient_quota","code":"insufficient_quota"}}"#),
         // The model.
-        case("404_model_not_served", "404 Not Found", "json", r#"{"error":{"message":"The model `a-model` does not exist.","type":"NotFoundError","param":"model","code":404}}"#)
-            .lists(r#"{"object":"list","data":[{"id":"Qwen/Qwen3-VL-8B-Instruct"},{"id":"my-lora"}]}"#),
-        case("404_model_missing_and_no_list", "404 Not Found", "json", r#"{"type":"error","error":{"type":"not_found_error","message":"model: a-model not found"}}"#)
-            .wire(Wire::Anthropic),
+        case("404_model_not_served", "404 Not Found", "json", r#"{"error":{"message":"The model `a-model` does not exist.","type":"NotFoundError","param":"model","code":404}}"#),
         // The address.
         case("404_no_interface", "404 Not Found", "html", nginx("404 Not Found")),
         case("307_to_another_host", "307 Temporary Redirect", "", "")
@@ -206,14 +193,9 @@ fn listen(act: impl Fn(TcpStream) + Send + 'static) -> u16 {
 }
 
 fn play(case: &Case) -> u16 {
-    let (reply, models) = (case.reply.clone(), case.models);
+    let reply = case.reply.clone();
     listen(move |mut stream| {
-        let question = Question::read(&mut stream).unwrap();
-        let reply = match (question.method == "GET", models) {
-            (false, _) => reply.clone(),
-            (true, Some(models)) => self::case("", "200 OK", "json", models).reply,
-            (true, None) => self::case("", "404 Not Found", "", "").reply,
-        };
+        Question::read(&mut stream).unwrap();
         let _ = stream.write_all(&reply);
     })
 }
@@ -282,14 +264,6 @@ fn each_connection_that_fails_says_what_happened_and_what_to_do() {
 }
 
 #[test]
-fn a_base_url_that_is_not_the_usual_one_is_doubted() {
-    let nothing = case("", "404 Not Found", "json", r#"{"detail":"Not Found"}"#);
-    let port = play(&nothing);
-    let mut trial = trial(&format!("http://127.0.0.1:{port}/llm/api"));
-    insta::assert_snapshot!("404_wrong_path", message(&mut trial, port));
-}
-
-#[test]
 fn a_server_that_is_not_there_comes_with_the_command_that_starts_it() {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = listener.local_addr().unwrap().port();
@@ -298,30 +272,6 @@ fn a_server_that_is_not_there_comes_with_the_command_that_starts_it() {
     insta::assert_snapshot!("refused", message(&mut trial, port));
     trial.settings.profile.provider.start = Some("llama-server --model MODEL.gguf".to_owned());
     insta::assert_snapshot!("refused_and_startable", message(&mut trial, port));
-}
-
-#[test]
-fn the_list_of_models_is_asked_for_once() {
-    let case = replies()
-        .into_iter()
-        .find(|case| case.name == "404_model_not_served")
-        .unwrap();
-    let asked = Arc::new(std::sync::Mutex::new(Vec::new()));
-    let seen = asked.clone();
-    let port = listen(move |mut stream| {
-        let question = Question::read(&mut stream).unwrap();
-        seen.lock().unwrap().push((question.method, question.path));
-        let _ = stream.write_all(&case.reply);
-    });
-    let model = trial(&format!("http://127.0.0.1:{port}/v1")).model();
-    for _ in 0..3 {
-        model.ask(&request(), &mut Notes::new()).unwrap_err();
-    }
-    let asked = asked.lock().unwrap();
-    let lists = asked
-        .iter()
-        .filter(|(method, path)| method == "GET" && path == "/v1/models");
-    assert_eq!((lists.count(), asked.len()), (1, 4), "{asked:?}");
 }
 
 #[test]
@@ -337,15 +287,6 @@ fn a_list_of_models_that_never_ends_is_given_up() {
     let trial = trial(&format!("http://127.0.0.1:{port}/v1"));
     let listed = served_models(&trial.settings, &trial.shared.interrupt);
     assert!(matches!(listed, Err(NotListed::Other(_))), "{listed:?}");
-}
-
-#[test]
-fn a_byte_order_mark_before_an_answer_is_passed_over() {
-    let body = format!("\u{feff}{}", good_body("there"));
-    let port = play(&case("", "200 OK", "json", body));
-    let trial = trial(&format!("http://127.0.0.1:{port}/v1"));
-    let reply = trial.model().ask(&request(), &mut Notes::new()).unwrap();
-    assert_eq!(reply.text, "there");
 }
 
 #[test]

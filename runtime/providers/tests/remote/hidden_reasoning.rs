@@ -5,7 +5,6 @@ use fab_model::calls::{FailedCall, Fault, Usd};
 use fab_model::{Model, ModelError, Reasoning, Request};
 use fab_program::ReasoningLevel;
 use fab_providers::catalogue::Price;
-use fab_providers::remote::Wire;
 use serde_json::{Value, json};
 
 /// A reply that was cut off after `output` tokens, `hidden` of which cannot be seen.
@@ -191,44 +190,4 @@ fn hidden_tokens_are_reported_beside_the_answers() {
         ),
         (5, Some(3), 2)
     );
-}
-
-#[test]
-fn a_refused_parameter_is_named_with_the_option_that_leaves_it_out() {
-    for (wire, parameter, option) in [
-        (Wire::OpenaiChat, "temperature", Some("temperature")),
-        (Wire::OpenaiChat, "max_tokens", Some("tokens")),
-        (Wire::OpenaiChat, "reasoning_effort", Some("reasoning")),
-        (Wire::OpenaiResponses, "reasoning.effort", Some("reasoning")),
-        (Wire::OpenaiResponses, "max_output_tokens", Some("tokens")),
-        (
-            Wire::Anthropic,
-            "thinking.adaptive.budget_tokens",
-            Some("reasoning"),
-        ),
-        (
-            Wire::Gemini,
-            "generation_config.thinking_config",
-            Some("reasoning"),
-        ),
-        (Wire::OpenaiChat, "top_p", None),
-        (Wire::OpenaiChat, "tools", None),
-    ] {
-        let refusal = json!({ "error": { "type": "invalid_request_error", "param": parameter, "message": "no" } });
-        let provider = Provider::playing(vec![status(400).json(refusal)]);
-        let mut trial = Trial::of(provider.base_url());
-        trial.settings.profile.provider.wire = wire;
-        let request = Request {
-            temperature: Some(0.5),
-            ..asked(Some(Reasoning::Level(ReasoningLevel::Low)))
-        };
-        let why = trial
-            .model()
-            .ask(&request, &mut Notes::new())
-            .unwrap_err()
-            .to_string();
-        let expected = option.map(|option| format!("`--omit {option}`"));
-        assert_eq!(why.contains("--omit"), option.is_some(), "{why}");
-        assert!(why.contains(&expected.unwrap_or_default()), "{why}");
-    }
 }

@@ -1,9 +1,7 @@
 //! A listener that breaks rules, and a test double that records reports.
 
 use fab_base::interrupt::Interrupt;
-use fab_model::calls::{
-    Billing, Call, CallEnd, CallRefused, Calls, CapReached, FailedCall, Fault, Usd,
-};
+use fab_model::calls::{Billing, Call, CallEnd, CallRefused, Calls, FailedCall, Fault, Usd};
 use fab_model::{Message, ModelRole, Request, Speaker};
 use fab_providers::catalogue::Price;
 use fab_providers::remote::{Answers, BaseUrl, Gate, Key, Remote, Retry, Settings, Shared, Wire};
@@ -16,7 +14,7 @@ use std::thread;
 use std::time::Duration;
 
 /// The key that must never appear again.
-pub const CANARY: &str = "sk-canary/0123456789+abc";
+pub const CANARY: &str = "sk-canary_0123456789.abc";
 
 /// A listener that runs `act` on each connection after reading its request.
 pub struct Rude {
@@ -142,10 +140,7 @@ impl Notes {
 impl Calls for Notes {
     fn begin(&mut self, call: &Call<'_>) -> Result<(), CallRefused> {
         if self.ends().len() >= self.allowed {
-            return Err(CallRefused::Budget(CapReached {
-                why: "no more calls".to_owned(),
-                raise: None,
-            }));
+            return Err(CallRefused::Budget("no more calls".to_owned()));
         }
         self.told.push(Told::Begin {
             model: call.model.to_owned(),

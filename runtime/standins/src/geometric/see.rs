@@ -125,8 +125,7 @@ pub fn corners(picture: &[u8]) -> Result<Vec<PixelPoint>, String> {
 
 fn decode(bytes: &[u8]) -> Result<RgbImage, String> {
     let picture = png::opened(bytes, Path::new("the picture"));
-    let picture = picture.map_err(|_| "a picture cannot be read")?;
-    Ok(picture.rgb)
+    picture.map_err(|_| "a picture cannot be read".to_owned())
 }
 
 /// The pixels of the cloth: the largest patch that is not table, minus the arrow drawn over it.

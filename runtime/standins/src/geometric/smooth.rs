@@ -11,6 +11,7 @@ use fab_model::{Message, Speaker};
 use fab_picture::camera::center_of;
 use fab_picture::hull::{self, Point};
 use fab_program::PixelPoint;
+use std::cmp::Ordering;
 
 /// How far a pull may deviate from the outward direction, degrees: half a direction less than a quarter turn.
 const OUTWARD_DEG: f64 = 67.0;
@@ -53,7 +54,7 @@ pub fn choose(messages: &[Message]) -> Result<Decision, String> {
         reach: last("farther than").unwrap_or_default(),
     };
     let refused = refused(&messages[at..]);
-    let is_new = |pick, direction: &Choice, distance: &Choice| {
+    let is_new = |(pick, direction, distance): Pull<'_>| {
         refused.iter().all(|answer| {
             let is_stated = |field, it| prompt::choices(answer, field).first() == Some(it);
             prompt::points(answer).first() != Some(&pick)
@@ -63,23 +64,18 @@ pub fn choose(messages: &[Message]) -> Result<Decision, String> {
     };
     let offered = prompt::choices(&question, "direction");
     let distances = prompt::choices(&question, "distance");
-    let mut best: Option<([f64; 4], PixelPoint, &Choice, &Choice)> = None;
-    for &pick in &picks {
-        for (direction, distance) in offered
+    let moves = || {
+        offered
             .iter()
             .flat_map(|it| distances.iter().map(move |at| (it, at)))
-        {
-            let Some(order) = rules.order(pick, direction, distance) else {
-                continue;
-            };
-            if best.as_ref().is_none_or(|(least, ..)| order < *least)
-                && is_new(pick, direction, distance)
-            {
-                best = Some((order, pick, direction, distance));
-            }
-        }
-    }
-    let (_, pick, direction, distance) =
+    };
+    let pulls = picks
+        .iter()
+        .flat_map(|pick| moves().map(move |(it, at)| (*pick, it, at)));
+    let allowed = pulls.filter_map(|pull| Some((rules.order(pull)?, pull)));
+    let new = allowed.filter(|(_, pull)| is_new(*pull));
+    let best = new.min_by(|(one, _), (other, _)| one.partial_cmp(other).unwrap_or(Ordering::Equal));
+    let (_, (pick, direction, distance)) =
         best.ok_or("no pull leads outward, ends where the rules allow and was not refused")?;
     Ok(Decision {
         pick,
@@ -97,6 +93,9 @@ pub fn choose(messages: &[Message]) -> Result<Decision, String> {
     })
 }
 
+/// A corner, a direction and a distance.
+type Pull<'a> = (PixelPoint, &'a Choice, &'a Choice);
+
 /// What a prompt says of the picture, pixels.
 struct Rules {
     center: Point,
@@ -112,7 +111,7 @@ impl Rules {
     /// Returns numbers of which the least belong to the best pull: no corner to avoid, the farthest corner, the most
     /// outward direction, the end nearest to where a corner of the flat cloth would lie. `None` if a pull leads inward
     /// or too far. A task may accept a corner to avoid if there is no other.
-    fn order(&self, pick: PixelPoint, direction: &Choice, distance: &Choice) -> Option<[f64; 4]> {
+    fn order(&self, (pick, direction, distance): Pull<'_>) -> Option<[f64; 4]> {
         let (from, center) = (center_of(pick), self.center);
         let off_px = hull::distance(from, center).max(f64::MIN_POSITIVE);
         let out = [0, 1].map(|axis| (from[axis] - center[axis]) / off_px);

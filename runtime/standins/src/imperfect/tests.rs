@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
-use fab_model::calls::Unrecorded;
+use fab_model::calls::{Budget, Ledger};
 use fab_model::{Message, ModelRole, Speaker};
 
 const PULL: &str = "\
@@ -24,7 +24,10 @@ fn request(words: &str, start: u64, step: u32) -> Request {
 }
 
 fn asked(model: &Imperfect, request: &Request) -> String {
-    model.ask(request, &mut Unrecorded).unwrap().text
+    model
+        .ask(request, &mut Ledger::unwritten(&Budget::default()))
+        .unwrap()
+        .text
 }
 
 /// The lines of an answer without its reason.

@@ -100,11 +100,7 @@ fn beside(folder: &Path, path: &Path) -> Option<String> {
 fn load(paths: &[PathBuf], io: &Io) -> Result<(Vec<NamedPicture>, bool), Failure> {
     let mut pictures = Vec::with_capacity(paths.len());
     for path in paths {
-        let opened = png::open(path)?;
-        if let Some(note) = opened.note {
-            io.talk(&format!("note: {note}"));
-        }
-        let (name, picture) = (shown(path), opened.rgb);
+        let (name, picture) = (shown(path), png::load(path)?);
         pictures.push(NamedPicture { name, picture });
     }
     let sides = pictures.iter().map(|named| named.picture.dimensions());

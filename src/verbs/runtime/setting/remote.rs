@@ -7,7 +7,7 @@ use crate::verbs::runtime::setting;
 use crate::verbs::runtime::setting::model_arguments::{Purpose, ReachArguments};
 use fab_base::interrupt::Interrupt;
 use fab_model::lowering::{Lowering, Points};
-use fab_providers::catalogue::{Catalogue, KeyNeed, Profile};
+use fab_providers::catalogue::{Catalogue, Profile, RunsOn};
 use fab_providers::remote::{Answers, BaseUrl, Gate, Key, Redactor, Remote, Settings, Shared};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -119,7 +119,7 @@ impl Providers {
             ));
         }
         let profile = self.catalogue.find(name).map_err(Failure::usage)?;
-        for warning in profile.warnings() {
+        if let Some(warning) = profile.warning() {
             self.io.talk(&format!("warning: {name}: {warning}"));
         }
         Ok(profile)
@@ -142,7 +142,7 @@ impl Providers {
     fn key_of(&self, profile: &Profile) -> Result<Option<Key>, Failure> {
         let provider = &profile.provider;
         let found = key(&provider.key_env, &self.io)?;
-        if found.is_none() && provider.key == KeyNeed::Required {
+        if found.is_none() && provider.runs_on == Some(RunsOn::Vendor) {
             let place = catalogue::keys_file(&self.io).map(|file| file.path.display().to_string());
             return Err(Failure::environment(format!(
                 "there is no key for `{}`: set {} in the environment, or write `{} = \"…\"` into `{}`, which nobody else may be able to read",

@@ -2,7 +2,7 @@
 
 use super::*;
 
-fn listed(status: u16, body: &str) -> Served {
+fn listed(status: u16, body: &str) -> Result<Vec<String>, NotListed> {
     read(&Incoming {
         status,
         content_type: None,

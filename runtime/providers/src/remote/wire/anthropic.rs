@@ -88,12 +88,9 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
         ..Ending::default()
     };
     for block in elements(&reply["content"]) {
-        match block["type"].as_str() {
-            Some("text") => ending
-                .text
-                .push_str(block["text"].as_str().unwrap_or_default()),
-            Some("tool_use") => ending.is_tool_call = true,
-            _ => {}
+        if block["type"] == "text" {
+            let text = block["text"].as_str();
+            ending.text.push_str(text.unwrap_or_default());
         }
     }
     ending.answer(usage)

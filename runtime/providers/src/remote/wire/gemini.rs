@@ -80,7 +80,6 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
         ..Ending::default()
     };
     for part in elements(&candidate["content"]["parts"]) {
-        ending.is_tool_call |= part["functionCall"].is_object();
         if part["thought"] != true {
             let text = part["text"].as_str();
             ending.text.push_str(text.unwrap_or_default());

@@ -253,7 +253,6 @@ struct Ending<'r> {
     explanation: Option<&'r str>,
     /// A field beside the answer with the text of its reasoning.
     reasoning: Option<(&'static str, &'r str)>,
-    is_tool_call: bool,
 }
 
 impl Ending<'_> {
@@ -263,7 +262,7 @@ impl Ending<'_> {
         let hidden = usage.and_then(|usage| usage.reasoning_tokens);
         let reasoning = self.reasoning.filter(|(_, text)| !text.trim().is_empty());
         // An answer of hidden reasoning alone was cut off.
-        let is_hidden = is_blank && !self.is_tool_call && reasoning.is_none() && hidden > Some(0);
+        let is_hidden = is_blank && reasoning.is_none() && hidden > Some(0);
         let fault = self.reason.and_then(fault_of_end);
         let fault = fault.or(is_hidden.then_some(Fault::Truncated));
         let why = match (fault, self.reason) {
@@ -272,9 +271,6 @@ impl Ending<'_> {
                     text: self.text,
                     usage,
                 });
-            }
-            (None, _) if self.is_tool_call => {
-                "the model called a tool, and none was offered".to_owned()
             }
             (None, None) => "the answer is empty".to_owned(),
             (None, Some(reason)) => {

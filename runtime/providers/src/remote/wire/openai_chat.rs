@@ -87,8 +87,6 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
         reason: choice["finish_reason"].as_str(),
         explanation: None,
         reasoning,
-        is_tool_call: elements(&said["tool_calls"]).next().is_some()
-            || said["function_call"].is_object(),
     };
     ending.answer(usage)
 }

@@ -52,12 +52,10 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
             .or(Some("incomplete")),
         status => status,
     };
-    let (mut texts, mut is_tool_call) = (Vec::new(), false);
+    let mut texts = Vec::new();
     for item in elements(&reply["output"]) {
-        let kind = item["type"].as_str().unwrap_or_default();
-        is_tool_call |= kind.ends_with("_call");
         // Remarks on the way to the answer are no part of it.
-        if kind != "message" || item["phase"] == "commentary" {
+        if item["type"] != "message" || item["phase"] == "commentary" {
             continue;
         }
         // Some gateways leave out the status of the whole.
@@ -79,7 +77,6 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
     let ending = Ending {
         text: texts.join(BETWEEN),
         reason: end,
-        is_tool_call,
         ..Ending::default()
     };
     ending.answer(usage)

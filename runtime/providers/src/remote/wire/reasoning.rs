@@ -44,9 +44,10 @@ pub(super) fn sent(request: &Request, settings: &Settings) -> Result<Option<Reas
             word => format!("`{}`", word.name()),
         })
         .collect();
-    let accepted = match accepted.is_empty() {
-        true => "none at all".to_owned(),
-        false => accepted.join(", "),
+    let accepted = if accepted.is_empty() {
+        "none at all".to_owned()
+    } else {
+        accepted.join(", ")
     };
     Err(format!(
         "`reasoning` is `{stated}`, and it accepts {accepted}; give another one with `--reasoning`, or leave it out with `--omit reasoning`"

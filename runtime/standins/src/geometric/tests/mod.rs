@@ -12,7 +12,7 @@ mod smoothing;
 mod vocabulary;
 
 use super::{Geometric, prompt};
-use fab_model::calls::Unrecorded;
+use fab_model::calls::{Budget, Ledger};
 use fab_model::{Message, Model, ModelRole, Part, Png, Request, Speaker};
 use fab_picture::hull;
 use fab_program::PixelPoint;
@@ -177,7 +177,10 @@ fn user(parts: Vec<Part>) -> Message {
 
 fn ask(role: ModelRole, messages: Vec<Message>) -> String {
     let request = Request::new(role, messages);
-    Geometric.ask(&request, &mut Unrecorded).unwrap().text
+    Geometric
+        .ask(&request, &mut Ledger::unwritten(&Budget::default()))
+        .unwrap()
+        .text
 }
 
 /// Asks for the step between pictures in words.

@@ -208,15 +208,15 @@ fn a_parameter_that_the_model_does_not_accept_is_refused_by_name_and_value() {
             said.contains("`temperature` 0.2") && said.contains("1 alone"),
             "{said}"
         );
-        let high = accepting(None, Some(Accepted::Range([0.9, 1.0])));
-        let said = refused(&request, &high);
+        let none = accepting(None, Some(Accepted::Refused));
+        let said = refused(&request, &none);
         assert!(
-            said.contains("`top_p` 0.5") && said.contains("accepts 0.9 to 1;"),
+            said.contains("`top_p` 0.5") && said.contains("accepts no value of it;"),
             "{said}"
         );
         sent(
             &request,
-            &accepting(Some(Accepted::Range([0.0, 1.0])), None),
+            &accepting(Some(Accepted::Only(vec![0.2, 1.0])), None),
         );
         let omitted = Settings {
             omit: Parameter::ALL.to_vec(),
