@@ -69,8 +69,8 @@ fn play_task(program: &Program, vision: &[&str], text: &[&str], interrupt: &Inte
     };
     let mut findings = Vec::new();
     let mut watch = |event: Event| {
-        if let Event::Verdict { result, .. } = event {
-            findings.push(result);
+        if let Event::Verdict { asked, .. } = event {
+            findings.push(asked.result);
         }
     };
     let models = Models {

@@ -11,6 +11,7 @@ use fab_agent::policy::{Asking, Decision, Exchange, Onnx, Policy, StepView};
 use fab_agent::scene::Scene;
 use fab_base::interrupt::Interrupt;
 use fab_model::Lowering;
+use fab_model::calls::{Budget, Ledger};
 use fab_picture::DepthImage;
 use fab_picture::observation::Observation;
 use fab_program::facts::Facts;
@@ -101,8 +102,9 @@ fn decided(mut policy: Onnx) -> Decision {
     let examples = Examples::default();
     let pictures = Pictures::of(&program, &scene, &observation, None, None, examples).unwrap();
     let view = StepView::without_rollout(&program, &scene, &observation, 1, None, &pictures);
+    let budget = Budget::default();
     let mut exchange = Exchange {
-        asking: &mut Asking::default(),
+        asking: &mut Asking::of(Ledger::unwritten(&budget)),
         record: &mut |_| Ok(()),
         interrupt: &Interrupt::default(),
     };

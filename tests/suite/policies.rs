@@ -177,7 +177,7 @@ fn particles_are_there_only_for_who_asks_for_them() {
         let run = folder.path().join(format!("{sight:?}"));
         let ended = trial.decided(&command, &run, &mut |_| {}).unwrap();
         assert_eq!((ended.steps, ended.sees_particles), (2, sees));
-        let request = &record(&run).steps[1].attempts[0].request;
+        let request = &record(&run).steps[1].attempts[0].sent.request;
         let request = std::fs::read_to_string(run.join(request.as_ref().unwrap())).unwrap();
         assert_eq!(request.contains("\"particles\""), sees);
         assert_eq!(run.join("step_2/particles.npy").exists(), sees);
@@ -188,8 +188,8 @@ fn particles_are_there_only_for_who_asks_for_them() {
 fn played(policy: &dyn MakePolicy, trial: &Trial<'_>, run: &Path) -> (Ended, Vec<String>) {
     let mut notes = Vec::new();
     let ended = trial.decided(policy, run, &mut |event| {
-        if let Event::Verdict { note, .. } = event {
-            notes.extend(note);
+        if let Event::Verdict { asked, .. } = event {
+            notes.extend(asked.note);
         }
     });
     (ended.unwrap(), notes)
@@ -213,7 +213,7 @@ fn the_expert_follows_the_demonstration_and_says_what_was_offered() {
     let step = &record(&run).steps[0];
     assert_eq!(step.attempts[0].note.as_ref(), notes.first());
     assert_eq!(
-        (&step.attempts[0].request, &step.attempts[0].reply),
+        (&step.attempts[0].sent.request, &step.attempts[0].reply),
         (&None, &None)
     );
 }

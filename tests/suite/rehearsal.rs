@@ -173,12 +173,7 @@ fn play_as(
     let (mut notes, mut tried) = (Vec::new(), Vec::new());
     let report = trial.decided_in(&make_world, policy, &run, &mut |event| match event {
         Event::Note { note } => notes.push(note),
-        Event::Rehearsed {
-            rehearsal, took_s, ..
-        } => {
-            assert!(took_s > 0.0);
-            tried.push(*rehearsal);
-        }
+        Event::Motion { line, .. } => tried.extend(line.rehearsal),
         _ => {}
     });
     let report = report.unwrap();

@@ -75,8 +75,8 @@ pub(super) fn play_with(
     change(&mut trial);
     let mut grips = Vec::new();
     let mut watch = |event: Event| {
-        if let Event::Motion { grips: actions, .. } = event {
-            grips.extend(actions.iter().map(|it| it.grip));
+        if let Event::Motion { line, .. } = event {
+            grips.extend(line.action.iter().flatten().map(|it| it.grip));
         }
     };
     let models = Models {

@@ -27,7 +27,7 @@ use event::At;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_base::wording::counted;
-use fab_model::calls::{Budget, CallRefused};
+use fab_model::calls::{Budget, CallRefused, Ledger};
 use fab_program::render::RenderError;
 use fab_program::{ActionField, Choices, Manner, Metric, Program, manner_field};
 use fab_vision::VisionError;
@@ -168,8 +168,8 @@ pub fn run(
     if let Some(why) = unfit(job.program, world.as_ref()) {
         return Err(RunError::Unfit(why));
     }
-    let asking = Asking::in_folder(folder.path(), job.budget);
-    let asking = asking.map_err(JournalError::from)?;
+    let ledger = Ledger::open(folder.path(), job.budget).map_err(JournalError::from)?;
+    let asking = Asking::of(ledger);
     let mut keeper =
         RolloutWriter::open(job, folder, asking, who.clone(), world.as_ref(), progress)?;
     // Some policies have nothing to rehearse; but where something real could move, their twins must be trusted too.
@@ -201,14 +201,12 @@ pub fn run(
                 ended = Some(Outcome::GoalReached);
             }
         }
-        keeper.keep_step(&turn)?;
-        // Ending after a requested plan is not ending early.
-        if let (Some(why), true) = (&turn.line.stopped, ended != Some(Outcome::Planned)) {
-            progress(Event::Stopped {
-                at: turn.at,
-                why: why.clone(),
-            });
-        }
+        let spent = keeper.keep_step(&turn)?;
+        progress(Event::Motion {
+            at: turn.at,
+            line: Box::new(turn.line.clone()),
+            spent: Box::new(spent),
+        });
         tries.after(job.program.actions_per_step(), turn.line.result);
         if let (None, Some(before), Some(asked)) = (ended, tries.before, &job.program.verify.result)
         {

@@ -377,7 +377,7 @@ fn run(
         _ => {}
     }
     let mut refusals = [Fault::NotAuthorised, Fault::QuotaExhausted].into_iter();
-    let named = refusals.find(|fault| took.faults.contains_key(fault.name()));
+    let named = refusals.find(|fault| took.faults.contains_key(fault));
     let found = record::find(folder, identity);
     let folder = folder.to_owned();
     match (report.outcome, named, found) {

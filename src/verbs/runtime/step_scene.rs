@@ -13,6 +13,7 @@ use fab_agent::scene::Scene;
 use fab_agent::subgoals::SubgoalSet;
 use fab_base::interrupt::Interrupt;
 use fab_model::Models;
+use fab_model::calls::{Budget, Ledger};
 use fab_picture::SubpixelPoint;
 use fab_picture::camera::Camera;
 use fab_picture::observation::Observation;
@@ -115,8 +116,9 @@ fn stand_in_action(
         vision: &Geometric,
         text: &Geometric,
     };
+    let budget = Budget::default();
     let mut exchange = Exchange {
-        asking: &mut Asking::default(),
+        asking: &mut Asking::of(Ledger::unwritten(&budget)),
         record: &mut |_| Ok(()),
         interrupt: &Interrupt::default(),
     };

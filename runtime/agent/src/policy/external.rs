@@ -7,7 +7,8 @@
 
 use super::proposing::{Proposed, Refusal, STAGE, stop, until_accepted};
 use super::protocol::{
-    self, Decide, FieldValue, Last, Line, Offered, PROTOCOL, Pictures, Refused, grip,
+    self, Answer, Decide, FieldValue, Grip, Hello, Last, Offered, PROTOCOL, Pictures, Ready,
+    Refused, grip,
 };
 use super::{
     Decision, Description, Exchange, Exchanged, Finding, Kind, Policy, Question, RunError, StepView,
@@ -22,10 +23,9 @@ use fab_model::Reply;
 use fab_picture::camera::Pinhole;
 use fab_picture::png;
 use fab_program::spaces::Spaces;
-use fab_program::{Arrow, Choices, PixelPoint, Proposal, SubgoalStep, Value, space};
+use fab_program::{Arrow, Choices, Proposal, SubgoalStep, Value, space};
 use image::RgbImage;
-use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value as Json};
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -113,15 +113,20 @@ impl Policy for External {
             let interrupt = exchange.interrupt;
             let asked = exchange
                 .asking
-                .once(&question.key(), || self.ask(&sent, folder, interrupt))?;
+                .once(&question.key(), |_| self.ask(&sent, folder, interrupt))
+                .map_err(RunError::Calls)?;
             let (reply, answer) = match asked {
                 Ok(reply) => {
                     let answer = read(step, &reply.text);
                     (Some(reply), answer)
                 }
-                Err((outcome, why)) => {
+                Err(error) => {
                     self.child = None;
-                    (None, stop(outcome, why))
+                    let outcome = match error {
+                        ChildError::Interrupted => Outcome::Interrupted,
+                        ChildError::Failed(_) => Outcome::PolicyFailed,
+                    };
+                    (None, stop(outcome, error.to_string()))
                 }
             };
             Ok(Proposed {
@@ -140,92 +145,44 @@ impl External {
         [reset, decide]: &[protocol::Question; 2],
         folder: &Path,
         interrupt: &Interrupt,
-    ) -> Result<Reply, (Outcome, String)> {
+    ) -> Result<Reply, ChildError> {
         let limit = self.limit;
-        // The answer, parsed and as it came.
-        let answer_of = |child: &mut Child, question| {
-            child.send(question)?;
-            let line = child.receive(limit, interrupt)?;
-            let answer: Line = child.read(&line)?;
-            Ok((answer, String::from_utf8_lossy(&line).into_owned()))
-        };
         let child = match &mut self.child {
             Some(child) => child,
             absent => {
                 let stderr = folder.join(STDERR_FILE);
-                let child = Child::start(&self.command, Some(&stderr)).map_err(failed)?;
-                let child = absent.insert(child);
+                let child = absent.insert(Child::start(&self.command, Some(&stderr))?);
                 let hello = protocol::Question::Hello { protocol: PROTOCOL };
-                greeted(child.ask(&hello, limit, interrupt), &self.command)?;
-                let (refused, line) = answer_of(child, reset).map_err(failed)?;
-                if refused.grips.is_some() {
-                    let why = "to `reset` it is `{}`, or has only `refuse`";
-                    return Err(failed(child.no_answer(line.as_bytes(), why)));
+                let Hello { protocol } = child.ask(&hello, limit, interrupt)?;
+                if protocol != PROTOCOL {
+                    return Err(ChildError::Failed(format!(
+                        "`{}` answers version {protocol} of the lines; this fabc asks in version {PROTOCOL}",
+                        self.command
+                    )));
                 }
-                if refused.refuse.is_some() {
-                    return Ok(Reply::text(line));
+                let ready: Ready = child.ask(reset, limit, interrupt)?;
+                if let Some(why) = ready.refuse {
+                    return Ok(Reply::text(text(&Answer::Refuse(why))));
                 }
                 child
             }
         };
-        let (_, line) = answer_of(child, decide).map_err(failed)?;
-        Ok(Reply::text(line))
+        child.send(decide)?;
+        let line = child.receive(limit, interrupt)?;
+        if let Err(error) = serde_json::from_slice::<Answer>(&line) {
+            let why = format!("{error}; it has either `grips`, a list of one grip, or `refuse`");
+            return Err(child.no_answer(&line, why));
+        }
+        Ok(Reply::text(String::from_utf8_lossy(&line).into_owned()))
     }
 }
 
-/// Makes sure that a program answers this version of the lines.
-fn greeted(
-    answered: Result<protocol::Hello, ChildError>,
-    command: &CommandLine,
-) -> Result<(), (Outcome, String)> {
-    let why = match answered {
-        Ok(protocol::Hello { protocol: PROTOCOL }) => return Ok(()),
-        Err(ChildError::Interrupted) => return Err(failed(ChildError::Interrupted)),
-        Ok(protocol::Hello { protocol }) => {
-            format!("`{command}` answers version {protocol} of the lines")
-        }
-        Err(error) => error.to_string(),
-    };
-    let why = format!(
-        "{why}; this fabc asks in version {PROTOCOL}: answer `{{\"do\": \"hello\"}}` with `{{\"protocol\": {PROTOCOL}}}`, \
-         `{{\"do\": \"reset\"}}` with `{{}}`, and then each `{{\"do\": \"decide\"}}`"
-    );
-    Err((Outcome::PolicyFailed, why))
-}
-
-fn failed(error: ChildError) -> (Outcome, String) {
-    let outcome = match error {
-        ChildError::Interrupted => Outcome::Interrupted,
-        _ => Outcome::PolicyFailed,
-    };
-    (outcome, error.to_string())
-}
-
+/// Reads a line that the program wrote in answer to a question for a decision.
 fn read(step: &StepView<'_>, line: &str) -> Result<Proposal, Box<Finding>> {
-    let wrong = |message: String| unreadable("grips", message);
     match serde_json::from_str(line) {
-        Ok(Line {
-            grips: None,
-            refuse: Some(why),
-        }) => match why.trim() {
-            "" => stop(Outcome::PolicyStopped, "the policy gives no reason"),
-            why => stop(Outcome::PolicyStopped, excerpt(why.as_bytes())),
-        },
-        Ok(Line {
-            grips: Some(grips),
-            refuse: None,
-        }) => match grips.as_slice() {
-            [grip] => proposal(step, grip),
-            grips => Err(wrong(format!(
-                "there are {} grips, and the world has one gripper",
-                grips.len()
-            ))),
-        },
-        Ok(_) => Err(wrong(
-            "the answer must have either `grips` or `refuse`, and it has both or neither"
-                .to_owned(),
-        )),
-        Err(error) => Err(wrong(error.to_string())),
+        Ok(Answer::Grips([grip])) => proposal(step, grip),
+        Ok(Answer::Refuse(why)) => stop(Outcome::PolicyStopped, excerpt(why.trim().as_bytes())),
+        Err(error) => Err(unreadable("grips", error.to_string())),
     }
 }
 
@@ -238,24 +195,19 @@ fn unreadable(field: &str, message: String) -> Box<Finding> {
 }
 
 /// Reads a grip; fails with the wrong field and the reason.
-fn proposal(step: &StepView<'_>, grip: &Map<String, Json>) -> Result<Proposal, Box<Finding>> {
+fn proposal(step: &StepView<'_>, mut grip: Grip) -> Result<Proposal, Box<Finding>> {
     let declared = &step.program.actions;
-    let names = quoted(declared.iter().map(|field| &field.name));
-    if let Some(name) = grip.keys().find(|name| step.program.field(name).is_none()) {
-        let name = excerpt(name.as_bytes());
-        let message = format!("the task has no field `{name}`; it has {names}");
-        return Err(unreadable(&name, message));
-    }
     let fields = declared.iter().map(|field| {
         let name = &field.name;
-        let missing = || unreadable(name, format!("`{name}` is missing; a grip has {names}"));
-        let stated = grip.get(name).ok_or_else(missing)?;
+        let stated = grip.remove(name);
         let offered = space::declared(field);
-        let value = if field.is_point() {
-            PixelPoint::deserialize(stated).ok().map(Value::Point)
-        } else {
-            let is_stated = |value: &&Value| stated.as_str() == Some(&space::text(field, value));
-            offered.iter().find(is_stated).cloned()
+        let value = match &stated {
+            Some(FieldValue::Pixel(pixel)) if field.is_point() => Some(Value::Point(*pixel)),
+            Some(FieldValue::Text(text)) => {
+                let mut offered = offered.iter();
+                offered.find(|it| space::text(field, it) == *text).cloned()
+            }
+            _ => None,
         };
         let value = value.ok_or_else(|| {
             let right = if field.is_point() {
@@ -263,12 +215,18 @@ fn proposal(step: &StepView<'_>, grip: &Map<String, Json>) -> Result<Proposal, B
             } else {
                 format!("one of {}", space::listed(field, &offered))
             };
-            let stated = excerpt(stated.to_string().as_bytes());
+            let stated = excerpt(text(&stated).as_bytes());
             unreadable(name, format!("`{name}` is {stated}, and has to be {right}"))
         })?;
         Ok((name.clone(), value))
     });
     let fields = fields.collect::<Result<_, Box<Finding>>>()?;
+    if let Some(name) = grip.keys().next() {
+        let name = excerpt(name.as_bytes());
+        let names = quoted(declared.iter().map(|field| &field.name));
+        let message = format!("the task has no field `{name}`; it has {names}");
+        return Err(unreadable(&name, message));
+    }
     Ok(Proposal { fields })
 }
 
@@ -375,6 +333,6 @@ fn decide(step: &StepView<'_>, folder: &Path, refusals: &[Refusal]) -> protocol:
     }))
 }
 
-fn text(questions: &impl Serialize) -> String {
-    serde_json::to_string(questions).expect("questions have string keys and finite numbers")
+fn text(lines: &impl Serialize) -> String {
+    serde_json::to_string(lines).expect("lines have string keys and finite numbers")
 }

@@ -2,7 +2,7 @@
 //!
 //! In: the job and the state left by the step before. Out: the step's line, and an outcome if the rollout ends with it.
 
-use super::event::{At, AttemptOf};
+use super::event::At;
 use super::timer::Timer;
 use super::writer::RolloutWriter;
 use super::{Event, Job, RunError};
@@ -16,7 +16,7 @@ use crate::scene::{Scene, SceneError};
 use fab_base::wording::counted;
 use fab_picture::observation::Observation;
 use fab_program::facts::ExecutedAction;
-use fab_program::{Arrow, Proposal, SubgoalStep, space};
+use fab_program::{Arrow, Proposal, SubgoalStep};
 use fab_world::metrics::cloth_moved;
 use fab_world::{Motion, World, WorldError, WorldPoint};
 use std::collections::BTreeSet;
@@ -139,7 +139,6 @@ impl<'j> Turn<'j> {
             action: number,
             step,
         } = at;
-        let begun = Instant::now();
         if job.interrupt.is_raised() {
             return Ok(self.stop(Outcome::Interrupted, "interrupted"));
         }
@@ -197,45 +196,34 @@ impl<'j> Turn<'j> {
                     stage,
                     attempt,
                     question,
-                } => {
-                    let of = AttemptOf::new(at, stage, attempt);
-                    let files = folder.keep_question(&of, question)?;
-                    progress(Event::Question { of, files });
-                }
+                } => progress(Event::Question {
+                    at,
+                    stage: stage.to_owned(),
+                    attempt,
+                    sent: folder.keep_question(number, (stage, attempt), question)?,
+                }),
                 Exchanged::Attempt(attempt) => {
                     end.report.count(attempt);
-                    let of = AttemptOf::new(at, &attempt.stage, attempt.number);
-                    let asked = folder.keep_attempt(&of, attempt)?;
                     self.timer.add(&attempt.stage, attempt.took);
-                    let answer = attempt.reply.as_ref().zip(asked.reply.clone());
-                    if let Some((reply, file)) = answer {
+                    aside += attempt.took;
+                    let asked = folder.keep_attempt(number, attempt)?;
+                    if let Some(reply) = &attempt.reply {
                         progress(Event::Answer {
-                            of: of.clone(),
+                            at,
+                            stage: attempt.stage.clone(),
+                            attempt: attempt.number,
                             text: reply.text.clone(),
-                            file,
                             took_s: attempt.took.as_secs_f64(),
-                            usage: asked.usage,
                         });
                     }
-                    progress(Event::Verdict {
-                        of,
-                        note: asked.note.clone(),
-                        result: asked.result.clone(),
-                    });
-                    self.line.attempts.push(asked);
-                    aside += attempt.took;
+                    self.line.attempts.push(asked.clone());
+                    let asked = Box::new(asked);
+                    progress(Event::Verdict { at, asked });
                 }
                 Exchanged::Rehearsed(rehearsal, took) => {
                     if let Some(why) = &rehearsal.shortfall {
                         let note = format!("step {step}: {why}");
                         progress(Event::Note { note });
-                    }
-                    if rehearsal.aside.is_none() && !rehearsal.candidates.is_empty() {
-                        progress(Event::Rehearsed {
-                            at,
-                            rehearsal: Box::new(rehearsal.clone()),
-                            took_s: took.as_secs_f64(),
-                        });
                     }
                     self.line.rehearsal = Some(rehearsal.clone());
                     self.timer.add("rehearse", took);
@@ -295,7 +283,6 @@ impl<'j> Turn<'j> {
             }
             Decision::Skip(outcome) => {
                 self.line.skipped = Some(outcome);
-                progress(Event::Skipped { at, why: outcome });
                 return Ok(None);
             }
             Decision::Stop { outcome, why } => return Ok(self.stop(outcome, &why)),
@@ -337,24 +324,7 @@ impl<'j> Turn<'j> {
         };
         keeper.sheet.row(number, shown, drawn, after.rgb.clone());
         self.after = Some(after);
-        let beside = proposal.fields.iter().filter_map(|(name, value)| {
-            let field = job.program.field(name).filter(|it| !it.is_point())?;
-            Some(format!("{name} {}", space::text(field, value)))
-        });
-        let other_values = beside.collect();
         memory.last = Some(action.executed(proposal));
-        let accepted = self.line.accepted.as_ref();
-        progress(Event::Motion {
-            at,
-            grips: vec![action],
-            other_values,
-            without: accepted.map_or(Vec::new(), |it| it.without.clone()),
-            executed: Box::new(executed),
-            cloth: self.line.cloth,
-            files: Box::new(self.line.files.clone()),
-            took_s: begun.elapsed().as_secs_f64(),
-            spent: keeper.asking.spent(),
-        });
         Ok(None)
     }
 

@@ -8,8 +8,8 @@ use crate::journal::{JournalError, RunFolder};
 use crate::outcome::Outcome;
 use crate::policy::{self, Asking, Attempt, Finding};
 use crate::record::{
-    self, End, ExpertDistance, Header, JudgedBy, Line, Progress, Report, RunCosts, Spent,
-    StartFile, StepSpent,
+    self, End, ExpertDistance, Header, JudgedBy, Line, Report, RunCosts, Spent, StartFile,
+    StepSpent,
 };
 use crate::sheet::{SHEET_FILE, Sheet};
 use fab_base::{digest, npy};
@@ -20,7 +20,7 @@ use fab_world::expert::{self, Sequences};
 use fab_world::start::Up;
 use fab_world::{World, metrics};
 use image::RgbImage;
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant};
 
 /// Writes a rollout into its folder.
 pub(super) struct RolloutWriter<'j> {
@@ -32,7 +32,6 @@ pub(super) struct RolloutWriter<'j> {
     pub(super) end: End,
     /// How many expert results had to be simulated.
     pub(super) experts_simulated: usize,
-    run_id: String,
     /// Planning times of the actions that were asked for, seconds.
     planned_s: Vec<f64>,
     last_skip: Option<Outcome>,
@@ -53,7 +52,6 @@ impl<'j> RolloutWriter<'j> {
         let program_file = folder.keep("program.json", &program)?;
         let start_file = folder.keep("start.npy", &npy::encode(&job.start.positions))?;
         folder.keep("start.json", &job.start.description())?;
-        let run_id = folder.run_id().unwrap_or_else(|| new_run_id(job, &folder));
         let report = Report {
             task: job.program.task.clone(),
             variant: job.program.variant.clone(),
@@ -98,9 +96,6 @@ impl<'j> RolloutWriter<'j> {
         });
         folder.append(&Line::Header(header.clone()))?;
         progress(Event::Start { header });
-        folder.spend(&Spent::Begin {
-            run_id: run_id.clone(),
-        })?;
         Ok(RolloutWriter {
             folder,
             asking,
@@ -111,7 +106,6 @@ impl<'j> RolloutWriter<'j> {
                 ..End::default()
             },
             experts_simulated: 0,
-            run_id,
             planned_s: Vec::new(),
             last_skip: None,
         })
@@ -143,20 +137,18 @@ impl<'j> RolloutWriter<'j> {
         Ok(())
     }
 
-    /// Writes a step's line, counts the step, and records its durations and costs.
-    pub(super) fn keep_step(&mut self, turn: &Turn<'_>) -> Result<(), JournalError> {
+    /// Writes a step's line, counts the step, and records and returns its durations and costs.
+    pub(super) fn keep_step(&mut self, turn: &Turn<'_>) -> Result<StepSpent, JournalError> {
         let line = &turn.line;
         self.folder.append(&Line::Step(Box::new(line.clone())))?;
-        let planning_s = turn.planning_s();
-        let spent = self.asking.spent();
-        self.folder.spend(&Spent::Step(StepSpent {
+        let spent = StepSpent {
             step: line.step,
-            planning_s,
+            planning_s: turn.planning_s(),
             seconds: turn.timer.seconds.clone(),
-            cost_usd_so_far: spent.known_cost().map(Usd::dollars),
-            cost_usd_at_most_so_far: spent.priced_at_most().map(Usd::dollars),
-        }))?;
-        self.planned_s.extend(planning_s);
+            so_far: self.asking.ledger.spent(),
+        };
+        self.folder.spend(&Spent::Step(spent.clone()))?;
+        self.planned_s.extend(spent.planning_s);
         self.timer.absorb(&turn.timer);
         let report = &mut self.end.report;
         report.stopped.clone_from(&line.stopped);
@@ -169,14 +161,7 @@ impl<'j> RolloutWriter<'j> {
             *report.skipped.entry(skipped.name().to_owned()).or_default() += 1;
             self.last_skip = Some(skipped);
         }
-        if line.is_taken() {
-            report.progress.push(Progress {
-                step: line.step,
-                cloth: line.cloth,
-                measures: line.measures,
-            });
-        }
-        Ok(())
+        Ok(spent)
     }
 
     /// Returns the outcome of a rollout that took every step.
@@ -272,21 +257,16 @@ impl<'j> RolloutWriter<'j> {
         report.measures = covered.now;
         report.coverage_at_start = covered.at_start.coverage;
         report.coverage_true_at_start = covered.at_start.coverage_true;
-        let spent = self.asking.spent();
+        let spent = self.asking.ledger.spent();
         let n_planned = self.planned_s.len();
         let took = RunCosts {
             planning_s: (n_planned > 0)
                 .then(|| self.planned_s.iter().sum::<f64>() / n_planned as f64),
             spent,
-            calls: spent.calls,
-            possibly_billed: spent.possibly_billed,
-            unreported: spent.unreported,
-            faults: self.asking.faults(),
-            usage: spent.usage,
+            faults: self.asking.ledger.faults().clone(),
             cost_usd: spent.known_cost().map(Usd::dollars),
             cost_usd_at_most: spent.priced_at_most().map(Usd::dollars),
             run_dir: self.folder.path().display().to_string(),
-            run_id: self.run_id,
             experts_simulated: self.experts_simulated,
             seconds: self.timer.seconds,
             wall_s: wall.as_secs_f64(),
@@ -320,19 +300,4 @@ impl Report {
             Finding::Action { .. } | Finding::Text { .. } | Finding::Failed { .. } => {}
         }
     }
-}
-
-/// Names a run uniquely, even among runs of the same job.
-fn new_run_id(job: &Job<'_>, folder: &RunFolder) -> String {
-    let now = SystemTime::now()
-        .duration_since(UNIX_EPOCH)
-        .map_or(0, |since| since.as_nanos());
-    let identity = format!(
-        "{} {} {} {} {now}",
-        job.program.hash(),
-        job.start.digest(),
-        folder.path().display(),
-        std::process::id()
-    );
-    digest::of(identity)[..12].to_owned()
 }

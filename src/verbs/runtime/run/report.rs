@@ -5,20 +5,23 @@ use fab_agent::action::Action;
 use fab_agent::judgement::Judgement;
 use fab_agent::outcome::Outcome;
 use fab_agent::policy::Finding;
-use fab_agent::record::{CoverageSource, RehearsedAnswer, RehearsedStep};
-use fab_agent::rollout::{Ended, Event};
+use fab_agent::record::{CoverageSource, RehearsedAnswer, RehearsedStep, Step, StepSpent};
+use fab_agent::rollout::Ended;
+use fab_agent::rollout::event::{At, Event};
 use fab_agent::sheet::SHEET_FILE;
 use fab_base::wording::{counted, shown};
 use fab_model::calls::Spent;
 use fab_program::verify::Verdict;
-use fab_program::{Goal, LEAST_SLIDE_MM, Metric};
-use fab_world::Grasp;
+use fab_program::{Goal, LEAST_SLIDE_MM, Metric, Program, space};
 use fab_world::film::Film;
 use fab_world::metrics::ClothMoved;
+use fab_world::{Executed, Grasp, WorldError};
 use serde::Serialize;
+use serde_json::Value;
 use std::path::Path;
 
 pub struct Progress<'io> {
+    program: &'io Program,
     io: &'io Io,
     /// How many actions were shown in an earlier run.
     earlier: u32,
@@ -26,10 +29,11 @@ pub struct Progress<'io> {
     answer: String,
 }
 
-impl Progress<'_> {
-    /// Shows what happens after `earlier` actions.
-    pub fn after(earlier: u32, io: &Io) -> Progress<'_> {
+impl<'io> Progress<'io> {
+    /// Shows what happens in a rollout of a task after `earlier` actions.
+    pub fn after(earlier: u32, program: &'io Program, io: &'io Io) -> Progress<'io> {
         Progress {
+            program,
             io,
             earlier,
             horizon: 0,
@@ -38,76 +42,79 @@ impl Progress<'_> {
     }
 
     pub fn show(&mut self, event: &Event) {
-        let is_earlier = event.at().is_some_and(|at| at.action <= self.earlier);
-        if is_earlier && !matches!(event, Event::Stopped { .. }) {
-            return;
-        }
-        let (io, horizon) = (self.io, self.horizon);
+        let is_earlier = |at: &At| at.action <= self.earlier;
+        let io = self.io;
         match event {
             Event::Start { header } => self.horizon = header.horizon,
             Event::Answer { text, .. } => self.answer.clone_from(text),
-            Event::Verdict { of, note, result } => {
-                let words = match (note, refusal(result, &self.answer)) {
+            Event::Verdict { at, asked } if !is_earlier(at) => {
+                let words = match (&asked.note, refusal(&asked.result, &self.answer)) {
                     (Some(note), refusal) => {
                         format!("{note}; {}", refusal.as_deref().unwrap_or("accepted"))
                     }
                     (None, Some(refusal)) => refusal,
                     (None, None) => return,
                 };
-                let (step, stage, attempt) = (of.at.step, &of.stage, of.attempt);
+                let (step, stage, attempt) = (at.step, &asked.stage, asked.attempt);
                 io.talk(&format!("  step {step}, {stage} attempt {attempt}: {words}"));
             }
-            Event::Retried { at, overlap, limit } => io.talk(&format!(
+            Event::Retried { at, overlap, limit } if !is_earlier(at) => io.talk(&format!(
                 "step {} again, kept as `step_{}`: its result overlaps the subgoal's cloth by {:.3}, and the task asks for more than {limit}",
                 at.step,
                 at.action,
                 // Rounded up, it could seem to be enough.
                 (overlap * 1000.0).floor() / 1000.0
             )),
-            Event::Stopped { at, why } => {
-                io.talk(&format!("step {}/{horizon}: ended: {why}", at.step));
-            }
-            Event::Rehearsed {
-                at,
-                rehearsal,
-                took_s,
-            } => {
-                let words = rehearsed(rehearsal, *took_s);
-                io.talk(&format!("  step {}, {words}", at.step));
-            }
-            Event::Motion {
-                at,
-                grips,
-                other_values,
-                without,
-                executed,
-                cloth: moved,
-                took_s,
-                spent,
-                ..
-            } => {
-                let done = executed.grips.iter().map(|done| done.grasp);
-                let grips = grips.iter().zip(done);
-                let grips: Vec<String> = grips.map(|(action, grasp)| grip(action, grasp)).collect();
-                let mut said = grips.join("; ");
-                said.extend(other_values.iter().map(|it| format!(", {it}")));
-                said.extend(moved.as_ref().map(cloth));
-                if !without.is_empty() {
-                    said += &format!(", accepted without `{}`", without.join("`, `"));
-                }
-                let (step, spent) = (at.step, so_far(spent));
-                io.talk(&format!("step {step}/{horizon}: {said}   {took_s:.1} s{spent}"));
-            }
-            Event::Skipped { at, why } => {
-                let (step, why) = (at.step, why.name());
-                io.talk(&format!("step {step}/{horizon}: skipped ({why})"));
+            Event::Motion { at, line, spent } if !is_earlier(at) || line.stopped.is_some() => {
+                self.step(at.step, line, spent);
             }
             Event::Experts { missing, total } => io.talk(&format!(
                 "simulating {missing} of {total} expert results to score against; they are kept for the next run"
             )),
             Event::Note { note } => io.talk(&format!("note: {note}")),
-            Event::Picture { .. } | Event::Question { .. } | Event::End { .. } => {}
+            _ => {}
         }
+    }
+
+    /// Shows how a step ended.
+    fn step(&self, step: u32, line: &Step, spent: &StepSpent) {
+        let io = self.io;
+        let tried = line.rehearsal.as_ref();
+        let tried = tried.filter(|it| it.aside.is_none() && !it.candidates.is_empty());
+        if let Some(tried) = tried {
+            let took_s = spent.seconds.get("rehearse").and_then(Value::as_f64);
+            let words = rehearsed(tried, took_s.unwrap_or_default());
+            io.talk(&format!("  step {step}, {words}"));
+        }
+        let said = match (&line.executed, line.skipped, &line.stopped) {
+            (_, _, Some(why)) => format!("ended: {why}"),
+            (_, Some(why), None) => format!("skipped ({})", why.name()),
+            (Some(executed), ..) => {
+                let (took_s, spent) = (spent.took_s(), so_far(&spent.so_far));
+                format!("{}   {took_s:.1} s{spent}", self.motion(line, executed))
+            }
+            _ => return,
+        };
+        // Ending after a requested plan is not ending early.
+        if line.stopped != Some(WorldError::PlannedOnly.to_string()) {
+            io.talk(&format!("step {step}/{}: {said}", self.horizon));
+        }
+    }
+
+    fn motion(&self, line: &Step, executed: &Executed) -> String {
+        let done = executed.grips.iter().map(|done| done.grasp);
+        let grips = line.action.iter().flatten().zip(done);
+        let grips: Vec<String> = grips.map(|(action, grasp)| grip(action, grasp)).collect();
+        let mut said = grips.join("; ");
+        for (name, value) in line.proposal().into_iter().flat_map(|it| it.fields) {
+            if let Some(field) = self.program.field(&name).filter(|it| !it.is_point()) {
+                said += &format!(", {name} {}", space::text(field, &value));
+            }
+        }
+        said.extend(line.cloth.as_ref().map(cloth));
+        let accepted = line.accepted.iter().filter(|it| !it.without.is_empty());
+        said.extend(accepted.map(|it| format!(", accepted without `{}`", it.without.join("`, `"))));
+        said
     }
 }
 
@@ -308,7 +315,7 @@ fn judged(judgement: &Judgement) -> String {
 
 /// Reports what was paid for models, if there were calls.
 fn spent(report: &Ended) -> Option<String> {
-    if report.took.calls == 0 {
+    if report.took.spent.calls == 0 {
         return None;
     }
     let faults = report.took.faults.iter();
