@@ -8,6 +8,7 @@ use fab_agent::examples::Examples;
 use fab_agent::outcome::Outcome;
 use fab_agent::pictures::Pictures;
 use fab_agent::policy::{Asking, Decision, Exchange, Onnx, Policy, StepView};
+use fab_agent::record::SentFiles;
 use fab_agent::scene::Scene;
 use fab_base::interrupt::Interrupt;
 use fab_model::Lowering;
@@ -107,7 +108,7 @@ fn decided(mut policy: Onnx) -> Decision {
     let budget = Budget::default();
     let mut exchange = Exchange {
         asking: &mut Asking::of(Ledger::unwritten(&budget)),
-        record: &mut |_| Ok(()),
+        record: &mut |_| Ok(SentFiles::default()),
         interrupt: &Interrupt::default(),
     };
     policy.decide(&view, &mut exchange).unwrap()

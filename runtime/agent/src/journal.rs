@@ -5,8 +5,8 @@
 //! finish. The same rollout always writes the same bytes; durations and costs, which differ, are in `spent.jsonl`. So
 //! an interrupted rollout is resumed by repeating it: lines that already exist are compared instead of written.
 
-use crate::policy::{Attempt, Question};
-use crate::record::{Asked, Line, MAX_BYTES, RECORD_FILE, SPENT_FILE, SentFiles, Spent};
+use crate::policy::Question;
+use crate::record::{Line, MAX_BYTES, RECORD_FILE, SPENT_FILE, SentFiles, Spent};
 use fab_base::difference;
 use fab_base::files;
 use fab_base::jsonl::{self, Appender, Reader};
@@ -169,7 +169,13 @@ impl RunFolder {
         of: (&str, u32),
         question: &Question,
     ) -> Result<SentFiles, JournalError> {
-        let sent = sent(action, of, question);
+        let stem = stem(action, of);
+        let is_prompt = matches!(question, Question::Prompt(_));
+        let sent = SentFiles {
+            request_key: Some(question.key()),
+            request: Some(format!("{stem}.request.json")),
+            prompt: is_prompt.then(|| format!("{stem}.prompt.txt")),
+        };
         if self.repeats() {
             return Ok(sent);
         }
@@ -197,22 +203,15 @@ impl RunFolder {
         Ok(sent)
     }
 
-    /// Writes the exact reply of one attempt and returns its entry for the step's line.
-    pub fn keep_attempt(&self, action: u32, attempt: &Attempt) -> Result<Asked, JournalError> {
-        let of = (attempt.stage.as_str(), attempt.number);
-        let question = attempt.question.as_ref();
-        let reply = attempt.reply.as_ref();
+    /// Writes the exact reply to a question of an action, and returns its name.
+    pub fn keep_reply(
+        &self,
+        action: u32,
+        of: (&str, u32),
+        text: &str,
+    ) -> Result<String, JournalError> {
         let file = format!("{}.reply.txt", stem(action, of));
-        let reply_file = reply.map(|reply| self.keep(&file, reply.text.as_bytes()));
-        Ok(Asked {
-            stage: attempt.stage.clone(),
-            attempt: attempt.number,
-            sent: question.map_or_else(SentFiles::default, |it| sent(action, of, it)),
-            note: attempt.note.clone(),
-            reply: reply_file.transpose()?,
-            result: attempt.finding.clone(),
-            usage: reply.and_then(|reply| reply.usage),
-        })
+        self.keep(&file, text.as_bytes())
     }
 
     fn unwritable(&self, name: &str, error: io::Error) -> JournalError {
@@ -223,16 +222,6 @@ impl RunFolder {
 /// Returns what the names of a question's files begin with.
 fn stem(action: u32, (stage, attempt): (&str, u32)) -> String {
     format!("step_{action}/{stage}_{attempt}")
-}
-
-fn sent(action: u32, of: (&str, u32), question: &Question) -> SentFiles {
-    let stem = stem(action, of);
-    let is_prompt = matches!(question, Question::Prompt(_));
-    SentFiles {
-        request_key: Some(question.key()),
-        request: Some(format!("{stem}.request.json")),
-        prompt: is_prompt.then(|| format!("{stem}.prompt.txt")),
-    }
 }
 
 fn image_name(sha256: &str) -> String {

@@ -31,7 +31,7 @@ pub(crate) use judge::{Ground, is_accepted};
 use crate::journal::JournalError;
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
-use crate::record::RehearsedStep;
+use crate::record::{Asked, RehearsedStep, SentFiles};
 use crate::result::StepResult;
 use crate::rollout::RunError;
 use crate::scene::Scene;
@@ -297,8 +297,9 @@ impl<'a> StepView<'a> {
 pub struct Exchange<'e, 'j> {
     /// Gets answers, which are bought or computed once and never again.
     pub asking: &'e mut Asking<'j>,
-    /// Receives each question before it is asked, and each attempt as soon as it is complete.
-    pub record: &'e mut dyn FnMut(Exchanged<'_>) -> Result<(), JournalError>,
+    /// Receives each question before it is asked, and each attempt as soon as it is complete. Returns the files of a
+    /// question, and nothing else.
+    pub record: &'e mut dyn FnMut(Exchanged<'_>) -> Result<SentFiles, JournalError>,
     /// A request to stop early.
     pub interrupt: &'e Interrupt,
 }
@@ -326,18 +327,10 @@ pub enum Exchanged<'a> {
 /// One proposal or answer, and its result.
 #[derive(Clone, Debug)]
 pub struct Attempt {
-    /// The stage that asked; `policy` where the policy has no stages.
-    pub stage: String,
-    /// The attempt's number within this stage and step, from 1.
-    pub number: u32,
-    /// The question, if there was one.
-    pub question: Option<Question>,
+    /// Its entry in the record, before its reply has a file.
+    pub asked: Asked,
     /// The reply, if there was one.
     pub reply: Option<Reply>,
-    /// The policy's note about it, for people.
-    pub note: Option<String>,
-    /// Its meaning.
-    pub finding: Finding,
     /// How long the answer took.
     pub took: Duration,
 }

@@ -181,9 +181,6 @@ pub struct RehearsedStep {
     pub chosen: Option<u32>,
     /// Questions that the step would not have asked without rehearsal.
     pub calls: u32,
-    /// Why fewer answers were asked for than the task declares, if a question failed.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub shortfall: Option<String>,
 }
 
 /// An answer that was folded on the twins.
@@ -247,6 +244,21 @@ pub struct Asked {
     pub result: Finding,
     /// Token usage as reported by the provider.
     pub usage: Option<Usage>,
+}
+
+impl Asked {
+    /// Makes the entry of an attempt without a question and a reply.
+    pub(crate) fn new(stage: &str, attempt: u32, result: Finding) -> Asked {
+        Asked {
+            stage: stage.to_owned(),
+            attempt,
+            sent: SentFiles::default(),
+            note: None,
+            reply: None,
+            result,
+            usage: None,
+        }
+    }
 }
 
 /// The results of a rollout.

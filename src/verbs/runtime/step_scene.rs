@@ -9,6 +9,7 @@ use fab_agent::action::Action;
 use fab_agent::examples::Examples;
 use fab_agent::pictures::Pictures;
 use fab_agent::policy::{Asking, Decision, Exchange, Policy, Prompted, StepView};
+use fab_agent::record::SentFiles;
 use fab_agent::scene::Scene;
 use fab_agent::subgoals::SubgoalSet;
 use fab_base::interrupt::Interrupt;
@@ -119,7 +120,7 @@ fn stand_in_action(
     let budget = Budget::default();
     let mut exchange = Exchange {
         asking: &mut Asking::of(Ledger::unwritten(&budget)),
-        record: &mut |_| Ok(()),
+        record: &mut |_| Ok(SentFiles::default()),
         interrupt: &Interrupt::default(),
     };
     let decision = Prompted::new(models).decide(&view, &mut exchange)?;

@@ -24,7 +24,6 @@ use fab_picture::camera::Pinhole;
 use fab_picture::png;
 use fab_program::spaces::Spaces;
 use fab_program::{Arrow, Choices, Proposal, SubgoalStep, Value, space};
-use image::RgbImage;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -105,7 +104,7 @@ impl Policy for External {
             let sent = asked_in(folder);
             let text = text(&sent[1]);
             let question = Question::Line { key, text };
-            (exchange.record)(Exchanged::Question {
+            let files = (exchange.record)(Exchanged::Question {
                 stage: STAGE,
                 attempt: refusals.len() as u32 + 1,
                 question: &question,
@@ -130,7 +129,7 @@ impl Policy for External {
                 }
             };
             Ok(Proposed {
-                question: Some(question),
+                sent: files,
                 reply,
                 ..answer.into()
             })
@@ -235,16 +234,6 @@ fn file(step: &StepView<'_>, folder: &Path, name: &str) -> PathBuf {
     folder.join(format!("step_{}/{name}", step.number))
 }
 
-/// Returns the subgoal pictures of a step, if there are any, with the names of their files.
-fn subgoals<'p>(step: &StepView<'p>) -> Option<[(&'static str, &'p RgbImage); 2]> {
-    let shown = step.pictures.subgoals.as_ref()?;
-    let picture = |which| shown.picture(which, Arrow::Absent);
-    Some([
-        ("subgoal_now.png", picture(SubgoalStep::Now)),
-        ("subgoal_next.png", picture(SubgoalStep::Next)),
-    ])
-}
-
 /// Writes the files that the rollout itself does not store.
 fn write_files(step: &StepView<'_>, folder: &Path) -> Result<(), JournalError> {
     let depth = &step.observation.depth_m;
@@ -254,12 +243,14 @@ fn write_files(step: &StepView<'_>, folder: &Path) -> Result<(), JournalError> {
         ("annotated.png", png::encode(&step.pictures.annotated)),
         ("depth.npy", depth),
     ];
-    let shown = subgoals(step).into_iter().flatten();
-    files.extend(shown.map(|(name, picture)| (name, png::encode(picture))));
-    files.extend(
-        step.truth
-            .map(|truth| ("particles.npy", npy::encode(truth.particles))),
-    );
+    if let Some(shown) = &step.pictures.subgoals {
+        let picture = |which| png::encode(shown.picture(which, Arrow::Absent));
+        files.push(("subgoal_now.png", picture(SubgoalStep::Now)));
+        files.push(("subgoal_next.png", picture(SubgoalStep::Next)));
+    }
+    if let Some(truth) = step.truth {
+        files.push(("particles.npy", npy::encode(truth.particles)));
+    }
     for (name, bytes) in files {
         journal::write(&file(step, folder, name), &bytes)?;
     }
@@ -306,10 +297,7 @@ fn decide(step: &StepView<'_>, folder: &Path, refusals: &[Refusal]) -> protocol:
         }
     });
     let file = |name: &str| file(step, folder, name);
-    let [subgoal_now, subgoal_next] = match subgoals(step) {
-        Some(shown) => shown.map(|(name, _)| Some(file(name))),
-        None => [None, None],
-    };
+    let subgoal = |name| step.pictures.subgoals.as_ref().map(|_| file(name));
     protocol::Question::Decide(Box::new(Decide {
         step: step.step,
         action: step.number,
@@ -317,8 +305,8 @@ fn decide(step: &StepView<'_>, folder: &Path, refusals: &[Refusal]) -> protocol:
             scene: file("before.png"),
             annotated: file("annotated.png"),
             depth: file("depth.npy"),
-            subgoal_now,
-            subgoal_next,
+            subgoal_now: subgoal("subgoal_now.png"),
+            subgoal_next: subgoal("subgoal_next.png"),
         },
         camera: Pinhole::of(&step.observation.camera),
         keypoints: step.scene.to_json(),

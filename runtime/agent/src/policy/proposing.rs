@@ -3,10 +3,9 @@
 //! In: a step, and a function that makes an attempt. Out: every attempt as it happens, and what it came to. The task's
 //! `attempts` limit the number of answers.
 
-use super::{
-    Accepted, Attempt, Decision, Exchange, Exchanged, Finding, Question, RunError, StepView,
-};
+use super::{Accepted, Attempt, Decision, Exchange, Exchanged, Finding, RunError, StepView};
 use crate::outcome::Outcome;
+use crate::record::{Asked, SentFiles};
 use fab_model::Reply;
 use fab_program::Proposal;
 use fab_program::facts::Facts;
@@ -58,11 +57,17 @@ pub(super) fn settle(
     ask: &mut Ask<'_>,
 ) -> Result<Settled, RunError> {
     let mut refusals = Vec::new();
-    let mut stage = String::new();
+    let mut asking = String::new();
     for _ in 0..attempts {
         let attempt = ask(&refusals, exchange)?;
         (exchange.record)(Exchanged::Attempt(&attempt))?;
-        let (check, why, proposal) = match attempt.finding {
+        let Asked {
+            stage,
+            attempt: number,
+            result,
+            ..
+        } = attempt.asked;
+        let (check, why, proposal) = match result {
             Finding::Text { name, value, .. } => return Ok(Settled::Text { name, value }),
             Finding::Failed { outcome, why, .. } => return Ok(Settled::Failed { outcome, why }),
             Finding::Malformed { field, message, .. } => (field, message, None),
@@ -71,8 +76,8 @@ pub(super) fn settle(
             } => match verdict {
                 Verdict::Accept => {
                     let accepted = Accepted {
-                        stage: attempt.stage,
-                        attempt: attempt.number,
+                        stage,
+                        attempt: number,
                         without: Vec::new(),
                     };
                     return Ok(Settled::Action(Proposal { fields }, accepted));
@@ -82,9 +87,9 @@ pub(super) fn settle(
                 }
             },
         };
-        stage = attempt.stage;
+        asking = stage;
         refusals.push(Refusal {
-            number: attempt.number,
+            number,
             proposal,
             check,
             why,
@@ -103,7 +108,7 @@ pub(super) fn settle(
             .verdict(facts, proposal, Strictness::Relaxed)?;
         if verdict == Verdict::Accept {
             let accepted = Accepted {
-                stage,
+                stage: asking,
                 attempt: refusal.number,
                 without: without.clone(),
             };
@@ -115,7 +120,8 @@ pub(super) fn settle(
 
 /// A proposal of a policy without stages, with its question and reply.
 pub(super) struct Proposed {
-    pub question: Option<Question>,
+    /// The files of the question, if there was one.
+    pub sent: SentFiles,
     pub reply: Option<Reply>,
     /// A note for people.
     pub note: Option<String>,
@@ -126,7 +132,7 @@ pub(super) struct Proposed {
 impl From<Result<Proposal, Box<Finding>>> for Proposed {
     fn from(answer: Result<Proposal, Box<Finding>>) -> Proposed {
         Proposed {
-            question: None,
+            sent: SentFiles::default(),
             reply: None,
             note: None,
             answer,
@@ -172,15 +178,13 @@ pub(super) fn until_accepted(
                     stated: Vec::new(),
                 },
             };
-            Ok(Attempt {
-                stage: STAGE.to_owned(),
-                number: refusals.len() as u32 + 1,
-                question: proposed.question,
-                reply: proposed.reply,
+            let asked = Asked {
+                sent: proposed.sent,
                 note: proposed.note,
-                finding,
-                took,
-            })
+                ..Asked::new(STAGE, refusals.len() as u32 + 1, finding)
+            };
+            let reply = proposed.reply;
+            Ok(Attempt { asked, reply, took })
         },
     )?;
     // A proposal outside the action space is a failure of the policy, not a bad choice.

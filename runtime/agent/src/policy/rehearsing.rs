@@ -83,7 +83,6 @@ impl<'p> Rehearsing<'p> {
         let stage = stages.find(|stage| stage.name == rehearsal.stage);
         let count = rehearsal.choose.and(stage).map_or(1, |it| it.candidates());
         let mut best: Option<Candidate> = None;
-        let mut unusable = 0;
         for answer in 0..count {
             let decision = match answer {
                 0 => Some(first.clone()),
@@ -100,29 +99,17 @@ impl<'p> Rehearsing<'p> {
                     }
                 }
                 // Only the policy's own faults leave the others a chance.
-                Some(decision) if decision.is_exhausted() => unusable += 1,
+                Some(decision) if decision.is_exhausted() => {}
                 Some(decision) if decision.is_interrupted() => return Ok(decision),
                 // Without rehearsal it would not have been asked, so the answers that came still count.
-                Some(Decision::Stop { why, .. }) if answer > 0 => {
-                    self.fall_short(format!(
-                        "candidate {} of {count} was not answered, and no more were asked for: {why}",
-                        answer + 1
-                    ));
-                    break;
-                }
                 _ => break,
             }
         }
         let Some(mut taken) = best else {
             return Ok(first);
         };
-        if unusable > 0 {
-            self.fall_short(format!(
-                "{unusable} of {count} candidates were not usable after all their attempts"
-            ));
-        }
         let mut highest = taken.measure;
-        for number in 1..=rehearsal.revisions {
+        for _ in 0..rehearsal.revisions {
             let Some(predicted) = self.twins.picture(taken.motion.as_ref()) else {
                 break;
             };
@@ -137,11 +124,6 @@ impl<'p> Rehearsing<'p> {
                     self.tried(step, taken.answer, (grips, accepted), exchange)
                 }
                 Some(decision) if decision.is_interrupted() => return Ok(decision),
-                Some(decision) if decision.is_exhausted() => break,
-                Some(Decision::Stop { why, .. }) => {
-                    self.fall_short(format!("revision {number} was not answered: {why}"));
-                    break;
-                }
                 _ => break,
             };
             if exchange.interrupt.is_raised() {
@@ -157,11 +139,6 @@ impl<'p> Rehearsing<'p> {
             grips: taken.grips,
             accepted: taken.accepted,
         })
-    }
-
-    /// Records why fewer answers count than the task declares; of several reasons the first.
-    fn fall_short(&mut self, why: String) {
-        self.twins.line.shortfall.get_or_insert(why);
     }
 
     /// Tries an answer on the twins; one that cannot be tried has no measure.

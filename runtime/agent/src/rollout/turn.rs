@@ -9,8 +9,8 @@ use super::{Event, Job, RunError};
 use crate::action::Action;
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
-use crate::policy::{self, Decision, Exchange, Exchanged, Policy, StepView, Truth};
-use crate::record;
+use crate::policy::{self, Attempt, Decision, Exchange, Exchanged, Policy, StepView, Truth};
+use crate::record::{self, SentFiles};
 use crate::result::StepResult;
 use crate::scene::{Scene, SceneError};
 use fab_base::wording::counted;
@@ -191,29 +191,35 @@ impl<'j> Turn<'j> {
         } = keeper;
         let mut record = |exchanged: Exchanged<'_>| {
             let keeping = Instant::now();
+            let mut sent = SentFiles::default();
             match exchanged {
                 Exchanged::Question {
                     stage,
                     attempt,
                     question,
-                } => progress(Event::Question {
-                    at,
-                    stage: stage.to_owned(),
-                    attempt,
-                    sent: folder.keep_question(number, (stage, attempt), question)?,
-                }),
-                Exchanged::Attempt(attempt) => {
-                    end.report.count(attempt);
-                    self.timer.add(&attempt.stage, attempt.took);
-                    aside += attempt.took;
-                    let asked = folder.keep_attempt(number, attempt)?;
-                    if let Some(reply) = &attempt.reply {
+                } => {
+                    sent = folder.keep_question(number, (stage, attempt), question)?;
+                    progress(Event::Question {
+                        at,
+                        stage: stage.to_owned(),
+                        attempt,
+                        sent: sent.clone(),
+                    });
+                }
+                Exchanged::Attempt(Attempt { asked, reply, took }) => {
+                    let mut asked = asked.clone();
+                    end.report.count(&asked);
+                    self.timer.add(&asked.stage, *took);
+                    aside += *took;
+                    if let Some(reply) = reply {
+                        let of = (asked.stage.as_str(), asked.attempt);
+                        asked.reply = Some(folder.keep_reply(number, of, &reply.text)?);
                         progress(Event::Answer {
                             at,
-                            stage: attempt.stage.clone(),
-                            attempt: attempt.number,
+                            stage: asked.stage.clone(),
+                            attempt: asked.attempt,
                             text: reply.text.clone(),
-                            took_s: attempt.took.as_secs_f64(),
+                            took_s: took.as_secs_f64(),
                         });
                     }
                     self.line.attempts.push(asked.clone());
@@ -221,10 +227,6 @@ impl<'j> Turn<'j> {
                     progress(Event::Verdict { at, asked });
                 }
                 Exchanged::Rehearsed(rehearsal, took) => {
-                    if let Some(why) = &rehearsal.shortfall {
-                        let note = format!("step {step}: {why}");
-                        progress(Event::Note { note });
-                    }
                     self.line.rehearsal = Some(rehearsal.clone());
                     self.timer.add("rehearse", took);
                     aside += took;
@@ -232,7 +234,7 @@ impl<'j> Turn<'j> {
                 Exchanged::Note(note) => progress(Event::Note { note }),
             }
             aside += keeping.elapsed();
-            Ok(())
+            Ok(sent)
         };
         let view = StepView {
             before: self.before,

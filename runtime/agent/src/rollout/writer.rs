@@ -6,9 +6,9 @@ use super::turn::Turn;
 use super::{Ended, Event, Job, RunError};
 use crate::journal::{JournalError, RunFolder};
 use crate::outcome::Outcome;
-use crate::policy::{self, Asking, Attempt, Finding};
+use crate::policy::{self, Asking, Finding};
 use crate::record::{
-    self, End, ExpertDistance, Header, JudgedBy, Line, Report, RunCosts, Spent, StartFile,
+    self, Asked, End, ExpertDistance, Header, JudgedBy, Line, Report, RunCosts, Spent, StartFile,
     StepSpent,
 };
 use crate::sheet::{SHEET_FILE, Sheet};
@@ -289,9 +289,9 @@ impl<'j> RolloutWriter<'j> {
 
 impl Report {
     /// Counts a question, and a refused or unreadable answer.
-    pub(super) fn count(&mut self, attempt: &Attempt) {
-        self.queries += u32::from(attempt.question.is_some());
-        match &attempt.finding {
+    pub(super) fn count(&mut self, asked: &Asked) {
+        self.queries += u32::from(asked.sent.request.is_some());
+        match &asked.result {
             Finding::Action {
                 verdict: Verdict::Reject { check, .. },
                 ..

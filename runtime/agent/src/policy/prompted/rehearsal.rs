@@ -8,6 +8,7 @@ use super::StageMessage;
 use super::dialogue::{Dialogue, Setting};
 use crate::policy::proposing::Settled;
 use crate::policy::{Asking, Exchange, Exchanged, Finding, RunError, StepView};
+use crate::record::SentFiles;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{Budget, Calls, Ledger};
 use fab_model::{Lowering, Model, ModelError, ModelKind, Reply, Request};
@@ -89,9 +90,9 @@ pub fn rehearse(
                 if let Exchanged::Attempt(attempt) = exchanged
                     && attempt.reply.is_some()
                 {
-                    findings.push(attempt.finding.clone());
+                    findings.push(attempt.asked.result.clone());
                 }
-                Ok(())
+                Ok(SentFiles::default())
             },
             interrupt: &Interrupt::default(),
         };
