@@ -90,10 +90,7 @@ fn a_run_writes_each_event_with_its_time_and_files_that_exist() {
             .filter(|name| *name != what)
             .collect::<Vec<_>>()
     };
-    assert_eq!(
-        without("experts"),
-        [&["start"][..], &step, &["end"]].concat()
-    );
+    assert_eq!(without("note"), [&["start"][..], &step, &["end"]].concat());
     let mut answer = String::new();
     for Line { run, event, .. } in lines(&text) {
         assert_eq!(run, "run");

@@ -120,7 +120,6 @@ struct Played {
     report: Ended,
     line: Option<RehearsedStep>,
     record: Record,
-    notes: Vec<String>,
     /// What the events said that answers were tried.
     tried: Vec<RehearsedStep>,
     /// The journal of an arm's motions; empty if nothing was sent to it, or there is none.
@@ -170,9 +169,8 @@ fn play_as(
     prepare(&mut trial);
     let run = folder.path().join("run");
     let make_world = || make(&run);
-    let (mut notes, mut tried) = (Vec::new(), Vec::new());
+    let mut tried = Vec::new();
     let report = trial.decided_in(&make_world, policy, &run, &mut |event| match event {
-        Event::Note { note } => notes.push(note),
         Event::Motion { line, .. } => tried.extend(line.rehearsal),
         _ => {}
     });
@@ -182,7 +180,6 @@ fn play_as(
         report,
         line: record.steps[0].rehearsal.clone(),
         record,
-        notes,
         tried,
         motions: fs::read_to_string(run.join(ARM_FILE)).unwrap_or_default(),
     }

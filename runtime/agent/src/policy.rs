@@ -26,7 +26,9 @@ pub use prompted::{
 pub use random::Random;
 pub use rehearsing::Rehearsing;
 
-pub(crate) use judge::{Ground, is_accepted};
+pub use judge::Ground;
+
+pub(crate) use judge::is_accepted;
 
 use crate::journal::JournalError;
 use crate::outcome::Outcome;
@@ -43,10 +45,11 @@ use fab_program::facts::{ExecutedAction, Facts};
 use fab_program::reply::Stated;
 use fab_program::verify::Verdict;
 use fab_program::{Exhausted, Program, Proposal, Value};
+use fab_world::Motion;
 use fab_world::start::Start;
-use fab_world::{Motion, Reach, Refuses};
 use image::RgbImage;
 use serde::{Deserialize, Serialize};
+use std::ops::Deref;
 use std::path::Path;
 use std::time::Duration;
 
@@ -182,12 +185,8 @@ impl Description {
 /// The rollout's state at a step.
 #[derive(Clone, Copy)]
 pub struct StepView<'a> {
-    /// The task.
-    pub program: &'a Program,
-    /// The keypoints found in the observation.
-    pub scene: &'a Scene,
-    /// The observation behind the scene.
-    pub observation: &'a Observation,
+    /// What its actions are judged by.
+    pub ground: Ground<'a>,
     /// The number of this action in the rollout, from 1; one step may take several.
     pub number: u32,
     /// The number of this step, from 1.
@@ -202,10 +201,6 @@ pub struct StepView<'a> {
     pub executed: Option<&'a Motion>,
     /// The pictures that can be shown.
     pub pictures: &'a Pictures,
-    /// Tells what is out of the world's reach.
-    pub reach: &'a Reach<'a>,
-    /// Tells which motions the world refuses.
-    pub refuses: &'a Refuses<'a>,
     /// Distinguishes runs that need independent answers.
     pub repetition: u32,
     /// Number of the start in its suite, if questions at other starts get answers of their own.
@@ -227,6 +222,14 @@ pub struct Truth<'a> {
     pub particles: &'a [[f32; 3]],
 }
 
+impl<'a> Deref for StepView<'a> {
+    type Target = Ground<'a>;
+
+    fn deref(&self) -> &Ground<'a> {
+        &self.ground
+    }
+}
+
 impl<'a> StepView<'a> {
     /// Makes the view of a step outside any rollout: everything is in reach, and no motion is refused.
     pub fn without_rollout(
@@ -238,9 +241,13 @@ impl<'a> StepView<'a> {
         pictures: &'a Pictures,
     ) -> StepView<'a> {
         StepView {
-            program,
-            scene,
-            observation,
+            ground: Ground {
+                program,
+                scene,
+                observation,
+                reach: &fab_world::everywhere,
+                refuses: &fab_world::nothing,
+            },
             number: step,
             step,
             horizon: program.horizon,
@@ -248,8 +255,6 @@ impl<'a> StepView<'a> {
             last,
             executed: None,
             pictures,
-            reach: &fab_world::everywhere,
-            refuses: &fab_world::nothing,
             repetition: 0,
             start_number: None,
             start: "",
@@ -264,17 +269,6 @@ impl<'a> StepView<'a> {
         Facts {
             last: self.last,
             ..Facts::of(self.scene, self.step, pointing)
-        }
-    }
-
-    /// Returns what its actions are judged by, besides the facts of a prompt.
-    fn ground(&self) -> Ground<'a> {
-        Ground {
-            program: self.program,
-            scene: self.scene,
-            observation: self.observation,
-            reach: self.reach,
-            refuses: self.refuses,
         }
     }
 

@@ -349,10 +349,6 @@ pub enum CoverageSource {
 /// The figures of a rollout that are the same in every run of it; null if not applicable.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Report {
-    /// The task's name.
-    pub task: String,
-    /// The variant that was run.
-    pub variant: Option<String>,
     /// How it ended.
     pub outcome: Outcome,
     /// Why it ended before its last step, in words; for an arm, also what is verified. Null if it did not.
@@ -388,22 +384,6 @@ pub struct Report {
     pub refusals: BTreeMap<String, u32>,
     /// Answers that could not be read.
     pub malformed_replies: u32,
-    /// The policy, with the caveats that a reader of the figures must know.
-    pub policy: String,
-    /// Whether the policy saw the true positions of particles, which no camera shows.
-    pub sees_particles: bool,
-    /// The model that answered; both names if the roles differ, null if no model was asked.
-    pub model: Option<String>,
-    /// Whether that model is a built-in stand-in, not a vision-language model.
-    pub model_is_stand_in: bool,
-    /// The seed of the start, if given.
-    pub seed: Option<u64>,
-    /// Hash of the program.
-    pub program: String,
-    /// Name of the world.
-    pub world: String,
-    /// Hash of the world's parameters.
-    pub params: String,
 }
 
 /// The source of the expert results that a rollout was compared with.

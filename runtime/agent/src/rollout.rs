@@ -18,7 +18,7 @@ use crate::journal::{JournalError, RunFolder};
 use crate::judgement::Operator;
 use crate::outcome::Outcome;
 use crate::policy::{Asking, MakePolicy, Rehearsing};
-use crate::record::{Report, RunCosts};
+use crate::record::{Header, Report, RunCosts};
 use crate::scene::SceneError;
 use crate::subgoals::SubgoalSet;
 use crate::twins::Twins;
@@ -96,6 +96,9 @@ impl Job<'_> {
 /// A finished rollout, as `fabc run --json` prints it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ended {
+    /// What was run.
+    #[serde(flatten)]
+    pub header: Box<Header>,
     /// The part that is the same in every run.
     #[serde(flatten)]
     pub report: Report,
@@ -208,15 +211,6 @@ pub fn run(
             spent: Box::new(spent),
         });
         tries.after(job.program.actions_per_step(), turn.line.result);
-        if let (None, Some(before), Some(asked)) = (ended, tries.before, &job.program.verify.result)
-        {
-            let action = tries.number + 1;
-            progress(Event::Retried {
-                at: At { action, step },
-                overlap: before.overlap,
-                limit: asked.overlap_above,
-            });
-        }
     }
     let is_goal_met = covered.meets_goal(job);
     let end = match ended {

@@ -362,7 +362,7 @@ fn run(
         RunFolder::create(folder)
     };
     let open = open.map_err(|error| failed(error.into()))?;
-    let rollout::Ended { report, took } = match rollout::run(job, open, listen) {
+    let rollout::Ended { report, took, .. } = match rollout::run(job, open, listen) {
         // Nobody lays a cloth for a program that was asked to stop.
         Err(RunError::World(WorldError::Start { .. } | WorldError::Interrupted))
             if job.interrupt.is_raised() =>

@@ -22,7 +22,6 @@ use fab_program::render::Values;
 use fab_program::reply::Stated;
 use fab_program::verify::Verdict;
 use fab_program::{ClothStart, Program};
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Where the cloth lies, who is shown the messages, and what was answered.
@@ -112,14 +111,9 @@ pub fn rendered(
         subgoals,
     } = &seen;
     say_pictures(subgoals, &pictures.examples, &arguments.task.file, io);
-    let texts = BTreeMap::new();
     let values = Values::Partly(Facts {
-        scene,
-        texts: &texts,
-        step,
         last: last.as_ref(),
-        proposal: None,
-        pointing: target.lowering.pointing(pictures.size()),
+        ..Facts::of(scene, step, target.lowering.pointing(pictures.size()))
     });
     let view =
         StepView::without_rollout(program, scene, observation, step, last.as_ref(), pictures);

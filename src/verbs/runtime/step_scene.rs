@@ -138,10 +138,5 @@ fn stand_in_action(
             program.title()
         ))
     })?;
-    let done = ExecutedAction {
-        proposal,
-        pick: action.pick_on_cloth_px,
-        place: action.place_px,
-    };
-    Ok((action.grip, Some(done)))
+    Ok((action.grip, Some(action.executed(proposal))))
 }

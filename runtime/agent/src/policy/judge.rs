@@ -19,17 +19,22 @@ use fab_world::{Reach, Refuses};
 
 /// What an action is judged by, besides the facts of a prompt.
 #[derive(Clone, Copy)]
-pub(crate) struct Ground<'a> {
+pub struct Ground<'a> {
+    /// The task.
     pub program: &'a Program,
+    /// The keypoints found in the observation.
     pub scene: &'a Scene,
+    /// The observation behind the scene.
     pub observation: &'a Observation,
+    /// Tells what is out of the world's reach.
     pub reach: &'a Reach<'a>,
+    /// Tells which motions the world refuses.
     pub refuses: &'a Refuses<'a>,
 }
 
 impl Ground<'_> {
     /// Judges an action by the task's checks, and then by the world's reach.
-    pub fn verdict(
+    pub(crate) fn verdict(
         self,
         facts: Facts<'_>,
         proposal: &Proposal,
@@ -125,9 +130,7 @@ pub(super) fn judge(
             match reply::read_action_in(view.program, &notation, text) {
                 Err(error) => Ok(malformed(error)),
                 Ok(read) => Ok(Finding::Action {
-                    verdict: view
-                        .ground()
-                        .verdict(facts, &read.value, Strictness::Full)?,
+                    verdict: view.verdict(facts, &read.value, Strictness::Full)?,
                     fields: read.value.fields,
                     repairs: read.repairs,
                     stated: read.stated,
@@ -148,6 +151,6 @@ pub(crate) fn is_accepted(
     } else {
         Strictness::Relaxed
     };
-    let verdict = view.ground().verdict(view.facts(), proposal, strictness)?;
+    let verdict = view.verdict(view.facts(), proposal, strictness)?;
     Ok(verdict == Verdict::Accept)
 }

@@ -321,9 +321,9 @@ fn input(name: &str, step: &StepView<'_>, offers: &[Offer]) -> Vec<f32> {
 
 /// Keeps the actions that the task's checks accept; all of them if there is none, for a task that then drops a check.
 fn accepted_first(step: &StepView<'_>, offers: Vec<Offer>) -> Result<Vec<Offer>, RunError> {
-    let (ground, facts) = (step.ground(), step.facts());
+    let facts = step.facts();
     let verdicts = offers.iter().map(|offer| {
-        let verdict = ground.verdict(facts, &offer.proposal, Strictness::Full);
+        let verdict = step.verdict(facts, &offer.proposal, Strictness::Full);
         verdict.map(|verdict| verdict == Verdict::Accept)
     });
     let accepted = verdicts.collect::<Result<Vec<_>, _>>()?;

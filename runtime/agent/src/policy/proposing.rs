@@ -103,9 +103,7 @@ pub(super) fn settle(
         let Some(proposal) = &refusal.proposal else {
             continue;
         };
-        let verdict = step
-            .ground()
-            .verdict(facts, proposal, Strictness::Relaxed)?;
+        let verdict = step.verdict(facts, proposal, Strictness::Relaxed)?;
         if verdict == Verdict::Accept {
             let accepted = Accepted {
                 stage: asking,
@@ -172,7 +170,7 @@ pub(super) fn until_accepted(
             let finding = match proposed.answer {
                 Err(finding) => *finding,
                 Ok(proposal) => Finding::Action {
-                    verdict: step.ground().verdict(facts, &proposal, Strictness::Full)?,
+                    verdict: step.verdict(facts, &proposal, Strictness::Full)?,
                     fields: proposal.fields,
                     repairs: Vec::new(),
                     stated: Vec::new(),

@@ -84,23 +84,6 @@ pub enum Event {
         /// What it took.
         spent: Box<StepSpent>,
     },
-    /// A step's result does not match its subgoal, so it is taken again.
-    Retried {
-        /// When in the rollout.
-        #[serde(flatten)]
-        at: At,
-        /// The overlap with the subgoal's cloth.
-        overlap: f64,
-        /// The overlap that the task asks for.
-        limit: f64,
-    },
-    /// Expert results must be simulated for the score.
-    Experts {
-        /// How many.
-        missing: usize,
-        /// Of how many.
-        total: usize,
-    },
     /// Something that the user should know, without effect on the result.
     Note {
         /// In words.

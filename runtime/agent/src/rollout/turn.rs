@@ -9,7 +9,9 @@ use super::{Event, Job, RunError};
 use crate::action::Action;
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
-use crate::policy::{self, Attempt, Decision, Exchange, Exchanged, Policy, StepView, Truth};
+use crate::policy::{
+    self, Attempt, Decision, Exchange, Exchanged, Ground, Policy, StepView, Truth,
+};
 use crate::record::{self, SentFiles};
 use crate::result::StepResult;
 use crate::scene::{Scene, SceneError};
@@ -65,8 +67,6 @@ pub(super) struct Turn<'j> {
     /// The camera's picture after the action; `None` if nothing was done.
     pub after: Option<Observation>,
     pub timer: Timer,
-    /// Time spent on planning an action, without the model and the writing of files.
-    planning: Duration,
 }
 
 impl<'j> Turn<'j> {
@@ -82,13 +82,7 @@ impl<'j> Turn<'j> {
             },
             after: None,
             timer: Timer::default(),
-            planning: Duration::ZERO,
         }
-    }
-
-    /// Returns the time of render, vision, prompt, parse and verify, seconds; `None` if no action was asked for.
-    pub(super) fn planning_s(&self) -> Option<f64> {
-        (!self.line.attempts.is_empty()).then_some(self.planning.as_secs_f64())
     }
 
     /// Takes the step; returns an outcome if the rollout ends with it.
@@ -142,14 +136,14 @@ impl<'j> Turn<'j> {
         if job.interrupt.is_raised() {
             return Ok(self.stop(Outcome::Interrupted, "interrupted"));
         }
-        let observation = self.plan("observe", || world.observe())?;
+        let observation = self.timer.time("observe", || world.observe())?;
         let file = keeper.keep_picture(number, "before", &observation.rgb)?;
         self.line.files.before = Some(file.clone());
         // The first scene is stored unfiltered: the arm's reach is not a property of the cloth.
         let first = &mut memory.first_scene;
         let reach = |point: &WorldPoint| world.out_of_reach(point);
         let refuses = |motion: &Motion| world.refuses(motion);
-        let scene = self.plan("keypoints", || {
+        let scene = self.timer.time("keypoints", || {
             let scene = Scene::of(job.program, &observation, first.as_ref())?;
             first.get_or_insert_with(|| scene.clone());
             scene.within_reach(job.program, &observation, &reach)
@@ -169,7 +163,7 @@ impl<'j> Turn<'j> {
         }
         let last = memory.last.as_ref();
         let executed = memory.executed.take();
-        let pictures = self.plan("annotate", || {
+        let pictures = self.timer.time("annotate", || {
             let subgoals = job.subgoals.step(step as usize - 1)?;
             let examples = job.examples.clone();
             let pictures =
@@ -178,7 +172,7 @@ impl<'j> Turn<'j> {
         })?;
         let particles = world
             .particles()
-            .filter(|_| keeper.end.report.sees_particles);
+            .filter(|_| keeper.header.policy.sees_particles);
         let asking = Instant::now();
         let run = keeper.folder.path().to_owned();
         let start = job.start.digest();
@@ -238,17 +232,19 @@ impl<'j> Turn<'j> {
         };
         let view = StepView {
             before: self.before,
-            program: job.program,
-            scene: &scene,
-            observation: &observation,
+            ground: Ground {
+                program: job.program,
+                scene: &scene,
+                observation: &observation,
+                reach: &reach,
+                refuses: &refuses,
+            },
             number,
             step,
             horizon: job.horizon(),
             last,
             executed: executed.as_ref(),
             pictures: &pictures,
-            reach: &reach,
-            refuses: &refuses,
             repetition: job.repetition,
             start_number: job.start_number,
             start: &start,
@@ -266,7 +262,6 @@ impl<'j> Turn<'j> {
         let decision = policy.decide(&view, &mut exchange)?;
         let deciding = asking.elapsed().saturating_sub(aside);
         self.timer.add("prompt and verify", deciding);
-        self.planning += deciding;
         let proposal = match decision {
             Decision::Act { grips, accepted } => {
                 let [proposal] = <[Proposal; 1]>::try_from(grips).map_err(|grips| {
@@ -301,7 +296,7 @@ impl<'j> Turn<'j> {
         let before = world.particles();
         self.line.action = Some(vec![action.clone()]);
         let motion = Motion::from(action.grip);
-        let (executed, _) = self.timer.time("act", || world.act(&motion, job.interrupt));
+        let executed = self.timer.time("act", || world.act(&motion, job.interrupt));
         let executed = executed?;
         // It was done, whatever can be seen of it.
         self.line.executed = Some(executed.clone());
@@ -328,13 +323,6 @@ impl<'j> Turn<'j> {
         self.after = Some(after);
         memory.last = Some(action.executed(proposal));
         Ok(None)
-    }
-
-    /// Runs a part of planning and adds its time.
-    fn plan<T>(&mut self, what: &str, work: impl FnOnce() -> T) -> T {
-        let (result, took) = self.timer.time(what, work);
-        self.planning += took;
-        result
     }
 
     fn stop(&mut self, outcome: Outcome, why: &str) -> Option<Outcome> {

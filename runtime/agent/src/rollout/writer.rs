@@ -22,12 +22,16 @@ use fab_world::{World, metrics};
 use image::RgbImage;
 use std::time::{Duration, Instant};
 
+/// The activities of planning an action, without the model and the writing of files.
+const PLANNING: [&str; 4] = ["observe", "keypoints", "annotate", "prompt and verify"];
+
 /// Writes a rollout into its folder.
 pub(super) struct RolloutWriter<'j> {
     pub(super) folder: RunFolder,
     pub(super) timer: Timer,
     pub(super) asking: Asking<'j>,
     pub(super) sheet: Sheet,
+    pub(super) header: Box<Header>,
     /// What is known of the rollout so far.
     pub(super) end: End,
     /// How many expert results had to be simulated.
@@ -52,28 +56,15 @@ impl<'j> RolloutWriter<'j> {
         let program_file = folder.keep("program.json", &program)?;
         let start_file = folder.keep("start.npy", &npy::encode(&job.start.positions))?;
         folder.keep("start.json", &job.start.description())?;
-        let report = Report {
-            task: job.program.task.clone(),
-            variant: job.program.variant.clone(),
-            policy: policy.title(),
-            sees_particles: policy.sees_particles,
-            model: policy.models.is_some().then(|| policy.name.clone()),
-            model_is_stand_in: policy.is_stand_in(),
-            seed: job.start.seed,
-            program: job.program.hash(),
-            world: world.name().to_owned(),
-            params: world.parameters(),
-            ..Report::default()
-        };
         let header = Box::new(Header {
             schema: record::VERSION,
             fabc: env!("CARGO_PKG_VERSION").to_owned(),
-            task: report.task.clone(),
-            variant: report.variant.clone(),
-            program: report.program.clone(),
+            task: job.program.task.clone(),
+            variant: job.program.variant.clone(),
+            program: job.program.hash(),
             program_file,
-            world: report.world.clone(),
-            params: report.params.clone(),
+            world: world.name().to_owned(),
+            params: world.parameters(),
             code: world.code(),
             vary: world.variation(),
             policy,
@@ -95,16 +86,16 @@ impl<'j> RolloutWriter<'j> {
             goal: job.program.goal.clone(),
         });
         folder.append(&Line::Header(header.clone()))?;
-        progress(Event::Start { header });
+        progress(Event::Start {
+            header: header.clone(),
+        });
         Ok(RolloutWriter {
             folder,
             asking,
             timer: Timer::default(),
             sheet: Sheet::default(),
-            end: End {
-                report,
-                ..End::default()
-            },
+            header,
+            end: End::default(),
             experts_simulated: 0,
             planned_s: Vec::new(),
             last_skip: None,
@@ -141,10 +132,14 @@ impl<'j> RolloutWriter<'j> {
     pub(super) fn keep_step(&mut self, turn: &Turn<'_>) -> Result<StepSpent, JournalError> {
         let line = &turn.line;
         self.folder.append(&Line::Step(Box::new(line.clone())))?;
+        let seconds = turn.timer.seconds.clone();
+        let planning = PLANNING
+            .iter()
+            .filter_map(|what| seconds.get(*what)?.as_f64());
         let spent = StepSpent {
             step: line.step,
-            planning_s: turn.planning_s(),
-            seconds: turn.timer.seconds.clone(),
+            planning_s: (!line.attempts.is_empty()).then(|| planning.sum()),
+            seconds,
             so_far: self.asking.ledger.spent(),
         };
         self.folder.spend(&Spent::Step(spent.clone()))?;
@@ -201,7 +196,12 @@ impl<'j> RolloutWriter<'j> {
             job.make_expert_world,
             job.cache,
             job.interrupt,
-            &mut |missing| progress(Event::Experts { missing, total }),
+            &mut |missing| {
+                let note = format!(
+                    "simulating {missing} of {total} expert results to score against; they are kept for the next run"
+                );
+                progress(Event::Note { note });
+            },
         )?;
         self.timer.add("experts", begun.elapsed());
         if let Some(note) = results.not_kept {
@@ -275,7 +275,7 @@ impl<'j> RolloutWriter<'j> {
             report.operator = operator.judge(report, self.folder.path());
         }
         // A failed contact sheet must not lose a finished rollout.
-        if let Some(picture) = self.sheet.picture(report).unwrap_or_default() {
+        if let Some(picture) = self.sheet.picture(&self.header, report).unwrap_or_default() {
             self.end.sheet = Some(self.folder.keep(SHEET_FILE, &png::encode(&picture))?);
         }
         let report = report.clone();
@@ -283,7 +283,11 @@ impl<'j> RolloutWriter<'j> {
         self.folder.spend(&Spent::End {
             report: Box::new(took.clone()),
         })?;
-        Ok(Ended { report, took })
+        Ok(Ended {
+            header: self.header,
+            report,
+            took,
+        })
     }
 }
 

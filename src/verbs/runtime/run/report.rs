@@ -27,6 +27,8 @@ pub struct Progress<'io> {
     earlier: u32,
     horizon: u32,
     answer: String,
+    /// The last step, if its result did not match its subgoal, with their overlap.
+    failed: Option<(u32, f64)>,
 }
 
 impl<'io> Progress<'io> {
@@ -38,6 +40,7 @@ impl<'io> Progress<'io> {
             earlier,
             horizon: 0,
             answer: String::new(),
+            failed: None,
         }
     }
 
@@ -56,24 +59,35 @@ impl<'io> Progress<'io> {
                     (None, None) => return,
                 };
                 let (step, stage, attempt) = (at.step, &asked.stage, asked.attempt);
-                io.talk(&format!("  step {step}, {stage} attempt {attempt}: {words}"));
+                io.talk(&format!(
+                    "  step {step}, {stage} attempt {attempt}: {words}"
+                ));
             }
-            Event::Retried { at, overlap, limit } if !is_earlier(at) => io.talk(&format!(
-                "step {} again, kept as `step_{}`: its result overlaps the subgoal's cloth by {:.3}, and the task asks for more than {limit}",
-                at.step,
-                at.action,
-                // Rounded up, it could seem to be enough.
-                (overlap * 1000.0).floor() / 1000.0
-            )),
+            Event::Picture { at, .. } if !is_earlier(at) => {
+                if let Some(overlap) = self.failed.take_if(|(step, _)| *step == at.step) {
+                    self.again(at, overlap.1);
+                }
+            }
             Event::Motion { at, line, spent } if !is_earlier(at) || line.stopped.is_some() => {
+                let failed = line.result.filter(|result| !result.is_enough);
+                self.failed = failed.map(|result| (at.step, result.overlap));
                 self.step(at.step, line, spent);
             }
-            Event::Experts { missing, total } => io.talk(&format!(
-                "simulating {missing} of {total} expert results to score against; they are kept for the next run"
-            )),
             Event::Note { note } => io.talk(&format!("note: {note}")),
             _ => {}
         }
+    }
+
+    /// Shows that a step is taken again, since its result does not match its subgoal.
+    fn again(&self, at: &At, overlap: f64) {
+        let asked = self.program.verify.result.as_ref();
+        let limit = asked.map_or(0.0, |it| it.overlap_above);
+        // Rounded up, it could seem to be enough.
+        let overlap = (overlap * 1000.0).floor() / 1000.0;
+        let At { action, step } = at;
+        self.io.talk(&format!(
+            "step {step} again, kept as `step_{action}`: its result overlaps the subgoal's cloth by {overlap:.3}, and the task asks for more than {limit}"
+        ));
     }
 
     /// Shows how a step ended.
@@ -246,7 +260,7 @@ fn summary(report: &Ended, goal: Option<&Goal>) -> Vec<String> {
             goal.unwrap_or_default()
         ));
         let judged_by = report.judged_by.iter();
-        let elsewhere = judged_by.filter(|judged_by| judged_by.world != report.world);
+        let elsewhere = judged_by.filter(|judged_by| judged_by.world != report.header.world);
         lines.extend(elsewhere.map(|judged_by| {
             let (world, [x, y]) = (&judged_by.world, judged_by.grid);
             format!("judged by expert results of `{world}`, on a grid of {x} x {y} particles")
@@ -256,12 +270,14 @@ fn summary(report: &Ended, goal: Option<&Goal>) -> Vec<String> {
         lines.extend(coverage(report));
     }
     lines.extend(report.operator.as_ref().map(judged));
-    lines.push(match &report.model {
-        Some(model) if report.model_is_stand_in => {
+    let policy = &report.header.policy;
+    let model = policy.models.as_ref().map(|_| &policy.name);
+    lines.push(match model {
+        Some(model) if policy.is_stand_in() => {
             format!("model: {model}, a stand-in and no vision-language model")
         }
         Some(model) => format!("model: {model}"),
-        None => format!("policy: {}", report.policy),
+        None => format!("policy: {}", policy.title()),
     });
     lines.push(questions(report));
     lines.extend(spent(report));
