@@ -363,9 +363,7 @@ pub enum Finding {
         name: String,
         /// The text.
         value: String,
-        /// Repairs needed to read it.
-        repairs: Vec<String>,
-        /// Where the answer states it.
+        /// Where the answer states it, and the repairs needed to read it.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         stated: Vec<Stated>,
     },
@@ -373,9 +371,7 @@ pub enum Finding {
     Action {
         /// Its fields.
         fields: Vec<(String, Value)>,
-        /// Repairs needed to read it.
-        repairs: Vec<String>,
-        /// Where the answer states each field; empty if no model answered.
+        /// Where the answer states each field, and the repairs needed to read it; empty if no model answered.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         stated: Vec<Stated>,
         /// The verifier's answer.

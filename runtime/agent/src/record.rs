@@ -12,7 +12,7 @@ use crate::result::StepResult;
 use crate::subgoals::Origin;
 use fab_base::jsonl::Reader;
 use fab_model::calls::{self, Fault, Usage};
-use fab_program::{Fold, Goal, Proposal};
+use fab_program::{Fold, Proposal};
 use fab_world::Executed;
 use fab_world::metrics::ClothMoved;
 use fab_world::start::{Grid, Up};
@@ -84,10 +84,6 @@ pub struct Header {
     /// The start in the suite that the answers were drawn for; absent if equal questions at all starts share them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drawn_for: Option<u64>,
-    /// The most questions of a stage in a step.
-    pub attempts: u32,
-    /// The task's goal.
-    pub goal: Option<Goal>,
 }
 
 /// The start of a rollout, as the run folder keeps it.
@@ -177,10 +173,6 @@ pub struct RehearsedStep {
     pub aside: Option<String>,
     /// Each answer that was folded on the twins, in order.
     pub candidates: Vec<RehearsedAnswer>,
-    /// The number of the question whose answer was taken, among those of the stage; null if none was.
-    pub chosen: Option<u32>,
-    /// Questions that the step would not have asked without rehearsal.
-    pub calls: u32,
 }
 
 /// An answer that was folded on the twins.

@@ -5,7 +5,7 @@
 //! started at the first question, and its answers are stored in the run folder before they are used: a resumed rollout
 //! asks only new questions.
 
-use super::proposing::{Proposed, Refusal, STAGE, stop, until_accepted};
+use super::proposing::{Refusal, STAGE, Source, stop, until_accepted};
 use super::protocol::{
     self, Answer, Decide, FieldValue, Grip, Hello, Last, Offered, PROTOCOL, Pictures, Ready,
     Refused, grip,
@@ -128,11 +128,12 @@ impl Policy for External {
                     (None, stop(outcome, error.to_string()))
                 }
             };
-            Ok(Proposed {
+            let source = Source {
                 sent: files,
                 reply,
-                ..answer.into()
-            })
+                note: None,
+            };
+            Ok((source, answer))
         })
     }
 }

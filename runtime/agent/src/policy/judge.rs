@@ -120,7 +120,6 @@ pub(super) fn judge(
                 Finding::Text {
                     name: name.clone(),
                     value: read.value,
-                    repairs: read.repairs,
                     stated: read.stated,
                 }
             }))
@@ -132,7 +131,6 @@ pub(super) fn judge(
                 Ok(read) => Ok(Finding::Action {
                     verdict: view.verdict(facts, &read.value, Strictness::Full)?,
                     fields: read.value.fields,
-                    repairs: read.repairs,
                     stated: read.stated,
                 }),
             }

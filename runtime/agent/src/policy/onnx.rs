@@ -7,7 +7,7 @@
 //! The runtime computes with what the processor offers, so the last bits of a value depend on the processor.
 
 use super::expert::least_refused;
-use super::proposing::{Proposed, stop, until_accepted};
+use super::proposing::{Source, stop, until_accepted};
 use super::{Decision, Description, Exchange, Kind, Policy, RunError, StepView};
 use crate::action::{Action, combinations};
 use crate::outcome::Outcome;
@@ -192,20 +192,18 @@ impl Policy for Onnx {
         let offers = accepted_first(step, Onnx::offers(step))?;
         let ranked = self.ranked(step, offers);
         until_accepted(step, exchange, &mut |refusals, _| {
-            let ranked = match &ranked {
-                Ok(ranked) => ranked,
-                Err(why) => return Ok(stop(Outcome::PolicyFailed, why).into()),
-            };
-            Ok(match ranked.get(refusals.len()) {
-                Some((value, offer)) => Proposed {
-                    note: Some(format!("value {value:.3}")),
-                    ..Ok(offer.proposal.clone()).into()
+            let mut source = Source::default();
+            let answer = match &ranked {
+                Err(why) => stop(Outcome::PolicyFailed, why),
+                Ok(ranked) => match ranked.get(refusals.len()) {
+                    Some((value, offer)) => {
+                        source.note = Some(format!("value {value:.3}"));
+                        Ok(offer.proposal.clone())
+                    }
+                    None => stop(Outcome::NoCandidates, "no other action is offered"),
                 },
-                None if refusals.is_empty() => {
-                    stop(Outcome::NoCandidates, "no action is offered").into()
-                }
-                None => stop(Outcome::NoCandidates, "every offered action was refused").into(),
-            })
+            };
+            Ok((source, answer))
         })
     }
 }

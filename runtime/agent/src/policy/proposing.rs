@@ -33,8 +33,8 @@ pub(super) enum Settled {
 
 /// An answer that was not accepted.
 pub(super) struct Refusal {
-    /// The number of its attempt.
-    pub number: u32,
+    /// What it would be accepted as.
+    pub accepted: Accepted,
     /// The action, if it could be read.
     pub proposal: Option<Proposal>,
     /// The check that refused it, or the field that could not be read.
@@ -57,17 +57,15 @@ pub(super) fn settle(
     ask: &mut Ask<'_>,
 ) -> Result<Settled, RunError> {
     let mut refusals = Vec::new();
-    let mut asking = String::new();
     for _ in 0..attempts {
         let attempt = ask(&refusals, exchange)?;
         (exchange.record)(Exchanged::Attempt(&attempt))?;
-        let Asked {
-            stage,
-            attempt: number,
-            result,
-            ..
-        } = attempt.asked;
-        let (check, why, proposal) = match result {
+        let accepted = Accepted {
+            stage: attempt.asked.stage,
+            attempt: attempt.asked.attempt,
+            without: Vec::new(),
+        };
+        let (check, why, proposal) = match attempt.asked.result {
             Finding::Text { name, value, .. } => return Ok(Settled::Text { name, value }),
             Finding::Failed { outcome, why, .. } => return Ok(Settled::Failed { outcome, why }),
             Finding::Malformed { field, message, .. } => (field, message, None),
@@ -75,11 +73,6 @@ pub(super) fn settle(
                 fields, verdict, ..
             } => match verdict {
                 Verdict::Accept => {
-                    let accepted = Accepted {
-                        stage,
-                        attempt: number,
-                        without: Vec::new(),
-                    };
                     return Ok(Settled::Action(Proposal { fields }, accepted));
                 }
                 Verdict::Reject { check, message, .. } => {
@@ -87,9 +80,8 @@ pub(super) fn settle(
                 }
             },
         };
-        asking = stage;
         refusals.push(Refusal {
-            number,
+            accepted,
             proposal,
             check,
             why,
@@ -106,9 +98,8 @@ pub(super) fn settle(
         let verdict = step.verdict(facts, proposal, Strictness::Relaxed)?;
         if verdict == Verdict::Accept {
             let accepted = Accepted {
-                stage: asking,
-                attempt: refusal.number,
                 without: without.clone(),
+                ..refusal.accepted.clone()
             };
             return Ok(Settled::Action(proposal.clone(), accepted));
         }
@@ -116,26 +107,17 @@ pub(super) fn settle(
     Ok(Settled::Refused(refusals.pop()))
 }
 
-/// A proposal of a policy without stages, with its question and reply.
-pub(super) struct Proposed {
+/// An action for the only gripper, or why there is none.
+pub(super) type Answer = Result<Proposal, Box<Finding>>;
+
+/// How a policy without stages came to its answer.
+#[derive(Default)]
+pub(super) struct Source {
     /// The files of the question, if there was one.
     pub sent: SentFiles,
     pub reply: Option<Reply>,
     /// A note for people.
     pub note: Option<String>,
-    /// An action for the only gripper, or why there is none.
-    pub answer: Result<Proposal, Box<Finding>>,
-}
-
-impl From<Result<Proposal, Box<Finding>>> for Proposed {
-    fn from(answer: Result<Proposal, Box<Finding>>) -> Proposed {
-        Proposed {
-            sent: SentFiles::default(),
-            reply: None,
-            note: None,
-            answer,
-        }
-    }
 }
 
 /// Proposes nothing, now or later.
@@ -148,7 +130,8 @@ pub(super) fn stop<T>(outcome: Outcome, why: impl Into<String>) -> Result<T, Box
 }
 
 /// Proposes an action, given the refusals so far.
-type Propose<'p> = dyn FnMut(&[Refusal], &mut Exchange<'_, '_>) -> Result<Proposed, RunError> + 'p;
+type Propose<'p> =
+    dyn FnMut(&[Refusal], &mut Exchange<'_, '_>) -> Result<(Source, Answer), RunError> + 'p;
 
 /// Collects proposals of a policy without stages until one passes every check.
 pub(super) fn until_accepted(
@@ -165,23 +148,21 @@ pub(super) fn until_accepted(
         exchange,
         &mut |refusals, exchange| {
             let begun = Instant::now();
-            let proposed = propose(refusals, exchange)?;
+            let (Source { sent, reply, note }, answer) = propose(refusals, exchange)?;
             let took = begun.elapsed();
-            let finding = match proposed.answer {
+            let finding = match answer {
                 Err(finding) => *finding,
                 Ok(proposal) => Finding::Action {
                     verdict: step.verdict(facts, &proposal, Strictness::Full)?,
                     fields: proposal.fields,
-                    repairs: Vec::new(),
                     stated: Vec::new(),
                 },
             };
             let asked = Asked {
-                sent: proposed.sent,
-                note: proposed.note,
+                sent,
+                note,
                 ..Asked::new(STAGE, refusals.len() as u32 + 1, finding)
             };
-            let reply = proposed.reply;
             Ok(Attempt { asked, reply, took })
         },
     )?;

@@ -41,32 +41,6 @@ impl<'p> Rehearsing<'p> {
         Rehearsing { inner, twins }
     }
 
-    /// Decides with twins that can be trusted.
-    fn decide_with_twins(
-        &mut self,
-        step: &StepView<'_>,
-        exchange: &mut Exchange<'_, '_>,
-    ) -> Result<Decision, RunError> {
-        let first = self.inner.decide(step, exchange)?;
-        let mut further = 0;
-        let record = &mut *exchange.record;
-        let mut exchange = Exchange {
-            asking: exchange.asking,
-            record: &mut |exchanged| {
-                further += u32::from(matches!(exchanged, Exchanged::Attempt(_)));
-                record(exchanged)
-            },
-            interrupt: exchange.interrupt,
-        };
-        let decided = self.best(step, first, &mut exchange)?;
-        let line = &mut self.twins.line;
-        line.calls = further;
-        if let Decision::Act { accepted, .. } = &decided {
-            line.chosen = Some(accepted.attempt);
-        }
-        Ok(decided)
-    }
-
     /// Asks for the answers that the task declares, and returns the best; the first decision, if none can be used.
     ///
     /// First come independent answers, then revisions of the best of these. A revision that does not come, cannot be
@@ -74,9 +48,12 @@ impl<'p> Rehearsing<'p> {
     fn best(
         &mut self,
         step: &StepView<'_>,
-        first: Decision,
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Decision, RunError> {
+        let first = self.inner.decide(step, exchange)?;
+        if !self.inner.rehearses() {
+            return Ok(first);
+        }
         let interrupted = step.without_answer(Outcome::Interrupted);
         let rehearsal = self.twins.rehearsal;
         let mut stages = step.program.stages.iter();
@@ -232,8 +209,7 @@ impl Policy for Rehearsing<'_> {
                 (exchange.record)(Exchanged::Note(note))?;
                 self.inner.decide(step, exchange)
             }
-            (None, None) if self.inner.rehearses() => self.decide_with_twins(step, exchange),
-            (None, None) => self.inner.decide(step, exchange),
+            (None, None) => self.best(step, exchange),
         };
         let took = std::mem::take(&mut self.twins.took);
         (exchange.record)(Exchanged::Rehearsed(&self.twins.line, took))?;

@@ -82,8 +82,6 @@ impl<'j> RolloutWriter<'j> {
             early_stop: job.early_stop,
             repetition: job.repetition,
             drawn_for: job.drawn_for(),
-            attempts: job.program.verify.attempts,
-            goal: job.program.goal.clone(),
         });
         folder.append(&Line::Header(header.clone()))?;
         progress(Event::Start {

@@ -14,7 +14,7 @@ fn asked(result: Value) -> Value {
 }
 
 fn action(verdict: Value) -> Value {
-    asked(json!({ "finding": "action", "fields": [], "repairs": [], "verdict": verdict }))
+    asked(json!({ "finding": "action", "fields": [], "verdict": verdict }))
 }
 
 fn step(attempts: &[Value], coverage: f64, improvement: f64) -> Step {

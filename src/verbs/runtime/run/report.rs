@@ -5,7 +5,7 @@ use fab_agent::action::Action;
 use fab_agent::judgement::Judgement;
 use fab_agent::outcome::Outcome;
 use fab_agent::policy::Finding;
-use fab_agent::record::{CoverageSource, RehearsedAnswer, RehearsedStep, Step, StepSpent};
+use fab_agent::record::{CoverageSource, RehearsedAnswer, Step, StepSpent};
 use fab_agent::rollout::Ended;
 use fab_agent::rollout::event::{At, Event};
 use fab_agent::sheet::SHEET_FILE;
@@ -97,7 +97,8 @@ impl<'io> Progress<'io> {
         let tried = tried.filter(|it| it.aside.is_none() && !it.candidates.is_empty());
         if let Some(tried) = tried {
             let took_s = spent.seconds.get("rehearse").and_then(Value::as_f64);
-            let words = rehearsed(tried, took_s.unwrap_or_default());
+            let taken = line.accepted.as_ref().map(|accepted| accepted.attempt);
+            let words = rehearsed(&tried.candidates, taken, took_s.unwrap_or_default());
             io.talk(&format!("  step {step}, {words}"));
         }
         let said = match (&line.executed, line.skipped, &line.stopped) {
@@ -148,13 +149,12 @@ fn grip(action: &Action, grasp: Grasp) -> String {
 }
 
 /// Says which of the answers that were tried on twins was taken, by its measure and its place among them.
-fn rehearsed(line: &RehearsedStep, seconds: f64) -> String {
-    let tried = &line.candidates;
+fn rehearsed(tried: &[RehearsedAnswer], taken: Option<u32>, seconds: f64) -> String {
     let measure = |index: usize| {
         let measure: Option<f64> = tried[index].measure;
         measure.map_or("no measure".to_owned(), |it| format!("{it:.2}"))
     };
-    let is_taken = |it: &RehearsedAnswer| line.chosen == Some(it.attempt);
+    let is_taken = |it: &RehearsedAnswer| taken == Some(it.attempt);
     let choice = match tried.iter().position(is_taken) {
         None => "none taken".to_owned(),
         Some(0) => format!("the first taken ({})", measure(0)),
@@ -164,9 +164,8 @@ fn rehearsed(line: &RehearsedStep, seconds: f64) -> String {
         }
     };
     format!(
-        "rehearsed: {}, {choice}, {}, {seconds:.1} s",
-        counted(tried.len(), "answer"),
-        counted(line.calls as usize, "more question")
+        "rehearsed: {}, {choice}, {seconds:.1} s",
+        counted(tried.len(), "answer")
     )
 }
 
