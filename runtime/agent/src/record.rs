@@ -404,8 +404,6 @@ pub struct RunCosts {
     pub cost_usd_at_most: Option<f64>,
     /// The run folder.
     pub run_dir: String,
-    /// How many expert results were simulated for the score; the others were cached.
-    pub experts_simulated: usize,
     /// Wall time by activity, seconds.
     pub seconds: Map<String, Value>,
     /// Wall time of the whole run, seconds.

@@ -252,11 +252,11 @@ fn unfit(program: &Program, world: &dyn World) -> Option<String> {
             return None;
         };
         manner_field(&field.name)?;
-        let manners = choices
+        let mut manners = choices
             .iter()
             .map(|it| program.manner.with(&field.name, it.m));
-        let whys: Option<Vec<String>> = manners.map(refused).collect();
-        whys?.into_iter().next()
+        let first = refused(manners.next()?)?;
+        manners.all(|it| refused(it).is_some()).then_some(first)
     };
     let why = if world.grippers() != 1 {
         let grippers = counted(world.grippers(), "gripper");

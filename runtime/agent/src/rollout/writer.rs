@@ -34,8 +34,6 @@ pub(super) struct RolloutWriter<'j> {
     pub(super) header: Box<Header>,
     /// What is known of the rollout so far.
     pub(super) end: End,
-    /// How many expert results had to be simulated.
-    pub(super) experts_simulated: usize,
     /// Planning times of the actions that were asked for, seconds.
     planned_s: Vec<f64>,
     last_skip: Option<Outcome>,
@@ -94,7 +92,6 @@ impl<'j> RolloutWriter<'j> {
             sheet: Sheet::default(),
             header,
             end: End::default(),
-            experts_simulated: 0,
             planned_s: Vec::new(),
             last_skip: None,
         })
@@ -227,7 +224,6 @@ impl<'j> RolloutWriter<'j> {
         let Some((sequence, distance_m)) = nearest else {
             return Ok(None);
         };
-        self.experts_simulated = results.simulated;
         let end = &mut self.end;
         end.nearest_expert = Some(sequence);
         end.experts = Some(experts);
@@ -265,7 +261,6 @@ impl<'j> RolloutWriter<'j> {
             cost_usd: spent.known_cost().map(Usd::dollars),
             cost_usd_at_most: spent.priced_at_most().map(Usd::dollars),
             run_dir: self.folder.path().display().to_string(),
-            experts_simulated: self.experts_simulated,
             seconds: self.timer.seconds,
             wall_s: wall.as_secs_f64(),
         };

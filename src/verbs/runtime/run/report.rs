@@ -286,12 +286,6 @@ fn summary(report: &Ended, goal: Option<&Goal>) -> Vec<String> {
         seconds.filter_map(|(what, spent)| Some(format!("{what} {:.2}", spent.as_f64()?)));
     let seconds = seconds.collect::<Vec<_>>().join(", ");
     lines.push(format!("seconds: {seconds}, in all {:.1}", took.wall_s));
-    let n_new = Some(took.experts_simulated).filter(|count| *count > 0);
-    lines.extend(
-        n_new.map(|count| {
-            format!("of that, {count} expert results were simulated for the first time")
-        }),
-    );
     let has_sheet = Path::new(&took.run_dir).join(SHEET_FILE).exists();
     let sheet = has_sheet.then(|| format!(" (contact sheet: {SHEET_FILE})"));
     let sheet = sheet.unwrap_or_default();
