@@ -42,7 +42,7 @@ use fab_model::calls::Fault;
 use fab_model::{Description as ModelDescription, Lowering, ModelKind, Reply, Request};
 use fab_picture::observation::Observation;
 use fab_program::facts::{ExecutedAction, Facts};
-use fab_program::reply::Stated;
+use fab_program::reply::{Malformed, Stated};
 use fab_program::verify::Verdict;
 use fab_program::{Exhausted, Program, Proposal, Value};
 use fab_world::Motion;
@@ -378,15 +378,7 @@ pub enum Finding {
         verdict: Verdict,
     },
     /// The answer could not be read.
-    Malformed {
-        /// The missing or wrong field.
-        field: String,
-        /// The message to the model.
-        message: String,
-        /// Where the answer states the fields that could be read.
-        #[serde(default, skip_serializing_if = "Vec::is_empty")]
-        stated: Vec<Stated>,
-    },
+    Malformed(Malformed),
     /// There was no answer.
     Failed {
         /// How the rollout ends.

@@ -12,7 +12,7 @@ use crate::result::StepResult;
 use crate::subgoals::Origin;
 use fab_base::jsonl::Reader;
 use fab_model::calls::{self, Fault, Usage};
-use fab_program::{Fold, Proposal};
+use fab_program::{Fold, Goal, Metric, Proposal};
 use fab_world::Executed;
 use fab_world::metrics::ClothMoved;
 use fab_world::start::{Grid, Up};
@@ -326,6 +326,18 @@ pub struct Measures {
     pub normalized_improvement: Option<f64>,
     /// The same by the true measure; null for pictures.
     pub normalized_improvement_true: Option<f64>,
+}
+
+impl Measures {
+    /// Returns whether they meet a goal that is judged after each step: by the source measure.
+    pub fn meet(&self, goal: &Goal) -> bool {
+        let value = match goal.metric {
+            Metric::Coverage => self.coverage,
+            Metric::NormalizedImprovement => self.normalized_improvement,
+            Metric::ParticleDistance => None,
+        };
+        value.is_some_and(|value| goal.is_met(value))
+    }
 }
 
 /// What coverage is measured on.

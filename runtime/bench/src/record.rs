@@ -8,7 +8,7 @@ use fab_agent::policy;
 use fab_agent::record::{self, Header, MAX_BYTES, Record, RecordError, Report, StepSpent};
 use fab_base::{difference, files, npy};
 use fab_model::calls::Usd;
-use fab_program::{Goal, Metric as GoalMetric};
+use fab_program::Goal;
 use fab_world::vary::AxisValues;
 use serde::Serialize;
 use serde_json::json;
@@ -164,7 +164,7 @@ impl Rollout {
     /// With `stop`, only those up to and including the first that meets the goal, if it is judged after each step.
     pub fn steps_to(&self, horizon: u32, stop: Option<&Goal>) -> &[Step] {
         let within = &self.steps[..self.steps.len().min(horizon as usize)];
-        match stop.and_then(|goal| within.iter().position(|step| meets(goal, step))) {
+        match stop.and_then(|goal| within.iter().position(|step| step.line.measures.meet(goal))) {
             Some(at) => &within[..=at],
             None => within,
         }
@@ -176,7 +176,7 @@ impl Rollout {
         let steps = self.steps_to(horizon, stop);
         let last = steps.last().filter(|step| step.line.is_taken());
         if let (Some(goal), Some(last)) = (judged, last)
-            && meets(goal, last)
+            && last.line.measures.meet(goal)
         {
             return Outcome::GoalReached;
         }
@@ -186,16 +186,6 @@ impl Rollout {
             self.report.outcome
         }
     }
-}
-
-/// Returns whether a goal judged after each step is met; as in a rollout, by the source measure.
-fn meets(goal: &Goal, step: &Step) -> bool {
-    let value = match goal.metric {
-        GoalMetric::Coverage => step.line.measures.coverage,
-        GoalMetric::NormalizedImprovement => step.line.measures.normalized_improvement,
-        GoalMetric::ParticleDistance => None,
-    };
-    value.is_some_and(|value| goal.is_met(value))
 }
 
 #[cfg(test)]

@@ -19,7 +19,7 @@ use fab_agent::subgoals::SubgoalSet;
 use fab_base::interrupt::Interrupt;
 use fab_program::facts::Facts;
 use fab_program::render::Values;
-use fab_program::reply::Stated;
+use fab_program::reply::{Malformed, Stated};
 use fab_program::verify::Verdict;
 use fab_program::{ClothStart, Program};
 use std::path::{Path, PathBuf};
@@ -195,7 +195,9 @@ fn in_words(finding: &Finding) -> String {
             Verdict::Accept => ("accepted".to_owned(), stated),
             Verdict::Reject { check, .. } => (format!("refused by `{check}`"), stated),
         },
-        Finding::Malformed { field, stated, .. } => (format!("`{field}` cannot be read"), stated),
+        Finding::Malformed(Malformed { field, stated, .. }) => {
+            (format!("`{field}` cannot be read"), stated)
+        }
         Finding::Failed { why, .. } => return why.clone(),
     };
     let sources: String = stated.iter().map(source).collect();

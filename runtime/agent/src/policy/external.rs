@@ -22,6 +22,7 @@ use fab_base::{digest, npy};
 use fab_model::Reply;
 use fab_picture::camera::Pinhole;
 use fab_picture::png;
+use fab_program::reply::Malformed;
 use fab_program::spaces::Spaces;
 use fab_program::{Arrow, Choices, Proposal, SubgoalStep, Value, space};
 use serde::Serialize;
@@ -187,11 +188,11 @@ fn read(step: &StepView<'_>, line: &str) -> Result<Proposal, Box<Finding>> {
 }
 
 fn unreadable(field: &str, message: String) -> Box<Finding> {
-    Box::new(Finding::Malformed {
+    Box::new(Finding::Malformed(Malformed {
         field: field.to_owned(),
         message,
         stated: Vec::new(),
-    })
+    }))
 }
 
 /// Reads a grip; fails with the wrong field and the reason.

@@ -12,7 +12,7 @@ use fab_picture::observation::Observation;
 use fab_program::facts::Facts;
 use fab_program::pointing::Notation;
 use fab_program::render::RenderError;
-use fab_program::reply::{self, Malformed};
+use fab_program::reply;
 use fab_program::verify::{self, REACHABLE, Strictness, Verdict};
 use fab_program::{Program, Proposal, Read, Stage};
 use fab_world::{Reach, Refuses};
@@ -101,11 +101,6 @@ pub(super) fn judge(
     facts: Facts<'_>,
     text: &str,
 ) -> Result<Finding, RenderError> {
-    let malformed = |error: Malformed| Finding::Malformed {
-        field: error.field,
-        message: error.message,
-        stated: error.stated,
-    };
     match &stage.read {
         Read::Text {
             name,
@@ -113,7 +108,7 @@ pub(super) fn judge(
             after,
         } => {
             let read = reply::read_text(before, after, text);
-            Ok(read.map_or_else(malformed, |mut read| {
+            Ok(read.map_or_else(Finding::Malformed, |mut read| {
                 for stated in &mut read.stated {
                     stated.field.clone_from(name);
                 }
@@ -127,7 +122,7 @@ pub(super) fn judge(
         Read::Action => {
             let notation = facts.notation(view.program);
             match reply::read_action_in(view.program, &notation, text) {
-                Err(error) => Ok(malformed(error)),
+                Err(error) => Ok(Finding::Malformed(error)),
                 Ok(read) => Ok(Finding::Action {
                     verdict: view.verdict(facts, &read.value, Strictness::Full)?,
                     fields: read.value.fields,

@@ -68,7 +68,7 @@ pub(super) fn settle(
         let (check, why, proposal) = match attempt.asked.result {
             Finding::Text { name, value, .. } => return Ok(Settled::Text { name, value }),
             Finding::Failed { outcome, why, .. } => return Ok(Settled::Failed { outcome, why }),
-            Finding::Malformed { field, message, .. } => (field, message, None),
+            Finding::Malformed(malformed) => (malformed.field, malformed.message, None),
             Finding::Action {
                 fields, verdict, ..
             } => match verdict {

@@ -293,7 +293,7 @@ impl Report {
                 verdict: Verdict::Reject { check, .. },
                 ..
             } => *self.refusals.entry(check.clone()).or_default() += 1,
-            Finding::Malformed { .. } => self.malformed_replies += 1,
+            Finding::Malformed(_) => self.malformed_replies += 1,
             Finding::Action { .. } | Finding::Text { .. } | Finding::Failed { .. } => {}
         }
     }

@@ -4,7 +4,7 @@
 use super::*;
 use fab_agent::record::{RECORD_FILE, SPENT_FILE};
 use fab_model::calls::Spent;
-use fab_program::Comparison;
+use fab_program::{Comparison, Metric as GoalMetric};
 use serde_json::{Value, json};
 
 fn goal() -> Goal {

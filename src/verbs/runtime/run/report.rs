@@ -11,6 +11,7 @@ use fab_agent::rollout::event::{At, Event};
 use fab_agent::sheet::SHEET_FILE;
 use fab_base::wording::{counted, shown};
 use fab_model::calls::Spent;
+use fab_program::reply::Malformed;
 use fab_program::verify::Verdict;
 use fab_program::{Goal, LEAST_SLIDE_MM, Metric, Program, space};
 use fab_world::film::Film;
@@ -212,7 +213,7 @@ fn refusal(result: &Finding, answer: &str) -> Option<String> {
             verdict: Verdict::Reject { check, message, .. },
             ..
         } => Some(format!("refused by `{check}`: {message}")),
-        Finding::Malformed { message, .. } => Some(format!(
+        Finding::Malformed(Malformed { message, .. }) => Some(format!(
             "not readable: {message}\nthe answer: {}",
             shown(answer, MAX_SHOWN)
         )),
