@@ -69,8 +69,8 @@ fn play_task(program: &Program, vision: &[&str], text: &[&str], interrupt: &Inte
     };
     let mut findings = Vec::new();
     let mut watch = |event: Event| {
-        if let Event::Verdict { result, .. } = event {
-            findings.push(result);
+        if let Event::Verdict { asked, .. } = event {
+            findings.push(asked.result);
         }
     };
     let models = Models {
@@ -171,7 +171,7 @@ fn the_record_says_what_was_read_and_each_repair() {
         stated(1),
         (&"place".into(), &format!("Place Point = {place}").into())
     );
-    let repairs = action["repairs"].as_array().unwrap();
+    let repairs = action["stated"][0]["repairs"].as_array().unwrap();
     assert!(
         repairs.len() == 1 && repairs[0].as_str().unwrap().contains(&bare(pick)),
         "{repairs:?}"

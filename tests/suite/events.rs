@@ -90,10 +90,8 @@ fn a_run_writes_each_event_with_its_time_and_files_that_exist() {
             .filter(|name| *name != what)
             .collect::<Vec<_>>()
     };
-    assert_eq!(
-        without("experts"),
-        [&["start"][..], &step, &["end"]].concat()
-    );
+    assert_eq!(without("note"), [&["start"][..], &step, &["end"]].concat());
+    let mut answer = String::new();
     for Line { run, event, .. } in lines(&text) {
         assert_eq!(run, "run");
         let files = match event {
@@ -103,21 +101,21 @@ fn a_run_writes_each_event_with_its_time_and_files_that_exist() {
                 assert!(scene["corners"].is_array(), "{scene}");
                 vec![Some(file)]
             }
-            Event::Question { files, .. } => vec![files.request, files.prompt],
-            Event::Answer { text, file, .. } => {
-                assert_eq!(
-                    fs::read_to_string(folder.path().join("run").join(&file)).unwrap(),
-                    text
-                );
+            Event::Question { sent, .. } => vec![sent.request, sent.prompt],
+            Event::Answer { text, .. } => {
+                answer = text;
+                Vec::new()
+            }
+            Event::Verdict { asked, .. } => {
+                let file = asked.reply.unwrap();
+                let stored = fs::read_to_string(folder.path().join("run").join(&file));
+                assert_eq!(stored.unwrap(), answer);
                 vec![Some(file)]
             }
-            Event::Motion {
-                grips,
-                executed,
-                files,
-                ..
-            } => {
-                assert_eq!((grips.len(), executed.grips.len()), (1, 1));
+            Event::Motion { line, .. } => {
+                let executed = line.executed.unwrap();
+                assert_eq!((line.action.unwrap().len(), executed.grips.len()), (1, 1));
+                let files = line.files;
                 vec![files.before, files.action, files.after, files.positions]
             }
             Event::End { report } => {

@@ -157,7 +157,7 @@ fn play(model: &dyn Model) -> Played {
         models,
         &folder.path().join("run"),
         &mut |event| match event {
-            Event::Motion { grips, .. } => actions.extend(grips),
+            Event::Motion { line, .. } => actions.extend(line.action.into_iter().flatten()),
             Event::Note { note } => notes.push(note),
             _ => {}
         },

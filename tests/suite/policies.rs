@@ -94,13 +94,16 @@ fn the_example_folds_double_triangle() {
     let run = folder.path().join("run");
     let ended = trial.decided(&example(), &run, &mut |_| {}).unwrap();
     assert_eq!((ended.outcome, ended.steps), (Outcome::GoalReached, 2));
-    assert_eq!((ended.queries, ended.model.as_deref()), (2, None));
-    assert!(
-        ended.policy.starts_with("exec:python3 "),
-        "{}",
-        ended.policy
+    assert_eq!(
+        (ended.queries, ended.header.policy.models.as_ref()),
+        (2, None)
     );
-    assert!(!ended.sees_particles);
+    assert!(
+        ended.header.policy.name.starts_with("exec:python3 "),
+        "{}",
+        ended.header.policy.name
+    );
+    assert!(!ended.header.policy.sees_particles);
 }
 
 /// A program that records each question, and folds.
@@ -176,20 +179,27 @@ fn particles_are_there_only_for_who_asks_for_them() {
         let command = Command { sight, ..example() };
         let run = folder.path().join(format!("{sight:?}"));
         let ended = trial.decided(&command, &run, &mut |_| {}).unwrap();
-        assert_eq!((ended.steps, ended.sees_particles), (2, sees));
-        let request = &record(&run).steps[1].attempts[0].request;
+        assert_eq!((ended.steps, ended.header.policy.sees_particles), (2, sees));
+        let request = &record(&run).steps[1].attempts[0].sent.request;
         let request = std::fs::read_to_string(run.join(request.as_ref().unwrap())).unwrap();
         assert_eq!(request.contains("\"particles\""), sees);
         assert_eq!(run.join("step_2/particles.npy").exists(), sees);
-        assert_eq!(ended.policy.contains("oracle: sees true particles"), sees);
+        assert_eq!(
+            ended
+                .header
+                .policy
+                .title()
+                .contains("oracle: sees true particles"),
+            sees
+        );
     }
 }
 
 fn played(policy: &dyn MakePolicy, trial: &Trial<'_>, run: &Path) -> (Ended, Vec<String>) {
     let mut notes = Vec::new();
     let ended = trial.decided(policy, run, &mut |event| {
-        if let Event::Verdict { note, .. } = event {
-            notes.extend(note);
+        if let Event::Verdict { asked, .. } = event {
+            notes.extend(asked.note);
         }
     });
     (ended.unwrap(), notes)
@@ -204,7 +214,10 @@ fn the_expert_follows_the_demonstration_and_says_what_was_offered() {
     let run = folder.path().join("run");
     let (ended, notes) = played(&Expert, &trial, &run);
     assert_eq!(ended.outcome, Outcome::GoalReached);
-    assert_eq!((ended.queries, ended.sees_particles), (0, true));
+    assert_eq!(
+        (ended.queries, ended.header.policy.sees_particles),
+        (0, true)
+    );
     assert_eq!(notes.len(), 2);
     assert!(
         notes[0].starts_with("pick wanted (182, 41), nearest offered (182, 41), 0 px away"),
@@ -213,7 +226,7 @@ fn the_expert_follows_the_demonstration_and_says_what_was_offered() {
     let step = &record(&run).steps[0];
     assert_eq!(step.attempts[0].note.as_ref(), notes.first());
     assert_eq!(
-        (&step.attempts[0].request, &step.attempts[0].reply),
+        (&step.attempts[0].sent.request, &step.attempts[0].reply),
         (&None, &None)
     );
 }
@@ -295,7 +308,10 @@ fn the_random_policy_writes_no_prompt_and_its_seed_decides() {
         trial.repetition = repetition;
         let run = folder.path().join(name);
         let (ended, _) = played(&Random { seed }, &trial, &run);
-        assert_eq!((ended.queries, ended.model.as_deref()), (0, None));
+        assert_eq!(
+            (ended.queries, ended.header.policy.models.as_ref()),
+            (0, None)
+        );
         assert!(!run.join("step_1/policy_1.prompt.txt").exists());
         let steps = record(&run).steps;
         steps

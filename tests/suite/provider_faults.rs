@@ -106,8 +106,14 @@ fn every_rollout_ends_in_a_named_outcome_and_every_call_is_accounted_for() {
             }
             other => panic!("rollout {repetition} ended {other:?}"),
         }
-        calls += report.took.calls;
-        faults.extend(report.took.faults.keys().cloned());
+        calls += report.took.spent.calls;
+        faults.extend(
+            report
+                .took
+                .faults
+                .keys()
+                .map(|fault| fault.name().to_owned()),
+        );
     }
     assert_eq!(calls, provider.calls() as u64);
     assert!(faults.len() >= 5, "only {faults:?} came up");

@@ -3,7 +3,7 @@
 use super::support::{self, Careless, Scripted, Trial, words_of};
 use fab_agent::outcome::Outcome;
 use fab_agent::policy::{MakePolicy, Prompted, Random};
-use fab_agent::record::{Record, RehearsedStep};
+use fab_agent::record::{Record, RehearsedStep, Step};
 use fab_agent::rollout::{Ended, Event};
 use fab_arm::log::ARM_FILE;
 use fab_arm::supervisor::Unattended;
@@ -120,7 +120,6 @@ struct Played {
     report: Ended,
     line: Option<RehearsedStep>,
     record: Record,
-    notes: Vec<String>,
     /// What the events said that answers were tried.
     tried: Vec<RehearsedStep>,
     /// The journal of an arm's motions; empty if nothing was sent to it, or there is none.
@@ -170,15 +169,9 @@ fn play_as(
     prepare(&mut trial);
     let run = folder.path().join("run");
     let make_world = || make(&run);
-    let (mut notes, mut tried) = (Vec::new(), Vec::new());
+    let mut tried = Vec::new();
     let report = trial.decided_in(&make_world, policy, &run, &mut |event| match event {
-        Event::Note { note } => notes.push(note),
-        Event::Rehearsed {
-            rehearsal, took_s, ..
-        } => {
-            assert!(took_s > 0.0);
-            tried.push(*rehearsal);
-        }
+        Event::Motion { line, .. } => tried.extend(line.rehearsal),
         _ => {}
     });
     let report = report.unwrap();
@@ -187,10 +180,14 @@ fn play_as(
         report,
         line: record.steps[0].rehearsal.clone(),
         record,
-        notes,
         tried,
         motions: fs::read_to_string(run.join(ARM_FILE)).unwrap_or_default(),
     }
+}
+
+/// The number of the question whose answer was taken.
+fn taken(step: &Step) -> Option<u32> {
+    step.accepted.as_ref().map(|accepted| accepted.attempt)
 }
 
 fn plain(world: SimulatedWorld) -> Box<dyn World> {
@@ -218,7 +215,7 @@ fn the_candidate_is_taken_that_does_best_on_the_twin_and_the_first_question_is_a
         measures[1] > measures[0] + 0.1 && measures[0] == measures[2],
         "{measures:?}"
     );
-    assert_eq!((line.chosen, line.calls), (Some(2), 2));
+    assert_eq!(taken(&played.record.steps[0]), Some(2));
     let step = &played.record.steps[0];
     assert_eq!(step.accepted.as_ref().unwrap().attempt, 2);
     assert!(
@@ -288,22 +285,14 @@ fn a_candidate_that_is_not_answered_leaves_the_choice_among_those_that_are() {
     let played = play(&program, &failing(2), plain, |_| {});
     let line = played.line.unwrap();
     assert_eq!(line.candidates.len(), 2);
-    assert_eq!((line.chosen, line.calls), (Some(2), 2));
-    let why = line.shortfall.unwrap();
-    assert!(
-        why.contains("candidate 3 of 3") && why.contains("the line is cut"),
-        "{why}"
-    );
-    assert!(
-        played.notes.iter().any(|note| note.contains(&why)),
-        "{:?}",
-        played.notes
-    );
-    assert!(played.record.steps[0].executed.is_some());
+    assert_eq!(taken(&played.record.steps[0]), Some(2));
+    let step = &played.record.steps[0];
+    let last = &step.attempts.last().unwrap().result;
+    assert!(format!("{last:?}").contains("the line is cut"), "{last:?}");
+    assert!(step.executed.is_some());
     // Without the first answer it ends as it does without rehearsal.
     let played = play(&program, &failing(0), plain, |_| {});
-    let line = played.line.unwrap();
-    assert_eq!((line.chosen, line.calls, line.shortfall), (None, 0, None));
+    assert_eq!(taken(&played.record.steps[0]), None);
     assert_eq!(played.report.outcome, Outcome::ModelFailed);
 }
 
@@ -315,8 +304,7 @@ fn where_an_earlier_stage_has_no_answer_no_candidate_is_asked_for() {
     assert_eq!(played.report.outcome, Outcome::MalformedReply);
     let asked = model.asked.into_inner().unwrap();
     assert_eq!(asked.len() as u32, program.verify.attempts);
-    let line = played.line.unwrap();
-    assert_eq!((line.chosen, line.calls), (None, 0));
+    assert_eq!(taken(&played.record.steps[0]), None);
 }
 
 #[test]
@@ -328,8 +316,9 @@ fn the_declared_measure_decides_which_candidate_is_taken() {
     ] {
         let mut program = rehearsing();
         program.rehearsal.as_mut().unwrap().choose = Some(choose);
-        let line = play(&program, &careless(&[1]), plain, |_| {}).line.unwrap();
-        assert_eq!(line.chosen, Some(chosen), "{line:?}");
+        let played = play(&program, &careless(&[1]), plain, |_| {});
+        let line = played.line.unwrap();
+        assert_eq!(taken(&played.record.steps[0]), Some(chosen), "{line:?}");
         if choose == RehearsalMeasure::Coverage {
             let covered = line.candidates.iter().map(|it| it.measure.unwrap());
             for (covered, expected) in covered.zip([1.0 / 2.0, 7.0 / 8.0, 1.0 / 2.0]) {
@@ -391,7 +380,7 @@ fn a_step_that_is_interrupted_while_an_answer_is_tried_keeps_what_was_found_and_
     let [first] = line.candidates.as_slice() else {
         panic!("{line:?}");
     };
-    assert_eq!((line.chosen, line.calls), (None, 1));
+    assert_eq!(step.accepted, None);
     assert!(first.measure.is_some() && step.executed.is_none());
 
     trial.interrupt = Interrupt::default();
@@ -400,7 +389,7 @@ fn a_step_that_is_interrupted_while_an_answer_is_tried_keeps_what_was_found_and_
     let again = Record::read(&run).unwrap().steps.pop().unwrap();
     let line = again.rehearsal.unwrap();
     assert_eq!((&line.candidates[0], line.candidates.len()), (first, 3));
-    assert_eq!((line.chosen, line.calls), (Some(1), 2));
+    assert_eq!(again.accepted.unwrap().attempt, 1);
 }
 
 #[test]
@@ -490,7 +479,7 @@ fn a_cloth_that_is_shown_elsewhere_than_start_and_particles_state_is_rehearsed_a
         line.overlap.unwrap() > 0.9 && line.aside.is_none(),
         "{line:?}"
     );
-    assert_eq!(line.chosen, Some(2), "{line:?}");
+    assert_eq!(taken(&lying.record.steps[0]), Some(2), "{line:?}");
     assert_eq!(Some(line), honest.line);
 }
 
@@ -513,10 +502,7 @@ fn where_twin_and_camera_disagree_one_question_is_asked_and_something_real_does_
         line.aside.as_deref().unwrap().contains("overlap by 0."),
         "{line:?}"
     );
-    assert_eq!(
-        (line.candidates.len(), line.chosen, line.calls),
-        (0, None, 0)
-    );
+    assert!(line.candidates.is_empty(), "{line:?}");
     assert_eq!(model.asked.into_inner().unwrap().len(), 2);
     assert!(aside.record.steps[0].executed.is_some());
 
@@ -626,7 +612,7 @@ fn an_arm_does_not_move_where_twin_and_camera_disagree_and_moves_where_they_agre
         line.overlap.unwrap() > 0.8 && line.aside.is_none(),
         "{line:?}"
     );
-    assert_eq!(line.chosen, Some(2), "{line:?}");
+    assert_eq!(taken(&trusted.record.steps[0]), Some(2), "{line:?}");
     assert!(trusted.record.steps[0].executed.is_some());
     assert!(trusted.motions.contains("begin"), "{}", trusted.motions);
 }
@@ -688,7 +674,7 @@ fn a_vision_model_sees_what_would_come_of_its_answer_and_may_revise_it() {
     let played = play(&program, &model, plain, |_| {});
     let line = played.line.unwrap();
     assert_eq!(line.candidates.len(), 2, "the third answer changes nothing");
-    assert_eq!((line.chosen, line.calls), (Some(2), 2));
+    assert_eq!(taken(&played.record.steps[0]), Some(2));
     let asked = model.asked.into_inner().unwrap();
     assert_eq!(asked.len(), 4);
     let predicted = |request: &Request| match request.messages.last().unwrap().parts.last() {
@@ -701,8 +687,6 @@ fn a_vision_model_sees_what_would_come_of_its_answer_and_may_revise_it() {
     // A question about the prediction that is not answered leaves the answer before it.
     let model = Scripted::new(&["Instructions: fold it", &first]);
     let played = play(&program, &model, plain, |_| {});
-    let line = played.line.unwrap();
-    assert_eq!((line.chosen, line.calls), (Some(1), 1));
-    assert!(line.shortfall.unwrap().contains("revision 1"));
+    assert_eq!(taken(&played.record.steps[0]), Some(1));
     assert!(played.record.steps[0].executed.is_some());
 }

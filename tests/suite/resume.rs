@@ -98,7 +98,7 @@ fn a_rollout_cut_off_anywhere_comes_out_the_same_and_asks_nothing_twice() {
     let whole = folder.path().join("whole");
     let model = Bought::default();
     let report = play(&trial, &model, &whole);
-    assert_eq!(report.took.calls, 4);
+    assert_eq!(report.took.spent.calls, 4);
     assert_eq!(report.took.cost_usd, Some(0.004));
     let sent = model.sent();
     let lines = journal(&whole);
@@ -172,8 +172,8 @@ fn a_cap_ends_a_rollout_and_a_higher_one_goes_on_with_it() {
     let model = Bought::default();
     let report = play(&trial, &model, &run);
     assert_eq!(report.outcome, Outcome::HorizonReached);
-    assert_eq!((model.sent().len(), report.took.calls), (1, 4));
-    assert_eq!(report.took.usage.input_tokens, 4000);
+    assert_eq!((model.sent().len(), report.took.spent.calls), (1, 4));
+    assert_eq!(report.took.spent.usage.input_tokens, 4000);
 }
 
 fn spent(run: &Path) -> Spent {

@@ -148,7 +148,7 @@ fn a_picture_measures_nearly_what_the_particles_do() {
     let trial = support::Trial::new(&program, &support::root().join("tasks"), Default::default());
     let known = trial.run_stand_in(&folder.path().join("run"));
     assert_eq!(known.coverage_source, Some(CoverageSource::Particles));
-    let of_particles = known.progress[0].measures.coverage_true.unwrap();
+    let of_particles = known.measures.coverage_true.unwrap();
     assert!(
         (seen - of_particles).abs() < 0.05,
         "{seen} and {of_particles}"

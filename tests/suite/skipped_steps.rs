@@ -43,7 +43,6 @@ fn a_skipped_step_moves_nothing_is_counted_and_lets_the_rollout_go_on() {
     );
     assert_eq!(taken["skipped"], json!(null));
     assert_ne!(taken["coverage_true"], skipped["coverage_true"]);
-    assert_eq!(report.progress.len(), 2);
 }
 
 #[test]

@@ -23,8 +23,10 @@ fn play(program: &Program, look: &Look, change: &dyn Fn(&mut SubgoalSet)) -> Pla
     change(&mut trial.subgoals);
     let mut points = Vec::new();
     let mut watch = |event: Event| {
-        if let Event::Motion { grips, .. } = event {
-            let (pick, place) = (grips[0].grip.pick, grips[0].grip.place);
+        if let Event::Motion { line, .. } = event
+            && let Some([action]) = line.action.as_deref()
+        {
+            let (pick, place) = (action.grip.pick, action.grip.place);
             points.push([pick.x, pick.y, place.x, place.y]);
         }
     };

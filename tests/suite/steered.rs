@@ -75,8 +75,8 @@ pub(super) fn play_with(
     change(&mut trial);
     let mut grips = Vec::new();
     let mut watch = |event: Event| {
-        if let Event::Motion { grips: actions, .. } = event {
-            grips.extend(actions.iter().map(|it| it.grip));
+        if let Event::Motion { line, .. } = event {
+            grips.extend(line.action.iter().flatten().map(|it| it.grip));
         }
     };
     let models = Models {
@@ -117,7 +117,7 @@ fn a_direction_is_one_of_the_picture_whichever_way_is_up() {
             (moved.x - expected[0]).abs() < 1e-9 && (moved.y - expected[1]).abs() < 1e-9,
             "{variant:?}: {moved:?}"
         );
-        assert_eq!(played.report.variant.as_deref(), variant);
+        assert_eq!(played.report.header.variant.as_deref(), variant);
     }
 }
 

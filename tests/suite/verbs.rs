@@ -275,8 +275,8 @@ fn run_shipped(task: &str) -> Value {
         "coverage",
         "normalized_improvement",
         "steps",
-        "model",
-        "seed",
+        "policy",
+        "start",
         "program",
         "params",
         "run_dir",
@@ -294,7 +294,7 @@ fn run_shipped(task: &str) -> Value {
 fn run_reaches_the_goal_of_double_straight() {
     let report = run_shipped("double_straight");
     assert_eq!(report["outcome"], "goal_reached");
-    assert_eq!(report["model_is_stand_in"], true);
+    assert_eq!(report["policy"]["models"]["vision"]["nature"], "stand_in");
     assert!(
         report["mean_particle_distance_mm"].as_f64().unwrap() < 40.0,
         "{report}"

@@ -37,8 +37,9 @@ fn play(program: &Program, folder: &Path, replies: &[&str]) -> Played {
     let trial = Trial::new(program, folder, Look::default());
     let mut grips = Vec::new();
     let mut watch = |event: Event| {
-        if let Event::Motion { grips: actions, .. } = event {
-            grips.extend(actions.iter().map(|it| (it.place_px, it.grip)));
+        if let Event::Motion { line, .. } = event {
+            let actions = line.action.iter().flatten();
+            grips.extend(actions.map(|it| (it.place_px, it.grip)));
         }
     };
     let models = Models {

@@ -5,9 +5,8 @@
 //! finish. The same rollout always writes the same bytes; durations and costs, which differ, are in `spent.jsonl`. So
 //! an interrupted rollout is resumed by repeating it: lines that already exist are compared instead of written.
 
-use crate::policy::{Attempt, Question};
-use crate::record::{Asked, Line, MAX_BYTES, RECORD_FILE, SPENT_FILE, Spent};
-use crate::rollout::event::{AttemptOf, SentFiles};
+use crate::policy::Question;
+use crate::record::{Line, MAX_BYTES, RECORD_FILE, SPENT_FILE, SentFiles, Spent};
 use fab_base::difference;
 use fab_base::files;
 use fab_base::jsonl::{self, Appender, Reader};
@@ -155,37 +154,31 @@ impl RunFolder {
         written.map_err(|error| self.unwritable(SPENT_FILE, error))
     }
 
-    /// Returns the run's identity, if an earlier part of it has begun.
-    pub fn run_id(&self) -> Option<String> {
-        let mut lines = Reader::open(&self.path.join(SPENT_FILE), MAX_BYTES).ok()?;
-        match lines.read().ok()?? {
-            Spent::Begin { run_id } => Some(run_id),
-            _ => None,
-        }
-    }
-
     /// Writes a file of the run atomically, and returns its name for the journal.
     pub fn keep(&self, name: &str, bytes: &[u8]) -> Result<String, JournalError> {
         write(&self.path.join(name), bytes)?;
         Ok(name.to_owned())
     }
 
-    /// Writes a question exactly as it is sent; returns the names of its files.
+    /// Writes a question of an action exactly as it is sent, and returns its files.
     ///
-    /// In a step that is repeated they exist, and stay as they are until its answer is found.
+    /// In a step that is repeated they exist, and stay as they are.
     pub fn keep_question(
         &self,
-        of: &AttemptOf,
+        action: u32,
+        of: (&str, u32),
         question: &Question,
     ) -> Result<SentFiles, JournalError> {
-        let files = sent_files(of, question);
-        if !self.repeats() {
-            self.write_question(&files, question)?;
+        let stem = stem(action, of);
+        let is_prompt = matches!(question, Question::Prompt(_));
+        let sent = SentFiles {
+            request_key: Some(question.key()),
+            request: Some(format!("{stem}.request.json")),
+            prompt: is_prompt.then(|| format!("{stem}.prompt.txt")),
+        };
+        if self.repeats() {
+            return Ok(sent);
         }
-        Ok(files)
-    }
-
-    fn write_question(&self, files: &SentFiles, question: &Question) -> Result<(), JournalError> {
         let text = match question {
             Question::Line { text, .. } => text.clone().into_bytes(),
             Question::Prompt(request) => {
@@ -197,41 +190,28 @@ impl RunFolder {
                         self.keep(&name, png.bytes())?;
                     }
                 }
-                if let Some(file) = &files.prompt {
+                if let Some(file) = &sent.prompt {
                     self.keep(file, transcript(request).as_bytes())?;
                 }
                 serde_json::to_vec_pretty(request)
                     .expect("a request holds strings and finite numbers")
             }
         };
-        if let Some(file) = &files.request {
+        if let Some(file) = &sent.request {
             self.keep(file, &text)?;
         }
-        Ok(())
+        Ok(sent)
     }
 
-    /// Writes the exact reply of one attempt and returns its entry for the step's line.
-    pub fn keep_attempt(&self, of: &AttemptOf, attempt: &Attempt) -> Result<Asked, JournalError> {
-        let question = attempt.question.as_ref();
-        let sent = question.map(|question| sent_files(of, question));
-        let sent = sent.unwrap_or_default();
-        if let Some(question) = question.filter(|_| self.repeats()) {
-            self.write_question(&sent, question)?;
-        }
-        let reply = attempt.reply.as_ref();
-        let file = format!("{}.reply.txt", of.stem());
-        let reply_file = reply.map(|reply| self.keep(&file, reply.text.as_bytes()));
-        Ok(Asked {
-            stage: attempt.stage.clone(),
-            attempt: attempt.number,
-            request_key: question.map(Question::key),
-            request: sent.request,
-            prompt: sent.prompt,
-            note: attempt.note.clone(),
-            reply: reply_file.transpose()?,
-            result: attempt.finding.clone(),
-            usage: reply.and_then(|reply| reply.usage),
-        })
+    /// Writes the exact reply to a question of an action, and returns its name.
+    pub fn keep_reply(
+        &self,
+        action: u32,
+        of: (&str, u32),
+        text: &str,
+    ) -> Result<String, JournalError> {
+        let file = format!("{}.reply.txt", stem(action, of));
+        self.keep(&file, text.as_bytes())
     }
 
     fn unwritable(&self, name: &str, error: io::Error) -> JournalError {
@@ -239,13 +219,9 @@ impl RunFolder {
     }
 }
 
-fn sent_files(of: &AttemptOf, question: &Question) -> SentFiles {
-    let stem = of.stem();
-    let is_prompt = matches!(question, Question::Prompt(_));
-    SentFiles {
-        request: Some(format!("{stem}.request.json")),
-        prompt: is_prompt.then(|| format!("{stem}.prompt.txt")),
-    }
+/// Returns what the names of a question's files begin with.
+fn stem(action: u32, (stage, attempt): (&str, u32)) -> String {
+    format!("step_{action}/{stage}_{attempt}")
 }
 
 fn image_name(sha256: &str) -> String {

@@ -11,7 +11,7 @@
 //! robot arm; [`policy::Policy`] decides the actions; and [`fab_model::Model`], a provider's model or a stand-in,
 //! answers the prompting policy.
 //!
-//! This program compiles a task from memory and runs it on a small simulated cloth. `fab_standins::Geometric` answers:
+//! This program compiles a task and runs it on a small simulated cloth. `fab_standins::Geometric` answers:
 //! a stand-in that needs no API key and no network.
 //!
 //! ```
@@ -27,50 +27,29 @@
 //! use fab_world::{SimulatedWorld, World, WorldError, start::Start};
 //!
 //! const TASK: &str = r#"
-//! task corner {
-//!     cloth  grid(24, 24)
-//!     camera top_down(height: 650mm, fov: 45deg, image: 224px)
-//!     subgoals {
-//!         demonstrate { fold corner(back_left) -> corner(front_right) }
-//!     }
-//!     keypoints {
-//!         cloth   = mask(depth < 646mm)
-//!         corners = harris(cloth, image: 128px, max: 27, quality: 0.04, spacing: 10px)
-//!     }
-//!     actions {
-//!         pick:  one of corners
-//!         place: one of corners
-//!     }
-//!     stage describe {
-//!         model vision
-//!         show  subgoal(now) with arrow, subgoal(next)
-//!         say   "Which corner is carried where? Answer in one line: Instructions: ..."
-//!         read  instruction from "Instructions: {instruction}"
-//!     }
-//!     stage plan {
-//!         model text
-//!         say """
-//!             Do this: {{ instruction }}
-//!             The corners are at {{ corners }}.
-//!             Answer in this format:
-//!             {{ actions.format }}
-//!             """
-//!         read action
-//!     }
-//!     verify {
-//!         check moves { distance(pick, place) > 10px } else "Nothing would be folded."
-//!         attempts 3
-//!     }
+//! use "lib/folding.fab"
+//!
+//! task corner extends folding {
+//!     cloth     grid(24, 24)
+//!     subgoals  { demonstrate { fold corner(back_left) -> corner(front_right) } }
 //! }
 //! "#;
 //!
-//! struct Memory;
+//! /// The task from memory, and what it uses from the shipped tasks.
+//! struct Tasks;
 //!
-//! impl Loader for Memory {
-//!     fn load(&self, _name: &str) -> Result<String, LoadError> { Ok(TASK.to_owned()) }
+//! impl Loader for Tasks {
+//!     fn load(&self, name: &str) -> Result<String, LoadError> {
+//!         if name == "corner.fab" {
+//!             return Ok(TASK.to_owned());
+//!         }
+//!         let tasks = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tasks");
+//!         let text = std::fs::read_to_string(format!("{tasks}/{name}"));
+//!         text.map_err(|error| LoadError { message: error.to_string() })
+//!     }
 //! }
 //!
-//! let compiled = fab_compiler::compile("corner.fab", &Memory)?;
+//! let compiled = fab_compiler::compile("corner.fab", &Tasks)?;
 //! assert!(compiled.diagnostics.is_empty(), "{:?}", compiled.diagnostics);
 //! let program = &compiled.programs[0];
 //!

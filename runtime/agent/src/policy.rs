@@ -26,12 +26,14 @@ pub use prompted::{
 pub use random::Random;
 pub use rehearsing::Rehearsing;
 
-pub(crate) use judge::{Ground, is_accepted};
+pub use judge::Ground;
+
+pub(crate) use judge::is_accepted;
 
 use crate::journal::JournalError;
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
-use crate::record::RehearsedStep;
+use crate::record::{Asked, RehearsedStep, SentFiles};
 use crate::result::StepResult;
 use crate::rollout::RunError;
 use crate::scene::Scene;
@@ -40,13 +42,14 @@ use fab_model::calls::Fault;
 use fab_model::{Description as ModelDescription, Lowering, ModelKind, Reply, Request};
 use fab_picture::observation::Observation;
 use fab_program::facts::{ExecutedAction, Facts};
-use fab_program::reply::Stated;
+use fab_program::reply::{Malformed, Stated};
 use fab_program::verify::Verdict;
 use fab_program::{Exhausted, Program, Proposal, Value};
+use fab_world::Motion;
 use fab_world::start::Start;
-use fab_world::{Motion, Reach, Refuses};
 use image::RgbImage;
 use serde::{Deserialize, Serialize};
+use std::ops::Deref;
 use std::path::Path;
 use std::time::Duration;
 
@@ -180,12 +183,8 @@ impl Description {
 /// The rollout's state at a step.
 #[derive(Clone, Copy)]
 pub struct StepView<'a> {
-    /// The task.
-    pub program: &'a Program,
-    /// The keypoints found in the observation.
-    pub scene: &'a Scene,
-    /// The observation behind the scene.
-    pub observation: &'a Observation,
+    /// What its actions are judged by.
+    pub ground: Ground<'a>,
     /// The number of this action in the rollout, from 1; one step may take several.
     pub number: u32,
     /// The number of this step, from 1.
@@ -200,10 +199,6 @@ pub struct StepView<'a> {
     pub executed: Option<&'a Motion>,
     /// The pictures that can be shown.
     pub pictures: &'a Pictures,
-    /// Tells what is out of the world's reach.
-    pub reach: &'a Reach<'a>,
-    /// Tells which motions the world refuses.
-    pub refuses: &'a Refuses<'a>,
     /// Distinguishes runs that need independent answers.
     pub repetition: u32,
     /// Number of the start in its suite, if questions at other starts get answers of their own.
@@ -225,6 +220,14 @@ pub struct Truth<'a> {
     pub particles: &'a [[f32; 3]],
 }
 
+impl<'a> Deref for StepView<'a> {
+    type Target = Ground<'a>;
+
+    fn deref(&self) -> &Ground<'a> {
+        &self.ground
+    }
+}
+
 impl<'a> StepView<'a> {
     /// Makes the view of a step outside any rollout: everything is in reach, and no motion is refused.
     pub fn without_rollout(
@@ -236,9 +239,13 @@ impl<'a> StepView<'a> {
         pictures: &'a Pictures,
     ) -> StepView<'a> {
         StepView {
-            program,
-            scene,
-            observation,
+            ground: Ground {
+                program,
+                scene,
+                observation,
+                reach: &fab_world::everywhere,
+                refuses: &fab_world::nothing,
+            },
             number: step,
             step,
             horizon: program.horizon,
@@ -246,8 +253,6 @@ impl<'a> StepView<'a> {
             last,
             executed: None,
             pictures,
-            reach: &fab_world::everywhere,
-            refuses: &fab_world::nothing,
             repetition: 0,
             start_number: None,
             start: "",
@@ -262,17 +267,6 @@ impl<'a> StepView<'a> {
         Facts {
             last: self.last,
             ..Facts::of(self.scene, self.step, pointing)
-        }
-    }
-
-    /// Returns what its actions are judged by, besides the facts of a prompt.
-    fn ground(&self) -> Ground<'a> {
-        Ground {
-            program: self.program,
-            scene: self.scene,
-            observation: self.observation,
-            reach: self.reach,
-            refuses: self.refuses,
         }
     }
 
@@ -295,8 +289,9 @@ impl<'a> StepView<'a> {
 pub struct Exchange<'e, 'j> {
     /// Gets answers, which are bought or computed once and never again.
     pub asking: &'e mut Asking<'j>,
-    /// Receives each question before it is asked, and each attempt as soon as it is complete.
-    pub record: &'e mut dyn FnMut(Exchanged<'_>) -> Result<(), JournalError>,
+    /// Receives each question before it is asked, and each attempt as soon as it is complete. Returns the files of a
+    /// question, and nothing else.
+    pub record: &'e mut dyn FnMut(Exchanged<'_>) -> Result<SentFiles, JournalError>,
     /// A request to stop early.
     pub interrupt: &'e Interrupt,
 }
@@ -324,18 +319,10 @@ pub enum Exchanged<'a> {
 /// One proposal or answer, and its result.
 #[derive(Clone, Debug)]
 pub struct Attempt {
-    /// The stage that asked; `policy` where the policy has no stages.
-    pub stage: String,
-    /// The attempt's number within this stage and step, from 1.
-    pub number: u32,
-    /// The question, if there was one.
-    pub question: Option<Question>,
+    /// Its entry in the record, before its reply has a file.
+    pub asked: Asked,
     /// The reply, if there was one.
     pub reply: Option<Reply>,
-    /// The policy's note about it, for people.
-    pub note: Option<String>,
-    /// Its meaning.
-    pub finding: Finding,
     /// How long the answer took.
     pub took: Duration,
 }
@@ -374,9 +361,7 @@ pub enum Finding {
         name: String,
         /// The text.
         value: String,
-        /// Repairs needed to read it.
-        repairs: Vec<String>,
-        /// Where the answer states it.
+        /// Where the answer states it, and the repairs needed to read it.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         stated: Vec<Stated>,
     },
@@ -384,24 +369,14 @@ pub enum Finding {
     Action {
         /// Its fields.
         fields: Vec<(String, Value)>,
-        /// Repairs needed to read it.
-        repairs: Vec<String>,
-        /// Where the answer states each field; empty if no model answered.
+        /// Where the answer states each field, and the repairs needed to read it; empty if no model answered.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         stated: Vec<Stated>,
         /// The verifier's answer.
         verdict: Verdict,
     },
     /// The answer could not be read.
-    Malformed {
-        /// The missing or wrong field.
-        field: String,
-        /// The message to the model.
-        message: String,
-        /// Where the answer states the fields that could be read.
-        #[serde(default, skip_serializing_if = "Vec::is_empty")]
-        stated: Vec<Stated>,
-    },
+    Malformed(Malformed),
     /// There was no answer.
     Failed {
         /// How the rollout ends.

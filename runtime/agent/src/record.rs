@@ -11,8 +11,8 @@ use crate::policy::{self, Accepted, Finding};
 use crate::result::StepResult;
 use crate::subgoals::Origin;
 use fab_base::jsonl::Reader;
-use fab_model::calls::{self, Usage};
-use fab_program::{Fold, Goal};
+use fab_model::calls::{self, Fault, Usage};
+use fab_program::{Fold, Goal, Metric, Proposal};
 use fab_world::Executed;
 use fab_world::metrics::ClothMoved;
 use fab_world::start::{Grid, Up};
@@ -84,10 +84,6 @@ pub struct Header {
     /// The start in the suite that the answers were drawn for; absent if equal questions at all starts share them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drawn_for: Option<u64>,
-    /// The most questions of a stage in a step.
-    pub attempts: u32,
-    /// The task's goal.
-    pub goal: Option<Goal>,
 }
 
 /// The start of a rollout, as the run folder keeps it.
@@ -152,6 +148,19 @@ impl Step {
     pub fn is_taken(&self) -> bool {
         self.executed.is_some() || self.skipped.is_some()
     }
+
+    /// Returns the answer that was taken, if any.
+    pub fn proposal(&self) -> Option<Proposal> {
+        let Accepted { stage, attempt, .. } = self.accepted.as_ref()?;
+        let mut asked = self.attempts.iter();
+        let taken = asked.find(|it| it.stage == *stage && it.attempt == *attempt)?;
+        match &taken.result {
+            Finding::Action { fields, .. } => Some(Proposal {
+                fields: fields.clone(),
+            }),
+            _ => None,
+        }
+    }
 }
 
 /// What was tried on twins in a step. How long it took is in [`SPENT_FILE`], under `rehearse`.
@@ -164,13 +173,6 @@ pub struct RehearsedStep {
     pub aside: Option<String>,
     /// Each answer that was folded on the twins, in order.
     pub candidates: Vec<RehearsedAnswer>,
-    /// The number of the question whose answer was taken, among those of the stage; null if none was.
-    pub chosen: Option<u32>,
-    /// Questions that the step would not have asked without rehearsal.
-    pub calls: u32,
-    /// Why fewer answers were asked for than the task declares, if a question failed.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub shortfall: Option<String>,
 }
 
 /// An answer that was folded on the twins.
@@ -204,6 +206,17 @@ pub struct StepFiles {
     pub positions: Option<String>,
 }
 
+/// A question, as the run folder keeps it; all null if there was none.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SentFiles {
+    /// Its content address.
+    pub request_key: Option<String>,
+    /// The question as sent.
+    pub request: Option<String>,
+    /// The question in readable form, if it is a prompt.
+    pub prompt: Option<String>,
+}
+
 /// One answer of a step, and its result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Asked {
@@ -211,12 +224,9 @@ pub struct Asked {
     pub stage: String,
     /// The attempt's number within this stage and step, from 1.
     pub attempt: u32,
-    /// Content address of the question; null if there was none.
-    pub request_key: Option<String>,
-    /// The question as sent, in the run folder.
-    pub request: Option<String>,
-    /// The question in readable form, if it is a prompt.
-    pub prompt: Option<String>,
+    /// The question.
+    #[serde(flatten)]
+    pub sent: SentFiles,
     /// The policy's note about it, for people.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
@@ -226,6 +236,21 @@ pub struct Asked {
     pub result: Finding,
     /// Token usage as reported by the provider.
     pub usage: Option<Usage>,
+}
+
+impl Asked {
+    /// Makes the entry of an attempt without a question and a reply.
+    pub(crate) fn new(stage: &str, attempt: u32, result: Finding) -> Asked {
+        Asked {
+            stage: stage.to_owned(),
+            attempt,
+            sent: SentFiles::default(),
+            note: None,
+            reply: None,
+            result,
+            usage: None,
+        }
+    }
 }
 
 /// The results of a rollout.
@@ -261,11 +286,6 @@ pub struct ExpertDistance {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Spent {
-    /// The rollout began or was resumed.
-    Begin {
-        /// Identity of the run.
-        run_id: String,
-    },
     /// A step was taken.
     Step(StepSpent),
     /// The rollout ended.
@@ -284,11 +304,15 @@ pub struct StepSpent {
     pub planning_s: Option<f64>,
     /// Wall time by activity, seconds.
     pub seconds: Map<String, Value>,
-    /// Cost of the answers up to this step, US dollars; null if a price or a call's usage is unknown.
-    pub cost_usd_so_far: Option<f64>,
-    /// The most that the calls up to this step cost, US dollars; null if a price is unknown.
-    #[serde(default)]
-    pub cost_usd_at_most_so_far: Option<f64>,
+    /// What the calls up to this step added up to.
+    pub so_far: calls::Spent,
+}
+
+impl StepSpent {
+    /// Returns the wall time of the whole step, seconds.
+    pub fn took_s(&self) -> f64 {
+        self.seconds.values().filter_map(Value::as_f64).sum()
+    }
 }
 
 /// The cloth's coverage at one moment (protocol, section 5); null if the world does not know it.
@@ -304,6 +328,18 @@ pub struct Measures {
     pub normalized_improvement_true: Option<f64>,
 }
 
+impl Measures {
+    /// Returns whether they meet a goal that is judged after each step: by the source measure.
+    pub fn meet(&self, goal: &Goal) -> bool {
+        let value = match goal.metric {
+            Metric::Coverage => self.coverage,
+            Metric::NormalizedImprovement => self.normalized_improvement,
+            Metric::ParticleDistance => None,
+        };
+        value.is_some_and(|value| goal.is_met(value))
+    }
+}
+
 /// What coverage is measured on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -317,10 +353,6 @@ pub enum CoverageSource {
 /// The figures of a rollout that are the same in every run of it; null if not applicable.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Report {
-    /// The task's name.
-    pub task: String,
-    /// The variant that was run.
-    pub variant: Option<String>,
     /// How it ended.
     pub outcome: Outcome,
     /// Why it ended before its last step, in words; for an arm, also what is verified. Null if it did not.
@@ -342,8 +374,6 @@ pub struct Report {
     pub coverage_at_start: Option<f64>,
     /// Coverage of the start, by the true measure.
     pub coverage_true_at_start: Option<f64>,
-    /// The measures after each step, skipped ones included.
-    pub progress: Vec<Progress>,
     /// Executed steps.
     pub steps: u32,
     /// Steps without an action after which the rollout went on.
@@ -358,22 +388,6 @@ pub struct Report {
     pub refusals: BTreeMap<String, u32>,
     /// Answers that could not be read.
     pub malformed_replies: u32,
-    /// The policy, with the caveats that a reader of the figures must know.
-    pub policy: String,
-    /// Whether the policy saw the true positions of particles, which no camera shows.
-    pub sees_particles: bool,
-    /// The model that answered; both names if the roles differ, null if no model was asked.
-    pub model: Option<String>,
-    /// Whether that model is a built-in stand-in, not a vision-language model.
-    pub model_is_stand_in: bool,
-    /// The seed of the start, if given.
-    pub seed: Option<u64>,
-    /// Hash of the program.
-    pub program: String,
-    /// Name of the world.
-    pub world: String,
-    /// Hash of the world's parameters.
-    pub params: String,
 }
 
 /// The source of the expert results that a rollout was compared with.
@@ -391,46 +405,21 @@ pub struct RunCosts {
     /// Mean time per action of render, vision, prompt, parse and verify, seconds: everything except the model, the
     /// motion, and the writing of files. Null if no action was asked for.
     pub planning_s: Option<f64>,
-    /// Calls sent to models over the network, retries included.
-    pub calls: u64,
-    /// Calls without an answer that may have been billed.
-    pub possibly_billed: u64,
-    /// Calls that did not report their usage: the token counts lack theirs.
-    #[serde(default)]
-    pub unreported: u64,
+    /// What the calls added up to, retries and failed ones included.
+    #[serde(flatten)]
+    pub spent: calls::Spent,
     /// Number of failed calls by fault.
-    pub faults: BTreeMap<String, u32>,
-    /// Token usage as reported by the providers, of failed calls too.
-    pub usage: Usage,
+    pub faults: BTreeMap<Fault, u32>,
     /// Cost of the answers, US dollars; null if a price or a call's usage is unknown.
     pub cost_usd: Option<f64>,
     /// The most that all calls cost: those that reported no usage, or may have been billed, as reserved.
     pub cost_usd_at_most: Option<f64>,
-    /// The exact totals.
-    #[serde(skip)]
-    pub spent: calls::Spent,
     /// The run folder.
     pub run_dir: String,
-    /// Identity of the run.
-    pub run_id: String,
-    /// How many expert results were simulated for the score; the others were cached.
-    pub experts_simulated: usize,
     /// Wall time by activity, seconds.
     pub seconds: Map<String, Value>,
     /// Wall time of the whole run, seconds.
     pub wall_s: f64,
-}
-
-/// The measures after one step.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Progress {
-    /// From 1.
-    pub step: u32,
-    /// How far its action moved the cloth; null if it had none, or if the world does not know its particles.
-    pub cloth: Option<ClothMoved>,
-    /// The cloth's coverage after it.
-    #[serde(flatten)]
-    pub measures: Measures,
 }
 
 /// A run folder that was read.
@@ -503,7 +492,6 @@ impl Record {
             let mut lines = Reader::open(&path, MAX_BYTES).map_err(damaged)?;
             while let Some(line) = lines.read().map_err(damaged)? {
                 match line {
-                    Spent::Begin { .. } => {}
                     Spent::Step(step) => {
                         record.spent.entry(step.step).or_insert(step);
                     }

@@ -18,7 +18,7 @@ use crate::journal::{JournalError, RunFolder};
 use crate::judgement::Operator;
 use crate::outcome::Outcome;
 use crate::policy::{Asking, MakePolicy, Rehearsing};
-use crate::record::{Report, RunCosts};
+use crate::record::{Header, Report, RunCosts};
 use crate::scene::SceneError;
 use crate::subgoals::SubgoalSet;
 use crate::twins::Twins;
@@ -27,7 +27,7 @@ use event::At;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_base::wording::counted;
-use fab_model::calls::{Budget, CallRefused};
+use fab_model::calls::{Budget, CallRefused, Ledger};
 use fab_program::render::RenderError;
 use fab_program::{ActionField, Choices, Manner, Metric, Program, manner_field};
 use fab_vision::VisionError;
@@ -96,6 +96,9 @@ impl Job<'_> {
 /// A finished rollout, as `fabc run --json` prints it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ended {
+    /// What was run.
+    #[serde(flatten)]
+    pub header: Box<Header>,
     /// The part that is the same in every run.
     #[serde(flatten)]
     pub report: Report,
@@ -166,8 +169,8 @@ pub fn run(
     if let Some(why) = unfit(job.program, world.as_ref()) {
         return Err(RunError::Unfit(why));
     }
-    let asking = Asking::in_folder(folder.path(), job.budget);
-    let asking = asking.map_err(JournalError::from)?;
+    let ledger = Ledger::open(folder.path(), job.budget).map_err(JournalError::from)?;
+    let asking = Asking::of(ledger);
     let mut keeper =
         RolloutWriter::open(job, folder, asking, who.clone(), world.as_ref(), progress)?;
     // Some policies have nothing to rehearse; but where something real could move, their twins must be trusted too.
@@ -199,24 +202,13 @@ pub fn run(
                 ended = Some(Outcome::GoalReached);
             }
         }
-        keeper.keep_step(&turn)?;
-        // Ending after a requested plan is not ending early.
-        if let (Some(why), true) = (&turn.line.stopped, ended != Some(Outcome::Planned)) {
-            progress(Event::Stopped {
-                at: turn.at,
-                why: why.clone(),
-            });
-        }
+        let spent = keeper.keep_step(&turn)?;
+        progress(Event::Motion {
+            at: turn.at,
+            line: Box::new(turn.line.clone()),
+            spent: Box::new(spent),
+        });
         tries.after(job.program.actions_per_step(), turn.line.result);
-        if let (None, Some(before), Some(asked)) = (ended, tries.before, &job.program.verify.result)
-        {
-            let action = tries.number + 1;
-            progress(Event::Retried {
-                at: At { action, step },
-                overlap: before.overlap,
-                limit: asked.overlap_above,
-            });
-        }
     }
     let is_goal_met = covered.meets_goal(job);
     let end = match ended {
@@ -258,11 +250,11 @@ fn unfit(program: &Program, world: &dyn World) -> Option<String> {
             return None;
         };
         manner_field(&field.name)?;
-        let manners = choices
+        let mut manners = choices
             .iter()
             .map(|it| program.manner.with(&field.name, it.m));
-        let whys: Option<Vec<String>> = manners.map(refused).collect();
-        whys?.into_iter().next()
+        let first = refused(manners.next()?)?;
+        manners.all(|it| refused(it).is_some()).then_some(first)
     };
     let why = if world.grippers() != 1 {
         let grippers = counted(world.grippers(), "gripper");

@@ -3,7 +3,7 @@
 //! One row per executed step: the subgoal with its arrow, the cloth with the chosen action, the cloth after it. The
 //! headline names the task, the policy with its caveats, and the result.
 
-use crate::record::Report;
+use crate::record::{Header, Report};
 use fab_program::PixelPoint;
 use fab_vision::VisionError;
 use image::{Rgb, RgbImage, imageops};
@@ -41,7 +41,11 @@ impl Sheet {
     }
 
     /// Draws the sheet; `None` if no step was executed. Fails if text cannot be drawn.
-    pub fn picture(&self, report: &Report) -> Result<Option<RgbImage>, VisionError> {
+    pub fn picture(
+        &self,
+        header: &Header,
+        report: &Report,
+    ) -> Result<Option<RgbImage>, VisionError> {
         if self.rows.is_empty() {
             return Ok(None);
         }
@@ -57,7 +61,7 @@ impl Sheet {
             let at = PixelPoint::new(left as i32, base as i32);
             fab_vision::draw_label(&mut sheet, text, at, INK, height_px)
         };
-        let title = format!("{}   policy: {}", report.task, report.policy);
+        let title = format!("{}   policy: {}", header.task, header.policy.title());
         label(&title, [MARGIN_PX, 22], 10)?;
         let distance = match (report.mean_particle_distance_mm, report.measures.coverage) {
             (Some(mm), _) => format!("   {mm:.1} mm from the nearest expert result"),

@@ -324,17 +324,14 @@ fn mean(values: &[f64]) -> f64 {
 /// it has a depth.
 fn raised_m(observation: &Observation, cloth: &Mask) -> Option<f64> {
     let camera = &observation.camera;
-    let height_m = |column: u32, row: u32| {
+    let height_m = |(column, row)| {
         let depth_m = observation.depth_m.get_pixel_checked(column, row)?.0[0];
         let at = [f64::from(column) + 0.5, f64::from(row) + 0.5];
         let seen = camera.world_from_pixel(at, f64::from(depth_m))?;
         Some(seen.z - camera.table_from_pixel(at)?.z)
     };
-    let pixels = (0..cloth.height()).flat_map(|row| (0..cloth.width()).map(move |it| (it, row)));
-    let shown = pixels.filter(|(column, row)| cloth.contains_at(*column, *row));
-    let mut heights_m: Vec<f64> = shown
-        .filter_map(|(column, row)| height_m(column, row))
-        .collect();
+    let heights_m = cloth.columns_and_rows().filter_map(height_m);
+    let mut heights_m: Vec<f64> = heights_m.collect();
     heights_m.sort_by(f64::total_cmp);
     let highest = (heights_m.len() as f64 * HIGHEST) as usize;
     heights_m.into_iter().rev().nth(highest)

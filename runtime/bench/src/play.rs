@@ -362,7 +362,7 @@ fn run(
         RunFolder::create(folder)
     };
     let open = open.map_err(|error| failed(error.into()))?;
-    let rollout::Ended { report, took } = match rollout::run(job, open, listen) {
+    let rollout::Ended { report, took, .. } = match rollout::run(job, open, listen) {
         // Nobody lays a cloth for a program that was asked to stop.
         Err(RunError::World(WorldError::Start { .. } | WorldError::Interrupted))
             if job.interrupt.is_raised() =>
@@ -377,7 +377,7 @@ fn run(
         _ => {}
     }
     let mut refusals = [Fault::NotAuthorised, Fault::QuotaExhausted].into_iter();
-    let named = refusals.find(|fault| took.faults.contains_key(fault.name()));
+    let named = refusals.find(|fault| took.faults.contains_key(fault));
     let found = record::find(folder, identity);
     let folder = folder.to_owned();
     match (report.outcome, named, found) {

@@ -7,10 +7,11 @@ use fab_agent::outcome::Outcome;
 use fab_agent::policy;
 use fab_agent::record::{self, Header, MAX_BYTES, Record, RecordError, Report, StepSpent};
 use fab_base::{difference, files, npy};
-use fab_program::{Goal, Metric as GoalMetric};
+use fab_model::calls::Usd;
+use fab_program::Goal;
 use fab_world::vary::AxisValues;
 use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::path::Path;
 
 /// A rollout that has ended by itself.
@@ -35,13 +36,6 @@ pub struct Step {
     pub cost_usd: Option<f64>,
     /// The most that its calls cost, US dollars; `None` if a price is unknown.
     pub cost_usd_at_most: Option<f64>,
-}
-
-impl Step {
-    /// Returns the wall time of the whole step, seconds.
-    pub fn seconds(&self) -> f64 {
-        self.spent.seconds.values().filter_map(Value::as_f64).sum()
-    }
 }
 
 /// The identity of a rollout; rollouts with the same identity have the same figures.
@@ -108,13 +102,14 @@ pub fn find(folder: &Path, wanted: &Identity) -> FolderContents {
     let steps = read.steps.into_iter().map(|line| {
         let spent = spent.remove(&line.step).unwrap_or_default();
         // A step's cost is its cumulative cost minus the previous one.
-        let own = |so_far: Option<f64>, before: &mut f64| {
+        let own = |so_far: Option<Usd>, before: &mut f64| {
+            let so_far = so_far.map(Usd::dollars);
             so_far.map(|so_far| so_far - std::mem::replace(before, so_far))
         };
         Step {
             line,
-            cost_usd: own(spent.cost_usd_so_far, &mut cost_usd),
-            cost_usd_at_most: own(spent.cost_usd_at_most_so_far, &mut cost_usd_at_most),
+            cost_usd: own(spent.so_far.known_cost(), &mut cost_usd),
+            cost_usd_at_most: own(spent.so_far.priced_at_most(), &mut cost_usd_at_most),
             spent,
         }
     });
@@ -169,7 +164,7 @@ impl Rollout {
     /// With `stop`, only those up to and including the first that meets the goal, if it is judged after each step.
     pub fn steps_to(&self, horizon: u32, stop: Option<&Goal>) -> &[Step] {
         let within = &self.steps[..self.steps.len().min(horizon as usize)];
-        match stop.and_then(|goal| within.iter().position(|step| meets(goal, step))) {
+        match stop.and_then(|goal| within.iter().position(|step| step.line.measures.meet(goal))) {
             Some(at) => &within[..=at],
             None => within,
         }
@@ -181,7 +176,7 @@ impl Rollout {
         let steps = self.steps_to(horizon, stop);
         let last = steps.last().filter(|step| step.line.is_taken());
         if let (Some(goal), Some(last)) = (judged, last)
-            && meets(goal, last)
+            && last.line.measures.meet(goal)
         {
             return Outcome::GoalReached;
         }
@@ -191,16 +186,6 @@ impl Rollout {
             self.report.outcome
         }
     }
-}
-
-/// Returns whether a goal judged after each step is met; as in a rollout, by the source measure.
-fn meets(goal: &Goal, step: &Step) -> bool {
-    let value = match goal.metric {
-        GoalMetric::Coverage => step.line.measures.coverage,
-        GoalMetric::NormalizedImprovement => step.line.measures.normalized_improvement,
-        GoalMetric::ParticleDistance => None,
-    };
-    value.is_some_and(|value| goal.is_met(value))
 }
 
 #[cfg(test)]

@@ -319,7 +319,7 @@ impl<'b> EntryResults<'b> {
             let repeats = repeats.iter().filter(|_| self.shares());
             let steps = repeats.flat_map(|played| &played.rollout.steps);
             let asked = steps.flat_map(|step| &step.line.attempts);
-            let keys = asked.filter_map(|asked| asked.request_key.as_deref());
+            let keys = asked.filter_map(|asked| asked.sent.request_key.as_deref());
             keys.map(|key| (self.entry.policy.name.as_str(), key))
                 .collect()
         });
@@ -396,11 +396,11 @@ impl<'b> EntryResults<'b> {
         let hidden = used().filter_map(|usage| usage?.reasoning_tokens);
         let hidden = hidden.map(|tokens| tokens as f64);
         let planning = steps.iter().filter_map(|step| step.spent.planning_s);
-        let n_sent = asked().filter(|it| it.request.is_some()).count();
+        let n_sent = asked().filter(|it| it.sent.request.is_some()).count();
         Effort {
             data_size: Some(self.entry.data_size()),
             queries: per_action(n_sent as f64),
-            s_per_action: per_action(steps.iter().map(|step| step.seconds()).sum()),
+            s_per_action: per_action(steps.iter().map(|step| step.spent.took_s()).sum()),
             cost: costs.sum::<Option<f64>>().and_then(per_action),
             cost_at_most: at_most.sum::<Option<f64>>().and_then(per_action),
             visible_tokens: visible.sum::<Option<f64>>().and_then(per_action),

@@ -19,10 +19,9 @@ use fab_agent::subgoals::SubgoalSet;
 use fab_base::interrupt::Interrupt;
 use fab_program::facts::Facts;
 use fab_program::render::Values;
-use fab_program::reply::Stated;
+use fab_program::reply::{Malformed, Stated};
 use fab_program::verify::Verdict;
 use fab_program::{ClothStart, Program};
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Where the cloth lies, who is shown the messages, and what was answered.
@@ -112,14 +111,9 @@ pub fn rendered(
         subgoals,
     } = &seen;
     say_pictures(subgoals, &arguments.task.file, io);
-    let texts = BTreeMap::new();
     let values = Values::Partly(Facts {
-        scene,
-        texts: &texts,
-        step,
         last: last.as_ref(),
-        proposal: None,
-        pointing: target.lowering.pointing(pictures.size()),
+        ..Facts::of(scene, step, target.lowering.pointing(pictures.size()))
     });
     let view =
         StepView::without_rollout(program, scene, observation, step, last.as_ref(), pictures);
@@ -201,7 +195,9 @@ fn in_words(finding: &Finding) -> String {
             Verdict::Accept => ("accepted".to_owned(), stated),
             Verdict::Reject { check, .. } => (format!("refused by `{check}`"), stated),
         },
-        Finding::Malformed { field, stated, .. } => (format!("`{field}` cannot be read"), stated),
+        Finding::Malformed(Malformed { field, stated, .. }) => {
+            (format!("`{field}` cannot be read"), stated)
+        }
         Finding::Failed { why, .. } => return why.clone(),
     };
     let sources: String = stated.iter().map(source).collect();

@@ -10,7 +10,6 @@ use fab_program::render::{self, Origin, PromptText, RenderError, Values};
 use fab_program::scene::SceneView;
 use fab_program::{Program, Read, Stage};
 use serde::{Serialize, Serializer};
-use std::collections::BTreeMap;
 use std::path::Path;
 
 #[derive(Serialize)]
@@ -121,15 +120,10 @@ impl ShownStage {
         last: Option<&ExecutedAction>,
         step: u32,
     ) -> Result<ShownStage, Failure> {
-        let texts = BTreeMap::new();
         let values = scene.map_or(Values::Typed, |scene| {
             Values::Partly(Facts {
-                scene,
-                texts: &texts,
-                step,
                 last,
-                proposal: None,
-                pointing: Pointing::of_camera(&program.camera),
+                ..Facts::of(scene, step, Pointing::of_camera(&program.camera))
             })
         });
         let messages = messages(program, folder, stage, values, step)?;

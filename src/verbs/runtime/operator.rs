@@ -17,11 +17,11 @@ impl Operator for TerminalOperator<'_> {
         io.progress("");
         // A person who held a key while the arm moved may still hold it; from here on answers are lines.
         terminal::restore();
-        let (task, outcome, steps) = (&report.task, report.outcome.name(), report.steps);
+        let (outcome, steps) = (report.outcome.name(), report.steps);
         let why = report.stopped.iter().map(|why| format!(" ({why})"));
         let (why, folder) = (why.collect::<String>(), folder.display());
         io.talk(&format!(
-            "{task} has ended: {outcome} after {steps} actions{why}, in `{folder}`"
+            "the rollout has ended: {outcome} after {steps} actions{why}, in `{folder}`"
         ));
         let judgement = asked(&mut || terminal::typed_line(io), &mut |text| io.talk(text));
         if judgement.is_none() {

@@ -103,8 +103,13 @@ fn ended(folder: &Path, arguments: &ResumeArguments, io: &Io) -> Option<Exit> {
     let judged = report.operator.as_ref().map(|judgement| judgement.reached);
     let exit = run::exit_of(report.outcome, report.goal_reached, judged);
     if arguments.json {
+        let header = Box::new(record.header);
         let document = match record.took {
-            Some(took) => serde_json::to_value(Ended { report, took }),
+            Some(took) => serde_json::to_value(Ended {
+                header,
+                report,
+                took,
+            }),
             None => serde_json::to_value(report),
         };
         io.json(&document.expect("a report has string keys and finite numbers"));

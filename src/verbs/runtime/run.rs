@@ -251,7 +251,7 @@ pub fn play(arguments: &RunArguments, resumed: Option<&Path>, io: &Io) -> Result
         kept.map_err(Failure::environment)?;
     }
     let run = folder.path().to_owned();
-    let mut progress = Progress::after(earlier, io);
+    let mut progress = Progress::after(earlier, &program, io);
     let done = rollout::run(&job, folder, &mut |event| {
         progress.show(&event);
         events.write(&run, event);

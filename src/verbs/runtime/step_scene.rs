@@ -9,10 +9,12 @@ use fab_agent::action::Action;
 use fab_agent::examples::Examples;
 use fab_agent::pictures::Pictures;
 use fab_agent::policy::{Asking, Decision, Exchange, Policy, Prompted, StepView};
+use fab_agent::record::SentFiles;
 use fab_agent::scene::Scene;
 use fab_agent::subgoals::SubgoalSet;
 use fab_base::interrupt::Interrupt;
 use fab_model::Models;
+use fab_model::calls::{Budget, Ledger};
 use fab_picture::SubpixelPoint;
 use fab_picture::camera::Camera;
 use fab_picture::observation::Observation;
@@ -115,9 +117,10 @@ fn stand_in_action(
         vision: &Geometric,
         text: &Geometric,
     };
+    let budget = Budget::default();
     let mut exchange = Exchange {
-        asking: &mut Asking::default(),
-        record: &mut |_| Ok(()),
+        asking: &mut Asking::of(Ledger::unwritten(&budget)),
+        record: &mut |_| Ok(SentFiles::default()),
         interrupt: &Interrupt::default(),
     };
     let decision = Prompted::new(models).decide(&view, &mut exchange)?;
@@ -135,10 +138,5 @@ fn stand_in_action(
             program.title()
         ))
     })?;
-    let done = ExecutedAction {
-        proposal,
-        pick: action.pick_on_cloth_px,
-        place: action.place_px,
-    };
-    Ok((action.grip, Some(done)))
+    Ok((action.grip, Some(action.executed(proposal))))
 }

@@ -61,13 +61,14 @@ pub(super) fn with_marks(reply: &str, span: Range<usize>) -> Range<usize> {
 }
 
 /// Why an answer cannot be read.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Malformed {
     /// What was missing or unclear: a field of the action, or the words before a text.
     pub field: String,
     /// The message to the model: what is missing or ambiguous, and the requested format.
     pub message: String,
     /// Where the answer states the fields that could be read.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stated: Vec<Stated>,
 }
 

@@ -21,7 +21,6 @@ mod tree;
 pub use aim::Aim;
 
 use crate::action::Action;
-use crate::policy::Finding;
 use crate::record;
 use crate::scene::SceneError;
 use crate::subgoals::SubgoalSet;
@@ -94,14 +93,8 @@ impl Choice {
         let (accepted, [action]) = (step.accepted.as_ref()?, step.action.as_deref()?) else {
             return None;
         };
-        let is_taken =
-            |it: &&record::Asked| it.stage == accepted.stage && it.attempt == accepted.attempt;
-        let Finding::Action { fields, .. } = &step.attempts.iter().find(is_taken)?.result else {
-            return None;
-        };
-        let fields = fields.clone();
         Some(Choice {
-            proposal: Proposal { fields },
+            proposal: step.proposal()?,
             action: action.clone(),
             without: accepted.without.clone(),
         })

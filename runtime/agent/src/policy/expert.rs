@@ -4,7 +4,7 @@
 //! closest to each fold, through the same action space, checks and world as any other policy, so it shows what those
 //! lose against the demonstration. It sees true particles, so it must not be compared with other policies.
 
-use super::proposing::{Proposed, stop, until_accepted};
+use super::proposing::{Source, stop, until_accepted};
 use super::{Decision, Description, Exchange, Kind, Policy, RunError, StepView};
 use crate::action::{Action, combinations};
 use crate::outcome::Outcome;
@@ -56,19 +56,20 @@ impl Policy for Expert {
         until_accepted(step, exchange, &mut |refusals, _| {
             let refused = refusals.iter().filter_map(|it| it.proposal.as_ref());
             let refused: Vec<&Proposal> = refused.collect();
-            let why = match &aim {
-                Ok(aim) => match nearest(step, *aim, &refused) {
-                    Some((proposal, note)) => {
-                        return Ok(Proposed {
-                            note: Some(note),
-                            ..Ok(proposal).into()
-                        });
-                    }
-                    None => "no other action is offered",
-                },
-                Err(why) => why,
+            let nearest = match &aim {
+                Ok(aim) => nearest(step, *aim, &refused).ok_or("no other action is offered"),
+                Err(why) => Err(why.as_str()),
             };
-            Ok(stop(Outcome::PolicyStopped, why).into())
+            Ok(match nearest {
+                Ok((proposal, note)) => {
+                    let source = Source {
+                        note: Some(note),
+                        ..Source::default()
+                    };
+                    (source, Ok(proposal))
+                }
+                Err(why) => (Source::default(), stop(Outcome::PolicyStopped, why)),
+            })
         })
     }
 }

@@ -5,9 +5,10 @@
 //! started at the first question, and its answers are stored in the run folder before they are used: a resumed rollout
 //! asks only new questions.
 
-use super::proposing::{Proposed, Refusal, STAGE, stop, until_accepted};
+use super::proposing::{Refusal, STAGE, Source, stop, until_accepted};
 use super::protocol::{
-    self, Decide, FieldValue, Last, Line, Offered, PROTOCOL, Pictures, Refused, grip,
+    self, Answer, Decide, FieldValue, Grip, Hello, Last, Offered, PROTOCOL, Pictures, Ready,
+    Refused, grip,
 };
 use super::{
     Decision, Description, Exchange, Exchanged, Finding, Kind, Policy, Question, RunError, StepView,
@@ -21,11 +22,10 @@ use fab_base::{digest, npy};
 use fab_model::Reply;
 use fab_picture::camera::Pinhole;
 use fab_picture::png;
+use fab_program::reply::Malformed;
 use fab_program::spaces::Spaces;
-use fab_program::{Arrow, Choices, PixelPoint, Proposal, SubgoalStep, Value, space};
-use image::RgbImage;
-use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value as Json};
+use fab_program::{Arrow, Choices, Proposal, SubgoalStep, Value, space};
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -105,7 +105,7 @@ impl Policy for External {
             let sent = asked_in(folder);
             let text = text(&sent[1]);
             let question = Question::Line { key, text };
-            (exchange.record)(Exchanged::Question {
+            let files = (exchange.record)(Exchanged::Question {
                 stage: STAGE,
                 attempt: refusals.len() as u32 + 1,
                 question: &question,
@@ -113,22 +113,28 @@ impl Policy for External {
             let interrupt = exchange.interrupt;
             let asked = exchange
                 .asking
-                .once(&question.key(), || self.ask(&sent, folder, interrupt))?;
+                .once(&question.key(), |_| self.ask(&sent, folder, interrupt))
+                .map_err(RunError::Calls)?;
             let (reply, answer) = match asked {
                 Ok(reply) => {
                     let answer = read(step, &reply.text);
                     (Some(reply), answer)
                 }
-                Err((outcome, why)) => {
+                Err(error) => {
                     self.child = None;
-                    (None, stop(outcome, why))
+                    let outcome = match error {
+                        ChildError::Interrupted => Outcome::Interrupted,
+                        ChildError::Failed(_) => Outcome::PolicyFailed,
+                    };
+                    (None, stop(outcome, error.to_string()))
                 }
             };
-            Ok(Proposed {
-                question: Some(question),
+            let source = Source {
+                sent: files,
                 reply,
-                ..answer.into()
-            })
+                note: None,
+            };
+            Ok((source, answer))
         })
     }
 }
@@ -140,122 +146,69 @@ impl External {
         [reset, decide]: &[protocol::Question; 2],
         folder: &Path,
         interrupt: &Interrupt,
-    ) -> Result<Reply, (Outcome, String)> {
+    ) -> Result<Reply, ChildError> {
         let limit = self.limit;
-        // The answer, parsed and as it came.
-        let answer_of = |child: &mut Child, question| {
-            child.send(question)?;
-            let line = child.receive(limit, interrupt)?;
-            let answer: Line = child.read(&line)?;
-            Ok((answer, String::from_utf8_lossy(&line).into_owned()))
-        };
         let child = match &mut self.child {
             Some(child) => child,
             absent => {
                 let stderr = folder.join(STDERR_FILE);
-                let child = Child::start(&self.command, Some(&stderr)).map_err(failed)?;
-                let child = absent.insert(child);
+                let child = absent.insert(Child::start(&self.command, Some(&stderr))?);
                 let hello = protocol::Question::Hello { protocol: PROTOCOL };
-                greeted(child.ask(&hello, limit, interrupt), &self.command)?;
-                let (refused, line) = answer_of(child, reset).map_err(failed)?;
-                if refused.grips.is_some() {
-                    let why = "to `reset` it is `{}`, or has only `refuse`";
-                    return Err(failed(child.no_answer(line.as_bytes(), why)));
+                let Hello { protocol } = child.ask(&hello, limit, interrupt)?;
+                if protocol != PROTOCOL {
+                    return Err(ChildError::Failed(format!(
+                        "`{}` answers version {protocol} of the lines; this fabc asks in version {PROTOCOL}",
+                        self.command
+                    )));
                 }
-                if refused.refuse.is_some() {
-                    return Ok(Reply::text(line));
+                let ready: Ready = child.ask(reset, limit, interrupt)?;
+                if let Some(why) = ready.refuse {
+                    return Ok(Reply::text(text(&Answer::Refuse(why))));
                 }
                 child
             }
         };
-        let (_, line) = answer_of(child, decide).map_err(failed)?;
-        Ok(Reply::text(line))
+        child.send(decide)?;
+        let line = child.receive(limit, interrupt)?;
+        if let Err(error) = serde_json::from_slice::<Answer>(&line) {
+            let why = format!("{error}; it has either `grips`, a list of one grip, or `refuse`");
+            return Err(child.no_answer(&line, why));
+        }
+        Ok(Reply::text(String::from_utf8_lossy(&line).into_owned()))
     }
 }
 
-/// Makes sure that a program answers this version of the lines.
-fn greeted(
-    answered: Result<protocol::Hello, ChildError>,
-    command: &CommandLine,
-) -> Result<(), (Outcome, String)> {
-    let why = match answered {
-        Ok(protocol::Hello { protocol: PROTOCOL }) => return Ok(()),
-        Err(ChildError::Interrupted) => return Err(failed(ChildError::Interrupted)),
-        Ok(protocol::Hello { protocol }) => {
-            format!("`{command}` answers version {protocol} of the lines")
-        }
-        Err(error) => error.to_string(),
-    };
-    let why = format!(
-        "{why}; this fabc asks in version {PROTOCOL}: answer `{{\"do\": \"hello\"}}` with `{{\"protocol\": {PROTOCOL}}}`, \
-         `{{\"do\": \"reset\"}}` with `{{}}`, and then each `{{\"do\": \"decide\"}}`"
-    );
-    Err((Outcome::PolicyFailed, why))
-}
-
-fn failed(error: ChildError) -> (Outcome, String) {
-    let outcome = match error {
-        ChildError::Interrupted => Outcome::Interrupted,
-        _ => Outcome::PolicyFailed,
-    };
-    (outcome, error.to_string())
-}
-
+/// Reads a line that the program wrote in answer to a question for a decision.
 fn read(step: &StepView<'_>, line: &str) -> Result<Proposal, Box<Finding>> {
-    let wrong = |message: String| unreadable("grips", message);
     match serde_json::from_str(line) {
-        Ok(Line {
-            grips: None,
-            refuse: Some(why),
-        }) => match why.trim() {
-            "" => stop(Outcome::PolicyStopped, "the policy gives no reason"),
-            why => stop(Outcome::PolicyStopped, excerpt(why.as_bytes())),
-        },
-        Ok(Line {
-            grips: Some(grips),
-            refuse: None,
-        }) => match grips.as_slice() {
-            [grip] => proposal(step, grip),
-            grips => Err(wrong(format!(
-                "there are {} grips, and the world has one gripper",
-                grips.len()
-            ))),
-        },
-        Ok(_) => Err(wrong(
-            "the answer must have either `grips` or `refuse`, and it has both or neither"
-                .to_owned(),
-        )),
-        Err(error) => Err(wrong(error.to_string())),
+        Ok(Answer::Grips([grip])) => proposal(step, grip),
+        Ok(Answer::Refuse(why)) => stop(Outcome::PolicyStopped, excerpt(why.trim().as_bytes())),
+        Err(error) => Err(unreadable("grips", error.to_string())),
     }
 }
 
 fn unreadable(field: &str, message: String) -> Box<Finding> {
-    Box::new(Finding::Malformed {
+    Box::new(Finding::Malformed(Malformed {
         field: field.to_owned(),
         message,
         stated: Vec::new(),
-    })
+    }))
 }
 
 /// Reads a grip; fails with the wrong field and the reason.
-fn proposal(step: &StepView<'_>, grip: &Map<String, Json>) -> Result<Proposal, Box<Finding>> {
+fn proposal(step: &StepView<'_>, mut grip: Grip) -> Result<Proposal, Box<Finding>> {
     let declared = &step.program.actions;
-    let names = quoted(declared.iter().map(|field| &field.name));
-    if let Some(name) = grip.keys().find(|name| step.program.field(name).is_none()) {
-        let name = excerpt(name.as_bytes());
-        let message = format!("the task has no field `{name}`; it has {names}");
-        return Err(unreadable(&name, message));
-    }
     let fields = declared.iter().map(|field| {
         let name = &field.name;
-        let missing = || unreadable(name, format!("`{name}` is missing; a grip has {names}"));
-        let stated = grip.get(name).ok_or_else(missing)?;
+        let stated = grip.remove(name);
         let offered = space::declared(field);
-        let value = if field.is_point() {
-            PixelPoint::deserialize(stated).ok().map(Value::Point)
-        } else {
-            let is_stated = |value: &&Value| stated.as_str() == Some(&space::text(field, value));
-            offered.iter().find(is_stated).cloned()
+        let value = match &stated {
+            Some(FieldValue::Pixel(pixel)) if field.is_point() => Some(Value::Point(*pixel)),
+            Some(FieldValue::Text(text)) => {
+                let mut offered = offered.iter();
+                offered.find(|it| space::text(field, it) == *text).cloned()
+            }
+            _ => None,
         };
         let value = value.ok_or_else(|| {
             let right = if field.is_point() {
@@ -263,28 +216,24 @@ fn proposal(step: &StepView<'_>, grip: &Map<String, Json>) -> Result<Proposal, B
             } else {
                 format!("one of {}", space::listed(field, &offered))
             };
-            let stated = excerpt(stated.to_string().as_bytes());
+            let stated = excerpt(text(&stated).as_bytes());
             unreadable(name, format!("`{name}` is {stated}, and has to be {right}"))
         })?;
         Ok((name.clone(), value))
     });
     let fields = fields.collect::<Result<_, Box<Finding>>>()?;
+    if let Some(name) = grip.keys().next() {
+        let name = excerpt(name.as_bytes());
+        let names = quoted(declared.iter().map(|field| &field.name));
+        let message = format!("the task has no field `{name}`; it has {names}");
+        return Err(unreadable(&name, message));
+    }
     Ok(Proposal { fields })
 }
 
 /// Returns the path of a step's file in a run folder.
 fn file(step: &StepView<'_>, folder: &Path, name: &str) -> PathBuf {
     folder.join(format!("step_{}/{name}", step.number))
-}
-
-/// Returns the subgoal pictures of a step, if there are any, with the names of their files.
-fn subgoals<'p>(step: &StepView<'p>) -> Option<[(&'static str, &'p RgbImage); 2]> {
-    let shown = step.pictures.subgoals.as_ref()?;
-    let picture = |which| shown.picture(which, Arrow::Absent);
-    Some([
-        ("subgoal_now.png", picture(SubgoalStep::Now)),
-        ("subgoal_next.png", picture(SubgoalStep::Next)),
-    ])
 }
 
 /// Writes the files that the rollout itself does not store.
@@ -296,12 +245,14 @@ fn write_files(step: &StepView<'_>, folder: &Path) -> Result<(), JournalError> {
         ("annotated.png", png::encode(&step.pictures.annotated)),
         ("depth.npy", depth),
     ];
-    let shown = subgoals(step).into_iter().flatten();
-    files.extend(shown.map(|(name, picture)| (name, png::encode(picture))));
-    files.extend(
-        step.truth
-            .map(|truth| ("particles.npy", npy::encode(truth.particles))),
-    );
+    if let Some(shown) = &step.pictures.subgoals {
+        let picture = |which| png::encode(shown.picture(which, Arrow::Absent));
+        files.push(("subgoal_now.png", picture(SubgoalStep::Now)));
+        files.push(("subgoal_next.png", picture(SubgoalStep::Next)));
+    }
+    if let Some(truth) = step.truth {
+        files.push(("particles.npy", npy::encode(truth.particles)));
+    }
     for (name, bytes) in files {
         journal::write(&file(step, folder, name), &bytes)?;
     }
@@ -348,10 +299,7 @@ fn decide(step: &StepView<'_>, folder: &Path, refusals: &[Refusal]) -> protocol:
         }
     });
     let file = |name: &str| file(step, folder, name);
-    let [subgoal_now, subgoal_next] = match subgoals(step) {
-        Some(shown) => shown.map(|(name, _)| Some(file(name))),
-        None => [None, None],
-    };
+    let subgoal = |name| step.pictures.subgoals.as_ref().map(|_| file(name));
     protocol::Question::Decide(Box::new(Decide {
         step: step.step,
         action: step.number,
@@ -359,8 +307,8 @@ fn decide(step: &StepView<'_>, folder: &Path, refusals: &[Refusal]) -> protocol:
             scene: file("before.png"),
             annotated: file("annotated.png"),
             depth: file("depth.npy"),
-            subgoal_now,
-            subgoal_next,
+            subgoal_now: subgoal("subgoal_now.png"),
+            subgoal_next: subgoal("subgoal_next.png"),
         },
         camera: Pinhole::of(&step.observation.camera),
         keypoints: step.scene.to_json(),
@@ -375,6 +323,6 @@ fn decide(step: &StepView<'_>, folder: &Path, refusals: &[Refusal]) -> protocol:
     }))
 }
 
-fn text(questions: &impl Serialize) -> String {
-    serde_json::to_string(questions).expect("questions have string keys and finite numbers")
+fn text(lines: &impl Serialize) -> String {
+    serde_json::to_string(lines).expect("lines have string keys and finite numbers")
 }

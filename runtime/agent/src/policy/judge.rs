@@ -12,24 +12,29 @@ use fab_picture::observation::Observation;
 use fab_program::facts::Facts;
 use fab_program::pointing::Notation;
 use fab_program::render::RenderError;
-use fab_program::reply::{self, Malformed};
+use fab_program::reply;
 use fab_program::verify::{self, REACHABLE, Strictness, Verdict};
 use fab_program::{Program, Proposal, Read, Stage};
 use fab_world::{Reach, Refuses};
 
 /// What an action is judged by, besides the facts of a prompt.
 #[derive(Clone, Copy)]
-pub(crate) struct Ground<'a> {
+pub struct Ground<'a> {
+    /// The task.
     pub program: &'a Program,
+    /// The keypoints found in the observation.
     pub scene: &'a Scene,
+    /// The observation behind the scene.
     pub observation: &'a Observation,
+    /// Tells what is out of the world's reach.
     pub reach: &'a Reach<'a>,
+    /// Tells which motions the world refuses.
     pub refuses: &'a Refuses<'a>,
 }
 
 impl Ground<'_> {
     /// Judges an action by the task's checks, and then by the world's reach.
-    pub fn verdict(
+    pub(crate) fn verdict(
         self,
         facts: Facts<'_>,
         proposal: &Proposal,
@@ -96,11 +101,6 @@ pub(super) fn judge(
     facts: Facts<'_>,
     text: &str,
 ) -> Result<Finding, RenderError> {
-    let malformed = |error: Malformed| Finding::Malformed {
-        field: error.field,
-        message: error.message,
-        stated: error.stated,
-    };
     match &stage.read {
         Read::Text {
             name,
@@ -108,14 +108,13 @@ pub(super) fn judge(
             after,
         } => {
             let read = reply::read_text(before, after, text);
-            Ok(read.map_or_else(malformed, |mut read| {
+            Ok(read.map_or_else(Finding::Malformed, |mut read| {
                 for stated in &mut read.stated {
                     stated.field.clone_from(name);
                 }
                 Finding::Text {
                     name: name.clone(),
                     value: read.value,
-                    repairs: read.repairs,
                     stated: read.stated,
                 }
             }))
@@ -123,13 +122,10 @@ pub(super) fn judge(
         Read::Action => {
             let notation = facts.notation(view.program);
             match reply::read_action_in(view.program, &notation, text) {
-                Err(error) => Ok(malformed(error)),
+                Err(error) => Ok(Finding::Malformed(error)),
                 Ok(read) => Ok(Finding::Action {
-                    verdict: view
-                        .ground()
-                        .verdict(facts, &read.value, Strictness::Full)?,
+                    verdict: view.verdict(facts, &read.value, Strictness::Full)?,
                     fields: read.value.fields,
-                    repairs: read.repairs,
                     stated: read.stated,
                 }),
             }
@@ -148,6 +144,6 @@ pub(crate) fn is_accepted(
     } else {
         Strictness::Relaxed
     };
-    let verdict = view.ground().verdict(view.facts(), proposal, strictness)?;
+    let verdict = view.verdict(view.facts(), proposal, strictness)?;
     Ok(verdict == Verdict::Accept)
 }

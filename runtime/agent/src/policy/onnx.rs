@@ -7,15 +7,15 @@
 //! The runtime computes with what the processor offers, so the last bits of a value depend on the processor.
 
 use super::expert::least_refused;
-use super::proposing::{Proposed, stop, until_accepted};
+use super::proposing::{Source, stop, until_accepted};
 use super::{Decision, Description, Exchange, Kind, Policy, RunError, StepView};
 use crate::action::{Action, combinations};
 use crate::outcome::Outcome;
 use fab_base::wording::quoted;
 use fab_base::{digest, files};
 use fab_program::verify::{Strictness, Verdict};
-use fab_program::{Choices, Face, Program, Proposal, Value as FieldValue, space};
-use rten::{DataType, Dimension, Model, Value, ValueType};
+use fab_program::{ActionField, Choices, Face, Program, Proposal, Value as FieldValue, space};
+use rten::{DataType, Dimension, Model, NodeId, NodeInfo, Value, ValueType};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -24,9 +24,6 @@ const SMOOTHER: &[u8] = include_bytes!("smoother.onnx");
 
 /// The largest file, bytes.
 const MAX_BYTES: u64 = 1 << 30;
-
-/// The most combinations of a step's choices that are offered; each is judged by all checks.
-const MOST_COMBINATIONS: usize = 20_000;
 
 /// The most actions that a network values at once: `smoother` needs some 0.2 MB for each, several times.
 const BATCH: usize = 256;
@@ -78,65 +75,62 @@ impl Onnx {
         let model = Model::load(bytes).map_err(|error| {
             format!("`{file}` is not an ONNX network that fabc can run: {error}")
         })?;
-        check_interface(&model).map_err(|why| format!("the network `{file}` {why}"))?;
         let model = Arc::new(model);
         Ok(Onnx { name, model, code })
     }
 }
 
-/// Checks the names, types and shapes of inputs and output; fails with what is wrong.
-fn check_interface(model: &Model) -> Result<(), String> {
-    let names = |ids: &[rten::NodeId]| -> Vec<String> {
-        let infos = ids.iter().filter_map(|id| model.node_info(*id));
-        infos
-            .map(|info| info.name().unwrap_or_default().to_owned())
-            .collect()
-    };
-    let takes = names(model.input_ids());
-    for name in &takes {
-        let Some((_, shape)) = INPUTS.iter().find(|(input, _)| *input == name.as_str()) else {
+/// Checks the names, types and shapes of inputs and output for pictures of this width and height; fails with what is wrong.
+fn check_interface(model: &Model, image_px: u32) -> Result<(), String> {
+    let mut tells_apart = false;
+    for id in model.input_ids() {
+        let info = model.node_info(*id);
+        let name = info.as_ref().and_then(NodeInfo::name).unwrap_or_default();
+        let Some((_, shape)) = INPUTS.iter().find(|(input, _)| *input == name) else {
             return Err(format!(
                 "takes `{name}`, which fabc does not provide; the inputs are {}",
                 quoted(INPUTS.map(|(input, _)| input))
             ));
         };
-        check_shape(model, name, shape)?;
+        tells_apart |= ["picks", "places"].contains(&name);
+        check_tensor(model, *id, (name, shape), image_px)?;
     }
-    let tells_apart = |name: &String| name == "picks" || name == "places";
-    if !takes.iter().any(tells_apart) {
-        return Err(
-            "takes neither `picks` nor `places`, so it cannot tell actions apart".to_owned(),
-        );
+    if !tells_apart {
+        let why = "takes neither `picks` nor `places`, so it cannot tell actions apart";
+        return Err(why.to_owned());
     }
-    let returned = names(model.output_ids());
-    if returned != [OUTPUT.0] {
-        return Err(format!(
-            "returns {}, and must return `{}` alone",
-            quoted(returned),
-            OUTPUT.0
-        ));
+    match model.output_ids() {
+        [id] if model.find_node(OUTPUT.0) == Some(*id) => {
+            check_tensor(model, *id, OUTPUT, image_px)
+        }
+        _ => Err(format!("must return `{}` alone", OUTPUT.0)),
     }
-    check_shape(model, OUTPUT.0, OUTPUT.1)
 }
 
 /// Checks a declared type and shape; a side without a number may have any length.
-fn check_shape(model: &Model, name: &str, shape: &[&str]) -> Result<(), String> {
-    let info = model.find_node(name).and_then(|id| model.node_info(id));
-    let Some(info) = info else {
-        return Err(format!("lacks `{name}`"));
-    };
+fn check_tensor(
+    model: &Model,
+    id: NodeId,
+    (name, shape): (&str, &[&str]),
+    image_px: u32,
+) -> Result<(), String> {
+    let info = model.node_info(id);
     let float = ValueType::Tensor(DataType::Float);
-    if info.dtype().is_some_and(|kind| kind != float) {
+    if info
+        .as_ref()
+        .and_then(NodeInfo::dtype)
+        .is_some_and(|it| it != float)
+    {
         return Err(format!(
             "declares `{name}` of another type; it must be float32"
         ));
     }
     let fits = |(declared, side): (&Dimension, &&str)| match (declared, *side) {
-        (Dimension::Fixed(_), "N") => false,
-        (Dimension::Fixed(_), "H" | "W") | (Dimension::Symbolic(_), _) => true,
+        (Dimension::Symbolic(_), _) => true,
+        (Dimension::Fixed(length), "H" | "W") => *length == image_px as usize,
         (Dimension::Fixed(length), side) => length.to_string() == side,
     };
-    let Some(declared) = info.shape() else {
+    let Some(declared) = info.and_then(|info| info.shape()) else {
         return Ok(());
     };
     if declared.len() == shape.len() && declared.iter().zip(shape).all(fits) {
@@ -147,7 +141,7 @@ fn check_shape(model: &Model, name: &str, shape: &[&str]) -> Result<(), String> 
         Dimension::Symbolic(name) => name.clone(),
     });
     Err(format!(
-        "declares `{name}` as [{}]; it must be [{}]",
+        "declares `{name}` as [{}]; it must be [{}], where H and W are {image_px}",
         declared.collect::<Vec<_>>().join(", "),
         shape.join(", ")
     ))
@@ -176,32 +170,16 @@ impl Policy for Onnx {
     }
 
     fn prepare(&self, program: &Program) -> Result<(), RunError> {
-        let unfit = |why: String| Err(RunError::Unfit(why));
         let (task, policy) = (program.title(), &self.name);
-        for name in ["pick", "place"] {
-            let field = program.field(name).map(|field| &field.choices);
-            if let Some(Choices::Region { mask }) = field {
-                return unfit(format!(
-                    "`{name}` of `{task}` is any pixel of `{mask}`, and `--policy {policy}` compares listed points: write `one of`"
-                ));
-            }
+        let is_region = |it: &&ActionField| matches!(it.choices, Choices::Region { .. });
+        if let Some(field) = program.actions.iter().find(is_region) {
+            return Err(RunError::Unfit(format!(
+                "`{}` of `{task}` is any pixel of a mask, and `--policy {policy}` compares listed points: write `one of`",
+                field.name
+            )));
         }
-        let image_px = program.camera.image_px as usize;
-        for (input, shape) in INPUTS {
-            let id = self.model.find_node(input);
-            let declared = id.and_then(|id| self.model.node_info(id)?.shape());
-            let sides = shape.iter().zip(declared.into_iter().flatten());
-            for (side, declared) in sides {
-                if let ("H" | "W", Dimension::Fixed(length)) = (*side, declared)
-                    && length != image_px
-                {
-                    return unfit(format!(
-                        "`--policy {policy}` takes a `{input}` of {length} px a side, and the pictures of `{task}` have {image_px} px"
-                    ));
-                }
-            }
-        }
-        Ok(())
+        let checked = check_interface(&self.model, program.camera.image_px);
+        checked.map_err(|why| RunError::Unfit(format!("the network of `--policy {policy}` {why}")))
     }
 
     fn decide(
@@ -209,33 +187,29 @@ impl Policy for Onnx {
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Decision, RunError> {
-        let ranked = match self.offers(step) {
-            Ok(offers) => self.ranked(step, accepted_first(step, offers)?),
-            Err(why) => Err(why),
-        };
+        let offers = accepted_first(step, Onnx::offers(step))?;
+        let ranked = self.ranked(step, offers);
         until_accepted(step, exchange, &mut |refusals, _| {
-            let ranked = match &ranked {
-                Ok(ranked) => ranked,
-                Err(why) => return Ok(stop(Outcome::PolicyFailed, why).into()),
-            };
-            Ok(match ranked.get(refusals.len()) {
-                Some((value, offer)) => Proposed {
-                    note: Some(format!("value {value:.3}")),
-                    ..Ok(offer.proposal.clone()).into()
+            let mut source = Source::default();
+            let answer = match &ranked {
+                Err(why) => stop(Outcome::PolicyFailed, why),
+                Ok(ranked) => match ranked.get(refusals.len()) {
+                    Some((value, offer)) => {
+                        source.note = Some(format!("value {value:.3}"));
+                        Ok(offer.proposal.clone())
+                    }
+                    None => stop(Outcome::NoCandidates, "no other action is offered"),
                 },
-                None if refusals.is_empty() => {
-                    stop(Outcome::NoCandidates, "no action is offered").into()
-                }
-                None => stop(Outcome::NoCandidates, "every offered action was refused").into(),
-            })
+            };
+            Ok((source, answer))
         })
     }
 }
 
 impl Onnx {
     /// Lists the offered actions: every combination of the fields that move the gripper, and of each other field the
-    /// value that is nearest to the usual. Fails if there are more than [`MOST_COMBINATIONS`].
-    fn offers(&self, step: &StepView<'_>) -> Result<Vec<Offer>, String> {
+    /// value that is nearest to the usual.
+    fn offers(step: &StepView<'_>) -> Vec<Offer> {
         let fields = step.program.actions.iter().map(|field| {
             let values = if MOVING.contains(&field.name.as_str()) {
                 space::choices(field, step.scene)
@@ -245,19 +219,7 @@ impl Onnx {
             (field.name.clone(), values)
         });
         let fields: Vec<(String, Vec<FieldValue>)> = fields.collect();
-        let all = combinations(&fields);
-        if all.len() > MOST_COMBINATIONS {
-            let many = fields.iter().filter(|(_, values)| values.len() != 1);
-            let many = many.map(|(name, values)| format!("{} of `{name}`", values.len()));
-            return Err(format!(
-                "`{}` offers {} actions ({}), and `--policy {}` compares at most {MOST_COMBINATIONS}: offer fewer",
-                step.program.title(),
-                all.len(),
-                many.collect::<Vec<_>>().join(" x "),
-                self.name
-            ));
-        }
-        let offers = all.filter_map(|proposal| {
+        let offers = combinations(&fields).filter_map(|proposal| {
             let observation = step.observation;
             let action = Action::lower(step.program, &proposal, step.scene, observation)?;
             let pixel = |point| observation.camera.pixel_from_world(point);
@@ -267,7 +229,7 @@ impl Onnx {
                 proposal,
             })
         });
-        Ok(offers.collect())
+        offers.collect()
     }
 
     /// Values the offered actions; the highest first, equal ones in the order of the offer. Fails with the reason.
@@ -355,9 +317,9 @@ fn input(name: &str, step: &StepView<'_>, offers: &[Offer]) -> Vec<f32> {
 
 /// Keeps the actions that the task's checks accept; all of them if there is none, for a task that then drops a check.
 fn accepted_first(step: &StepView<'_>, offers: Vec<Offer>) -> Result<Vec<Offer>, RunError> {
-    let (ground, facts) = (step.ground(), step.facts());
+    let facts = step.facts();
     let verdicts = offers.iter().map(|offer| {
-        let verdict = ground.verdict(facts, &offer.proposal, Strictness::Full);
+        let verdict = step.verdict(facts, &offer.proposal, Strictness::Full);
         verdict.map(|verdict| verdict == Verdict::Accept)
     });
     let accepted = verdicts.collect::<Result<Vec<_>, _>>()?;

@@ -3,10 +3,9 @@
 //! In: a step, and a function that makes an attempt. Out: every attempt as it happens, and what it came to. The task's
 //! `attempts` limit the number of answers.
 
-use super::{
-    Accepted, Attempt, Decision, Exchange, Exchanged, Finding, Question, RunError, StepView,
-};
+use super::{Accepted, Attempt, Decision, Exchange, Exchanged, Finding, RunError, StepView};
 use crate::outcome::Outcome;
+use crate::record::{Asked, SentFiles};
 use fab_model::Reply;
 use fab_program::Proposal;
 use fab_program::facts::Facts;
@@ -34,8 +33,8 @@ pub(super) enum Settled {
 
 /// An answer that was not accepted.
 pub(super) struct Refusal {
-    /// The number of its attempt.
-    pub number: u32,
+    /// What it would be accepted as.
+    pub accepted: Accepted,
     /// The action, if it could be read.
     pub proposal: Option<Proposal>,
     /// The check that refused it, or the field that could not be read.
@@ -58,23 +57,22 @@ pub(super) fn settle(
     ask: &mut Ask<'_>,
 ) -> Result<Settled, RunError> {
     let mut refusals = Vec::new();
-    let mut stage = String::new();
     for _ in 0..attempts {
         let attempt = ask(&refusals, exchange)?;
         (exchange.record)(Exchanged::Attempt(&attempt))?;
-        let (check, why, proposal) = match attempt.finding {
+        let accepted = Accepted {
+            stage: attempt.asked.stage,
+            attempt: attempt.asked.attempt,
+            without: Vec::new(),
+        };
+        let (check, why, proposal) = match attempt.asked.result {
             Finding::Text { name, value, .. } => return Ok(Settled::Text { name, value }),
             Finding::Failed { outcome, why, .. } => return Ok(Settled::Failed { outcome, why }),
-            Finding::Malformed { field, message, .. } => (field, message, None),
+            Finding::Malformed(malformed) => (malformed.field, malformed.message, None),
             Finding::Action {
                 fields, verdict, ..
             } => match verdict {
                 Verdict::Accept => {
-                    let accepted = Accepted {
-                        stage: attempt.stage,
-                        attempt: attempt.number,
-                        without: Vec::new(),
-                    };
                     return Ok(Settled::Action(Proposal { fields }, accepted));
                 }
                 Verdict::Reject { check, message, .. } => {
@@ -82,9 +80,8 @@ pub(super) fn settle(
                 }
             },
         };
-        stage = attempt.stage;
         refusals.push(Refusal {
-            number: attempt.number,
+            accepted,
             proposal,
             check,
             why,
@@ -98,14 +95,11 @@ pub(super) fn settle(
         let Some(proposal) = &refusal.proposal else {
             continue;
         };
-        let verdict = step
-            .ground()
-            .verdict(facts, proposal, Strictness::Relaxed)?;
+        let verdict = step.verdict(facts, proposal, Strictness::Relaxed)?;
         if verdict == Verdict::Accept {
             let accepted = Accepted {
-                stage,
-                attempt: refusal.number,
                 without: without.clone(),
+                ..refusal.accepted.clone()
             };
             return Ok(Settled::Action(proposal.clone(), accepted));
         }
@@ -113,25 +107,17 @@ pub(super) fn settle(
     Ok(Settled::Refused(refusals.pop()))
 }
 
-/// A proposal of a policy without stages, with its question and reply.
-pub(super) struct Proposed {
-    pub question: Option<Question>,
+/// An action for the only gripper, or why there is none.
+pub(super) type Answer = Result<Proposal, Box<Finding>>;
+
+/// How a policy without stages came to its answer.
+#[derive(Default)]
+pub(super) struct Source {
+    /// The files of the question, if there was one.
+    pub sent: SentFiles,
     pub reply: Option<Reply>,
     /// A note for people.
     pub note: Option<String>,
-    /// An action for the only gripper, or why there is none.
-    pub answer: Result<Proposal, Box<Finding>>,
-}
-
-impl From<Result<Proposal, Box<Finding>>> for Proposed {
-    fn from(answer: Result<Proposal, Box<Finding>>) -> Proposed {
-        Proposed {
-            question: None,
-            reply: None,
-            note: None,
-            answer,
-        }
-    }
 }
 
 /// Proposes nothing, now or later.
@@ -144,7 +130,8 @@ pub(super) fn stop<T>(outcome: Outcome, why: impl Into<String>) -> Result<T, Box
 }
 
 /// Proposes an action, given the refusals so far.
-type Propose<'p> = dyn FnMut(&[Refusal], &mut Exchange<'_, '_>) -> Result<Proposed, RunError> + 'p;
+type Propose<'p> =
+    dyn FnMut(&[Refusal], &mut Exchange<'_, '_>) -> Result<(Source, Answer), RunError> + 'p;
 
 /// Collects proposals of a policy without stages until one passes every check.
 pub(super) fn until_accepted(
@@ -161,26 +148,22 @@ pub(super) fn until_accepted(
         exchange,
         &mut |refusals, exchange| {
             let begun = Instant::now();
-            let proposed = propose(refusals, exchange)?;
+            let (Source { sent, reply, note }, answer) = propose(refusals, exchange)?;
             let took = begun.elapsed();
-            let finding = match proposed.answer {
+            let finding = match answer {
                 Err(finding) => *finding,
                 Ok(proposal) => Finding::Action {
-                    verdict: step.ground().verdict(facts, &proposal, Strictness::Full)?,
+                    verdict: step.verdict(facts, &proposal, Strictness::Full)?,
                     fields: proposal.fields,
-                    repairs: Vec::new(),
                     stated: Vec::new(),
                 },
             };
-            Ok(Attempt {
-                stage: STAGE.to_owned(),
-                number: refusals.len() as u32 + 1,
-                question: proposed.question,
-                reply: proposed.reply,
-                note: proposed.note,
-                finding,
-                took,
-            })
+            let asked = Asked {
+                sent,
+                note,
+                ..Asked::new(STAGE, refusals.len() as u32 + 1, finding)
+            };
+            Ok(Attempt { asked, reply, took })
         },
     )?;
     // A proposal outside the action space is a failure of the policy, not a bad choice.

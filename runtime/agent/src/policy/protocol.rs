@@ -6,7 +6,7 @@ use fab_picture::camera::Pinhole;
 use fab_program::spaces::Spaces;
 use fab_program::{ActionField, Cloth, PixelPoint, Proposal, Value, space};
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value as Json};
+use serde_json::Value as Json;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -19,9 +19,9 @@ pub const PROTOCOL: u32 = 2;
 pub enum Question {
     /// Which lines do you answer? A [`Hello`] answers it.
     Hello { protocol: u32 },
-    /// A rollout begins, or goes on after it was interrupted. An empty [`Line`] answers it, or one that refuses.
+    /// A rollout begins, or goes on after it was interrupted. [`Ready`] answers it.
     Reset(Box<Reset>),
-    /// What is to be done? A [`Line`] answers it.
+    /// What is to be done? An [`Answer`] answers it.
     Decide(Box<Decide>),
 }
 
@@ -73,8 +73,8 @@ pub enum Offered {
 }
 
 /// A value of a field.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[serde(untagged)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "a value is a pixel, `[column, row]`, or a text")]
 pub enum FieldValue {
     Pixel(PixelPoint),
     /// Anything else, as prompts write it.
@@ -124,11 +124,20 @@ pub struct Hello {
     pub protocol: u32,
 }
 
-/// A program's answer: at most one of the two fields.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+/// A program's answer to [`Question::Reset`].
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Line {
-    /// What each gripper is to do. Fields are read one by one, so that a message can name the wrong one.
-    pub grips: Option<Vec<Map<String, Json>>>,
+pub struct Ready {
+    /// Why the task cannot be done, if so.
     pub refuse: Option<String>,
+}
+
+/// A program's answer to [`Question::Decide`]: one of the two keys.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Answer {
+    /// What each gripper is to do; current worlds have one.
+    Grips([Grip; 1]),
+    /// Why nothing is to be done.
+    Refuse(String),
 }

@@ -3,7 +3,7 @@
 //! It is the paper's random policy, a baseline for others. Seed, start, repetition, action and attempt determine the
 //! draw.
 
-use super::proposing::{stop, until_accepted};
+use super::proposing::{Source, stop, until_accepted};
 use super::{Decision, Description, Exchange, Kind, Policy, RunError, StepView};
 use crate::outcome::Outcome;
 use fab_base::chance::Chance;
@@ -42,7 +42,7 @@ impl Policy for Random {
             let sampled = space::sample(step.program, step.scene, &mut below);
             let nothing = "a field has nothing to choose from";
             let nothing = || stop(Outcome::NoCandidates, nothing);
-            Ok(sampled.map_or_else(nothing, Ok).into())
+            Ok((Source::default(), sampled.map_or_else(nothing, Ok)))
         })
     }
 }

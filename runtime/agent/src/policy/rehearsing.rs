@@ -41,32 +41,6 @@ impl<'p> Rehearsing<'p> {
         Rehearsing { inner, twins }
     }
 
-    /// Decides with twins that can be trusted.
-    fn decide_with_twins(
-        &mut self,
-        step: &StepView<'_>,
-        exchange: &mut Exchange<'_, '_>,
-    ) -> Result<Decision, RunError> {
-        let first = self.inner.decide(step, exchange)?;
-        let mut further = 0;
-        let record = &mut *exchange.record;
-        let mut exchange = Exchange {
-            asking: exchange.asking,
-            record: &mut |exchanged| {
-                further += u32::from(matches!(exchanged, Exchanged::Attempt(_)));
-                record(exchanged)
-            },
-            interrupt: exchange.interrupt,
-        };
-        let decided = self.best(step, first, &mut exchange)?;
-        let line = &mut self.twins.line;
-        line.calls = further;
-        if let Decision::Act { accepted, .. } = &decided {
-            line.chosen = Some(accepted.attempt);
-        }
-        Ok(decided)
-    }
-
     /// Asks for the answers that the task declares, and returns the best; the first decision, if none can be used.
     ///
     /// First come independent answers, then revisions of the best of these. A revision that does not come, cannot be
@@ -74,16 +48,18 @@ impl<'p> Rehearsing<'p> {
     fn best(
         &mut self,
         step: &StepView<'_>,
-        first: Decision,
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Decision, RunError> {
+        let first = self.inner.decide(step, exchange)?;
+        if !self.inner.rehearses() {
+            return Ok(first);
+        }
         let interrupted = step.without_answer(Outcome::Interrupted);
         let rehearsal = self.twins.rehearsal;
         let mut stages = step.program.stages.iter();
         let stage = stages.find(|stage| stage.name == rehearsal.stage);
         let count = rehearsal.choose.and(stage).map_or(1, |it| it.candidates());
         let mut best: Option<Candidate> = None;
-        let mut unusable = 0;
         for answer in 0..count {
             let decision = match answer {
                 0 => Some(first.clone()),
@@ -100,29 +76,17 @@ impl<'p> Rehearsing<'p> {
                     }
                 }
                 // Only the policy's own faults leave the others a chance.
-                Some(decision) if decision.is_exhausted() => unusable += 1,
+                Some(decision) if decision.is_exhausted() => {}
                 Some(decision) if decision.is_interrupted() => return Ok(decision),
                 // Without rehearsal it would not have been asked, so the answers that came still count.
-                Some(Decision::Stop { why, .. }) if answer > 0 => {
-                    self.fall_short(format!(
-                        "candidate {} of {count} was not answered, and no more were asked for: {why}",
-                        answer + 1
-                    ));
-                    break;
-                }
                 _ => break,
             }
         }
         let Some(mut taken) = best else {
             return Ok(first);
         };
-        if unusable > 0 {
-            self.fall_short(format!(
-                "{unusable} of {count} candidates were not usable after all their attempts"
-            ));
-        }
         let mut highest = taken.measure;
-        for number in 1..=rehearsal.revisions {
+        for _ in 0..rehearsal.revisions {
             let Some(predicted) = self.twins.picture(taken.motion.as_ref()) else {
                 break;
             };
@@ -137,11 +101,6 @@ impl<'p> Rehearsing<'p> {
                     self.tried(step, taken.answer, (grips, accepted), exchange)
                 }
                 Some(decision) if decision.is_interrupted() => return Ok(decision),
-                Some(decision) if decision.is_exhausted() => break,
-                Some(Decision::Stop { why, .. }) => {
-                    self.fall_short(format!("revision {number} was not answered: {why}"));
-                    break;
-                }
                 _ => break,
             };
             if exchange.interrupt.is_raised() {
@@ -157,11 +116,6 @@ impl<'p> Rehearsing<'p> {
             grips: taken.grips,
             accepted: taken.accepted,
         })
-    }
-
-    /// Records why fewer answers count than the task declares; of several reasons the first.
-    fn fall_short(&mut self, why: String) {
-        self.twins.line.shortfall.get_or_insert(why);
     }
 
     /// Tries an answer on the twins; one that cannot be tried has no measure.
@@ -255,8 +209,7 @@ impl Policy for Rehearsing<'_> {
                 (exchange.record)(Exchanged::Note(note))?;
                 self.inner.decide(step, exchange)
             }
-            (None, None) if self.inner.rehearses() => self.decide_with_twins(step, exchange),
-            (None, None) => self.inner.decide(step, exchange),
+            (None, None) => self.best(step, exchange),
         };
         let took = std::mem::take(&mut self.twins.took);
         (exchange.record)(Exchanged::Rehearsed(&self.twins.line, took))?;

@@ -9,7 +9,7 @@ use crate::record::{CoverageSource, Measures};
 use crate::scene::Scene;
 use fab_picture::Mask;
 use fab_picture::observation::Observation;
-use fab_program::{Goal, Metric};
+use fab_program::Goal;
 use fab_world::World;
 use fab_world::metrics;
 
@@ -50,7 +50,8 @@ impl Covered {
                 world.name()
             )));
         }
-        covered.at_start = covered.measured(job, world, seen.as_ref())?;
+        covered.update(job, world, seen.as_ref())?;
+        covered.at_start = covered.now;
         covered.update(job, world, seen.as_ref())?;
         Ok(covered)
     }
@@ -64,40 +65,6 @@ impl Covered {
         world: &dyn World,
         seen: Option<&Observation>,
     ) -> Result<(), RunError> {
-        if self.source == Some(CoverageSource::Particles) || seen.is_some() {
-            self.now = self.measured(job, world, seen)?;
-        }
-        Ok(())
-    }
-
-    /// Returns whether the current cloth meets a goal that is judged after each step.
-    pub(super) fn meets_goal(&self, job: &Job<'_>) -> bool {
-        let Some(goal) = &job.program.goal else {
-            return false;
-        };
-        let value = match goal.metric {
-            Metric::Coverage => self.now.coverage,
-            Metric::NormalizedImprovement => self.now.normalized_improvement,
-            Metric::ParticleDistance => None,
-        };
-        value.is_some_and(|value| goal.is_met(value))
-    }
-
-    /// Returns whether a goal can be judged in this rollout.
-    pub(super) fn judges(&self, goal: &Goal) -> bool {
-        match self.source {
-            Some(CoverageSource::Particles) => true,
-            Some(CoverageSource::Picture) => goal.metric.is_judged_each_step(),
-            None => false,
-        }
-    }
-
-    fn measured(
-        &self,
-        job: &Job<'_>,
-        world: &dyn World,
-        seen: Option<&Observation>,
-    ) -> Result<Measures, RunError> {
         let grid = &job.start.grid;
         let (coverage, coverage_true) = match (world.particles(), seen, &self.flat) {
             (Some(particles), ..) => {
@@ -110,17 +77,34 @@ impl Covered {
                 let now = Scene::cloth_in(job.program, seen)?;
                 (now.and_then(|now| metrics::seen_coverage(&now, flat)), None)
             }
-            _ => (None, None),
+            // Nothing was done since, or nothing can be measured.
+            _ => return Ok(()),
         };
         let gained = |now: Option<f64>, at_start: Option<f64>| {
             metrics::normalized_improvement(now?, at_start?)
         };
-        Ok(Measures {
+        self.now = Measures {
             coverage,
             coverage_true,
             normalized_improvement: gained(coverage, self.at_start.coverage),
             normalized_improvement_true: gained(coverage_true, self.at_start.coverage_true),
-        })
+        };
+        Ok(())
+    }
+
+    /// Returns whether the current cloth meets a goal that is judged after each step.
+    pub(super) fn meets_goal(&self, job: &Job<'_>) -> bool {
+        let goal = job.program.goal.as_ref();
+        goal.is_some_and(|goal| self.now.meet(goal))
+    }
+
+    /// Returns whether a goal can be judged in this rollout.
+    pub(super) fn judges(&self, goal: &Goal) -> bool {
+        match self.source {
+            Some(CoverageSource::Particles) => true,
+            Some(CoverageSource::Picture) => goal.metric.is_judged_each_step(),
+            None => false,
+        }
     }
 }
 

@@ -25,12 +25,11 @@ impl Timer {
         }
     }
 
-    /// Times a piece of work; also returns how long it took.
-    pub(super) fn time<T>(&mut self, what: &str, work: impl FnOnce() -> T) -> (T, Duration) {
+    /// Times a piece of work.
+    pub(super) fn time<T>(&mut self, what: &str, work: impl FnOnce() -> T) -> T {
         let begun = Instant::now();
         let result = work();
-        let took = begun.elapsed();
-        self.add(what, took);
-        (result, took)
+        self.add(what, begun.elapsed());
+        result
     }
 }

@@ -2,21 +2,23 @@
 //!
 //! In: the job and the state left by the step before. Out: the step's line, and an outcome if the rollout ends with it.
 
-use super::event::{At, AttemptOf};
+use super::event::At;
 use super::timer::Timer;
 use super::writer::RolloutWriter;
 use super::{Event, Job, RunError};
 use crate::action::Action;
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
-use crate::policy::{self, Decision, Exchange, Exchanged, Policy, StepView, Truth};
-use crate::record;
+use crate::policy::{
+    self, Attempt, Decision, Exchange, Exchanged, Ground, Policy, StepView, Truth,
+};
+use crate::record::{self, SentFiles};
 use crate::result::StepResult;
 use crate::scene::{Scene, SceneError};
 use fab_base::wording::counted;
 use fab_picture::observation::Observation;
 use fab_program::facts::ExecutedAction;
-use fab_program::{Arrow, Proposal, SubgoalStep, space};
+use fab_program::{Arrow, Proposal, SubgoalStep};
 use fab_world::metrics::cloth_moved;
 use fab_world::{Motion, World, WorldError, WorldPoint};
 use std::collections::BTreeSet;
@@ -65,8 +67,6 @@ pub(super) struct Turn<'j> {
     /// The camera's picture after the action; `None` if nothing was done.
     pub after: Option<Observation>,
     pub timer: Timer,
-    /// Time spent on planning an action, without the model and the writing of files.
-    planning: Duration,
 }
 
 impl<'j> Turn<'j> {
@@ -82,13 +82,7 @@ impl<'j> Turn<'j> {
             },
             after: None,
             timer: Timer::default(),
-            planning: Duration::ZERO,
         }
-    }
-
-    /// Returns the time of render, vision, prompt, parse and verify, seconds; `None` if no action was asked for.
-    pub(super) fn planning_s(&self) -> Option<f64> {
-        (!self.line.attempts.is_empty()).then_some(self.planning.as_secs_f64())
     }
 
     /// Takes the step; returns an outcome if the rollout ends with it.
@@ -139,18 +133,17 @@ impl<'j> Turn<'j> {
             action: number,
             step,
         } = at;
-        let begun = Instant::now();
         if job.interrupt.is_raised() {
             return Ok(self.stop(Outcome::Interrupted, "interrupted"));
         }
-        let observation = self.plan("observe", || world.observe())?;
+        let observation = self.timer.time("observe", || world.observe())?;
         let file = keeper.keep_picture(number, "before", &observation.rgb)?;
         self.line.files.before = Some(file.clone());
         // The first scene is stored unfiltered: the arm's reach is not a property of the cloth.
         let first = &mut memory.first_scene;
         let reach = |point: &WorldPoint| world.out_of_reach(point);
         let refuses = |motion: &Motion| world.refuses(motion);
-        let scene = self.plan("keypoints", || {
+        let scene = self.timer.time("keypoints", || {
             let scene = Scene::of(job.program, &observation, first.as_ref())?;
             first.get_or_insert_with(|| scene.clone());
             scene.within_reach(job.program, &observation, &reach)
@@ -170,7 +163,7 @@ impl<'j> Turn<'j> {
         }
         let last = memory.last.as_ref();
         let executed = memory.executed.take();
-        let pictures = self.plan("annotate", || {
+        let pictures = self.timer.time("annotate", || {
             let subgoals = job.subgoals.step(step as usize - 1)?;
             let examples = job.examples.clone();
             let pictures =
@@ -179,7 +172,7 @@ impl<'j> Turn<'j> {
         })?;
         let particles = world
             .particles()
-            .filter(|_| keeper.end.report.sees_particles);
+            .filter(|_| keeper.header.policy.sees_particles);
         let asking = Instant::now();
         let run = keeper.folder.path().to_owned();
         let start = job.start.digest();
@@ -192,51 +185,42 @@ impl<'j> Turn<'j> {
         } = keeper;
         let mut record = |exchanged: Exchanged<'_>| {
             let keeping = Instant::now();
+            let mut sent = SentFiles::default();
             match exchanged {
                 Exchanged::Question {
                     stage,
                     attempt,
                     question,
                 } => {
-                    let of = AttemptOf::new(at, stage, attempt);
-                    let files = folder.keep_question(&of, question)?;
-                    progress(Event::Question { of, files });
-                }
-                Exchanged::Attempt(attempt) => {
-                    end.report.count(attempt);
-                    let of = AttemptOf::new(at, &attempt.stage, attempt.number);
-                    let asked = folder.keep_attempt(&of, attempt)?;
-                    self.timer.add(&attempt.stage, attempt.took);
-                    let answer = attempt.reply.as_ref().zip(asked.reply.clone());
-                    if let Some((reply, file)) = answer {
-                        progress(Event::Answer {
-                            of: of.clone(),
-                            text: reply.text.clone(),
-                            file,
-                            took_s: attempt.took.as_secs_f64(),
-                            usage: asked.usage,
-                        });
-                    }
-                    progress(Event::Verdict {
-                        of,
-                        note: asked.note.clone(),
-                        result: asked.result.clone(),
+                    sent = folder.keep_question(number, (stage, attempt), question)?;
+                    progress(Event::Question {
+                        at,
+                        stage: stage.to_owned(),
+                        attempt,
+                        sent: sent.clone(),
                     });
-                    self.line.attempts.push(asked);
-                    aside += attempt.took;
                 }
-                Exchanged::Rehearsed(rehearsal, took) => {
-                    if let Some(why) = &rehearsal.shortfall {
-                        let note = format!("step {step}: {why}");
-                        progress(Event::Note { note });
-                    }
-                    if rehearsal.aside.is_none() && !rehearsal.candidates.is_empty() {
-                        progress(Event::Rehearsed {
+                Exchanged::Attempt(Attempt { asked, reply, took }) => {
+                    let mut asked = asked.clone();
+                    end.report.count(&asked);
+                    self.timer.add(&asked.stage, *took);
+                    aside += *took;
+                    if let Some(reply) = reply {
+                        let of = (asked.stage.as_str(), asked.attempt);
+                        asked.reply = Some(folder.keep_reply(number, of, &reply.text)?);
+                        progress(Event::Answer {
                             at,
-                            rehearsal: Box::new(rehearsal.clone()),
+                            stage: asked.stage.clone(),
+                            attempt: asked.attempt,
+                            text: reply.text.clone(),
                             took_s: took.as_secs_f64(),
                         });
                     }
+                    self.line.attempts.push(asked.clone());
+                    let asked = Box::new(asked);
+                    progress(Event::Verdict { at, asked });
+                }
+                Exchanged::Rehearsed(rehearsal, took) => {
                     self.line.rehearsal = Some(rehearsal.clone());
                     self.timer.add("rehearse", took);
                     aside += took;
@@ -244,21 +228,23 @@ impl<'j> Turn<'j> {
                 Exchanged::Note(note) => progress(Event::Note { note }),
             }
             aside += keeping.elapsed();
-            Ok(())
+            Ok(sent)
         };
         let view = StepView {
             before: self.before,
-            program: job.program,
-            scene: &scene,
-            observation: &observation,
+            ground: Ground {
+                program: job.program,
+                scene: &scene,
+                observation: &observation,
+                reach: &reach,
+                refuses: &refuses,
+            },
             number,
             step,
             horizon: job.horizon(),
             last,
             executed: executed.as_ref(),
             pictures: &pictures,
-            reach: &reach,
-            refuses: &refuses,
             repetition: job.repetition,
             start_number: job.start_number,
             start: &start,
@@ -276,7 +262,6 @@ impl<'j> Turn<'j> {
         let decision = policy.decide(&view, &mut exchange)?;
         let deciding = asking.elapsed().saturating_sub(aside);
         self.timer.add("prompt and verify", deciding);
-        self.planning += deciding;
         let proposal = match decision {
             Decision::Act { grips, accepted } => {
                 let [proposal] = <[Proposal; 1]>::try_from(grips).map_err(|grips| {
@@ -295,7 +280,6 @@ impl<'j> Turn<'j> {
             }
             Decision::Skip(outcome) => {
                 self.line.skipped = Some(outcome);
-                progress(Event::Skipped { at, why: outcome });
                 return Ok(None);
             }
             Decision::Stop { outcome, why } => return Ok(self.stop(outcome, &why)),
@@ -312,7 +296,7 @@ impl<'j> Turn<'j> {
         let before = world.particles();
         self.line.action = Some(vec![action.clone()]);
         let motion = Motion::from(action.grip);
-        let (executed, _) = self.timer.time("act", || world.act(&motion, job.interrupt));
+        let executed = self.timer.time("act", || world.act(&motion, job.interrupt));
         let executed = executed?;
         // It was done, whatever can be seen of it.
         self.line.executed = Some(executed.clone());
@@ -337,32 +321,8 @@ impl<'j> Turn<'j> {
         };
         keeper.sheet.row(number, shown, drawn, after.rgb.clone());
         self.after = Some(after);
-        let beside = proposal.fields.iter().filter_map(|(name, value)| {
-            let field = job.program.field(name).filter(|it| !it.is_point())?;
-            Some(format!("{name} {}", space::text(field, value)))
-        });
-        let other_values = beside.collect();
         memory.last = Some(action.executed(proposal));
-        let accepted = self.line.accepted.as_ref();
-        progress(Event::Motion {
-            at,
-            grips: vec![action],
-            other_values,
-            without: accepted.map_or(Vec::new(), |it| it.without.clone()),
-            executed: Box::new(executed),
-            cloth: self.line.cloth,
-            files: Box::new(self.line.files.clone()),
-            took_s: begun.elapsed().as_secs_f64(),
-            spent: keeper.asking.spent(),
-        });
         Ok(None)
-    }
-
-    /// Runs a part of planning and adds its time.
-    fn plan<T>(&mut self, what: &str, work: impl FnOnce() -> T) -> T {
-        let (result, took) = self.timer.time(what, work);
-        self.planning += took;
-        result
     }
 
     fn stop(&mut self, outcome: Outcome, why: &str) -> Option<Outcome> {

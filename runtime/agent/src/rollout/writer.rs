@@ -6,10 +6,10 @@ use super::turn::Turn;
 use super::{Ended, Event, Job, RunError};
 use crate::journal::{JournalError, RunFolder};
 use crate::outcome::Outcome;
-use crate::policy::{self, Asking, Attempt, Finding};
+use crate::policy::{self, Asking, Finding};
 use crate::record::{
-    self, End, ExpertDistance, Header, JudgedBy, Line, Progress, Report, RunCosts, Spent,
-    StartFile, StepSpent,
+    self, Asked, End, ExpertDistance, Header, JudgedBy, Line, Report, RunCosts, Spent, StartFile,
+    StepSpent,
 };
 use crate::sheet::{SHEET_FILE, Sheet};
 use fab_base::{digest, npy};
@@ -20,7 +20,10 @@ use fab_world::expert::{self, Sequences};
 use fab_world::start::Up;
 use fab_world::{World, metrics};
 use image::RgbImage;
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant};
+
+/// The activities of planning an action, without the model and the writing of files.
+const PLANNING: [&str; 4] = ["observe", "keypoints", "annotate", "prompt and verify"];
 
 /// Writes a rollout into its folder.
 pub(super) struct RolloutWriter<'j> {
@@ -28,11 +31,9 @@ pub(super) struct RolloutWriter<'j> {
     pub(super) timer: Timer,
     pub(super) asking: Asking<'j>,
     pub(super) sheet: Sheet,
+    pub(super) header: Box<Header>,
     /// What is known of the rollout so far.
     pub(super) end: End,
-    /// How many expert results had to be simulated.
-    pub(super) experts_simulated: usize,
-    run_id: String,
     /// Planning times of the actions that were asked for, seconds.
     planned_s: Vec<f64>,
     last_skip: Option<Outcome>,
@@ -53,29 +54,15 @@ impl<'j> RolloutWriter<'j> {
         let program_file = folder.keep("program.json", &program)?;
         let start_file = folder.keep("start.npy", &npy::encode(&job.start.positions))?;
         folder.keep("start.json", &job.start.description())?;
-        let run_id = folder.run_id().unwrap_or_else(|| new_run_id(job, &folder));
-        let report = Report {
-            task: job.program.task.clone(),
-            variant: job.program.variant.clone(),
-            policy: policy.title(),
-            sees_particles: policy.sees_particles,
-            model: policy.models.is_some().then(|| policy.name.clone()),
-            model_is_stand_in: policy.is_stand_in(),
-            seed: job.start.seed,
-            program: job.program.hash(),
-            world: world.name().to_owned(),
-            params: world.parameters(),
-            ..Report::default()
-        };
         let header = Box::new(Header {
             schema: record::VERSION,
             fabc: env!("CARGO_PKG_VERSION").to_owned(),
-            task: report.task.clone(),
-            variant: report.variant.clone(),
-            program: report.program.clone(),
+            task: job.program.task.clone(),
+            variant: job.program.variant.clone(),
+            program: job.program.hash(),
             program_file,
-            world: report.world.clone(),
-            params: report.params.clone(),
+            world: world.name().to_owned(),
+            params: world.parameters(),
             code: world.code(),
             vary: world.variation(),
             policy,
@@ -93,25 +80,18 @@ impl<'j> RolloutWriter<'j> {
             early_stop: job.early_stop,
             repetition: job.repetition,
             drawn_for: job.drawn_for(),
-            attempts: job.program.verify.attempts,
-            goal: job.program.goal.clone(),
         });
         folder.append(&Line::Header(header.clone()))?;
-        progress(Event::Start { header });
-        folder.spend(&Spent::Begin {
-            run_id: run_id.clone(),
-        })?;
+        progress(Event::Start {
+            header: header.clone(),
+        });
         Ok(RolloutWriter {
             folder,
             asking,
             timer: Timer::default(),
             sheet: Sheet::default(),
-            end: End {
-                report,
-                ..End::default()
-            },
-            experts_simulated: 0,
-            run_id,
+            header,
+            end: End::default(),
             planned_s: Vec::new(),
             last_skip: None,
         })
@@ -143,20 +123,22 @@ impl<'j> RolloutWriter<'j> {
         Ok(())
     }
 
-    /// Writes a step's line, counts the step, and records its durations and costs.
-    pub(super) fn keep_step(&mut self, turn: &Turn<'_>) -> Result<(), JournalError> {
+    /// Writes a step's line, counts the step, and records and returns its durations and costs.
+    pub(super) fn keep_step(&mut self, turn: &Turn<'_>) -> Result<StepSpent, JournalError> {
         let line = &turn.line;
         self.folder.append(&Line::Step(Box::new(line.clone())))?;
-        let planning_s = turn.planning_s();
-        let spent = self.asking.spent();
-        self.folder.spend(&Spent::Step(StepSpent {
+        let seconds = turn.timer.seconds.clone();
+        let planning = PLANNING
+            .iter()
+            .filter_map(|what| seconds.get(*what)?.as_f64());
+        let spent = StepSpent {
             step: line.step,
-            planning_s,
-            seconds: turn.timer.seconds.clone(),
-            cost_usd_so_far: spent.known_cost().map(Usd::dollars),
-            cost_usd_at_most_so_far: spent.priced_at_most().map(Usd::dollars),
-        }))?;
-        self.planned_s.extend(planning_s);
+            planning_s: (!line.attempts.is_empty()).then(|| planning.sum()),
+            seconds,
+            so_far: self.asking.ledger.spent(),
+        };
+        self.folder.spend(&Spent::Step(spent.clone()))?;
+        self.planned_s.extend(spent.planning_s);
         self.timer.absorb(&turn.timer);
         let report = &mut self.end.report;
         report.stopped.clone_from(&line.stopped);
@@ -169,14 +151,7 @@ impl<'j> RolloutWriter<'j> {
             *report.skipped.entry(skipped.name().to_owned()).or_default() += 1;
             self.last_skip = Some(skipped);
         }
-        if line.is_taken() {
-            report.progress.push(Progress {
-                step: line.step,
-                cloth: line.cloth,
-                measures: line.measures,
-            });
-        }
-        Ok(())
+        Ok(spent)
     }
 
     /// Returns the outcome of a rollout that took every step.
@@ -216,7 +191,12 @@ impl<'j> RolloutWriter<'j> {
             job.make_expert_world,
             job.cache,
             job.interrupt,
-            &mut |missing| progress(Event::Experts { missing, total }),
+            &mut |missing| {
+                let note = format!(
+                    "simulating {missing} of {total} expert results to score against; they are kept for the next run"
+                );
+                progress(Event::Note { note });
+            },
         )?;
         self.timer.add("experts", begun.elapsed());
         if let Some(note) = results.not_kept {
@@ -244,7 +224,6 @@ impl<'j> RolloutWriter<'j> {
         let Some((sequence, distance_m)) = nearest else {
             return Ok(None);
         };
-        self.experts_simulated = results.simulated;
         let end = &mut self.end;
         end.nearest_expert = Some(sequence);
         end.experts = Some(experts);
@@ -272,22 +251,16 @@ impl<'j> RolloutWriter<'j> {
         report.measures = covered.now;
         report.coverage_at_start = covered.at_start.coverage;
         report.coverage_true_at_start = covered.at_start.coverage_true;
-        let spent = self.asking.spent();
+        let spent = self.asking.ledger.spent();
         let n_planned = self.planned_s.len();
         let took = RunCosts {
             planning_s: (n_planned > 0)
                 .then(|| self.planned_s.iter().sum::<f64>() / n_planned as f64),
             spent,
-            calls: spent.calls,
-            possibly_billed: spent.possibly_billed,
-            unreported: spent.unreported,
-            faults: self.asking.faults(),
-            usage: spent.usage,
+            faults: self.asking.ledger.faults().clone(),
             cost_usd: spent.known_cost().map(Usd::dollars),
             cost_usd_at_most: spent.priced_at_most().map(Usd::dollars),
             run_dir: self.folder.path().display().to_string(),
-            run_id: self.run_id,
-            experts_simulated: self.experts_simulated,
             seconds: self.timer.seconds,
             wall_s: wall.as_secs_f64(),
         };
@@ -295,7 +268,7 @@ impl<'j> RolloutWriter<'j> {
             report.operator = operator.judge(report, self.folder.path());
         }
         // A failed contact sheet must not lose a finished rollout.
-        if let Some(picture) = self.sheet.picture(report).unwrap_or_default() {
+        if let Some(picture) = self.sheet.picture(&self.header, report).unwrap_or_default() {
             self.end.sheet = Some(self.folder.keep(SHEET_FILE, &png::encode(&picture))?);
         }
         let report = report.clone();
@@ -303,36 +276,25 @@ impl<'j> RolloutWriter<'j> {
         self.folder.spend(&Spent::End {
             report: Box::new(took.clone()),
         })?;
-        Ok(Ended { report, took })
+        Ok(Ended {
+            header: self.header,
+            report,
+            took,
+        })
     }
 }
 
 impl Report {
     /// Counts a question, and a refused or unreadable answer.
-    pub(super) fn count(&mut self, attempt: &Attempt) {
-        self.queries += u32::from(attempt.question.is_some());
-        match &attempt.finding {
+    pub(super) fn count(&mut self, asked: &Asked) {
+        self.queries += u32::from(asked.sent.request.is_some());
+        match &asked.result {
             Finding::Action {
                 verdict: Verdict::Reject { check, .. },
                 ..
             } => *self.refusals.entry(check.clone()).or_default() += 1,
-            Finding::Malformed { .. } => self.malformed_replies += 1,
+            Finding::Malformed(_) => self.malformed_replies += 1,
             Finding::Action { .. } | Finding::Text { .. } | Finding::Failed { .. } => {}
         }
     }
-}
-
-/// Names a run uniquely, even among runs of the same job.
-fn new_run_id(job: &Job<'_>, folder: &RunFolder) -> String {
-    let now = SystemTime::now()
-        .duration_since(UNIX_EPOCH)
-        .map_or(0, |since| since.as_nanos());
-    let identity = format!(
-        "{} {} {} {} {now}",
-        job.program.hash(),
-        job.start.digest(),
-        folder.path().display(),
-        std::process::id()
-    );
-    digest::of(identity)[..12].to_owned()
 }

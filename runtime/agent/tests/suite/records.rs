@@ -56,7 +56,7 @@ fn the_example_of_the_page_is_a_record() {
     assert!(record.steps[0].is_taken());
     let report = record.end.unwrap().report;
     assert_eq!((report.outcome, report.steps), (Outcome::HorizonReached, 1));
-    assert_eq!(record.took.unwrap().calls, 0);
+    assert_eq!(record.took.unwrap().spent.calls, 0);
 }
 
 #[test]

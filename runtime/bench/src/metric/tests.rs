@@ -14,7 +14,7 @@ fn asked(result: Value) -> Value {
 }
 
 fn action(verdict: Value) -> Value {
-    asked(json!({ "finding": "action", "fields": [], "repairs": [], "verdict": verdict }))
+    asked(json!({ "finding": "action", "fields": [], "verdict": verdict }))
 }
 
 fn step(attempts: &[Value], coverage: f64, improvement: f64) -> Step {
@@ -41,7 +41,7 @@ fn played() -> Played {
     let taken = action(json!({ "verdict": "accept" }));
     let report = json!({
         "task": "t", "outcome": "horizon_reached", "goal_reached": false, "coverage_source": "particles",
-        "operator": { "reached": true, "why": null, "words": null }, "progress": [], "steps": 2,
+        "operator": { "reached": true, "why": null, "words": null }, "steps": 2,
         "skipped_steps": 0, "skipped": {}, "retries": 0, "queries": 4, "refusals": { "moves": 1 },
         "malformed_replies": 1, "policy": "m (stand-in)", "sees_particles": false, "model": "m", "model_is_stand_in": true, "program": "p", "world": "sim", "params": "w",
     });

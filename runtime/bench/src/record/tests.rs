@@ -3,8 +3,9 @@
 
 use super::*;
 use fab_agent::record::{RECORD_FILE, SPENT_FILE};
-use fab_program::Comparison;
-use serde_json::json;
+use fab_model::calls::Spent;
+use fab_program::{Comparison, Metric as GoalMetric};
+use serde_json::{Value, json};
 
 fn goal() -> Goal {
     Goal {
@@ -16,7 +17,7 @@ fn goal() -> Goal {
 
 fn report(outcome: &str) -> Value {
     json!({
-        "task": "t", "outcome": outcome, "goal_reached": false, "coverage_source": "particles", "progress": [],
+        "task": "t", "outcome": outcome, "goal_reached": false, "coverage_source": "particles",
         "steps": 1, "skipped_steps": 0, "skipped": {}, "retries": 0, "queries": 2, "refusals": {},
         "malformed_replies": 0, "policy": "m (stand-in)", "sees_particles": false, "model": "m", "model_is_stand_in": true, "program": "p", "world": "sim", "params": "w",
     })
@@ -186,10 +187,20 @@ fn folders_are_read_for_what_they_hold() {
         super::find(folder.path(), &identity())
     };
     // If a step was repeated when the rollout was resumed, the first time counts.
-    let spent = "{\"type\":\"begin\",\"run_id\":\"r\"}\n\
-        {\"type\":\"step\",\"step\":1,\"seconds\":{\"act\":0.5,\"observe\":0.25},\"planning_s\":0.125,\"cost_usd_so_far\":0.5}\n\
-        {\"type\":\"step\",\"step\":1,\"seconds\":{\"act\":9.0},\"planning_s\":9.0,\"cost_usd_so_far\":0.75}\n";
-    std::fs::write(folder.path().join(SPENT_FILE), spent).unwrap();
+    let spent = |seconds: Value, planning_s: f64, cost: u64| {
+        let so_far = Spent {
+            cost: Usd::from_nano(cost),
+            ..Spent::default()
+        };
+        json!({ "type": "step", "step": 1, "seconds": seconds, "planning_s": planning_s, "so_far": so_far })
+    };
+    let first = spent(json!({ "act": 0.5, "observe": 0.25 }), 0.125, 500_000_000);
+    let again = spent(json!({ "act": 9.0 }), 9.0, 750_000_000);
+    std::fs::write(
+        folder.path().join(SPENT_FILE),
+        format!("{first}\n{again}\n"),
+    )
+    .unwrap();
     let end = |outcome: &str, file: Option<&str>| json!({ "type": "end", "report": report(outcome), "final": file });
     let step = step(Some(0.25));
     assert_eq!(
@@ -205,7 +216,7 @@ fn folders_are_read_for_what_they_hold() {
     assert_eq!((rollout.steps.len(), rollout.last), (1, None));
     let first = &rollout.steps[0];
     assert_eq!(first.line.measures.normalized_improvement, Some(0.25));
-    assert_eq!((first.seconds(), first.cost_usd), (0.75, Some(0.5)));
+    assert_eq!((first.spent.took_s(), first.cost_usd), (0.75, Some(0.5)));
     assert_eq!(first.spent.planning_s, Some(0.125));
     for stopped in ["interrupted", "budget_exhausted"] {
         assert_eq!(

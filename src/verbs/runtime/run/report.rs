@@ -5,109 +5,132 @@ use fab_agent::action::Action;
 use fab_agent::judgement::Judgement;
 use fab_agent::outcome::Outcome;
 use fab_agent::policy::Finding;
-use fab_agent::record::{CoverageSource, RehearsedAnswer, RehearsedStep};
-use fab_agent::rollout::{Ended, Event};
+use fab_agent::record::{CoverageSource, RehearsedAnswer, Step, StepSpent};
+use fab_agent::rollout::Ended;
+use fab_agent::rollout::event::{At, Event};
 use fab_agent::sheet::SHEET_FILE;
 use fab_base::wording::{counted, shown};
 use fab_model::calls::Spent;
+use fab_program::reply::Malformed;
 use fab_program::verify::Verdict;
-use fab_program::{Goal, LEAST_SLIDE_MM, Metric};
-use fab_world::Grasp;
+use fab_program::{Goal, LEAST_SLIDE_MM, Metric, Program, space};
 use fab_world::film::Film;
 use fab_world::metrics::ClothMoved;
+use fab_world::{Executed, Grasp, WorldError};
 use serde::Serialize;
+use serde_json::Value;
 use std::path::Path;
 
 pub struct Progress<'io> {
+    program: &'io Program,
     io: &'io Io,
     /// How many actions were shown in an earlier run.
     earlier: u32,
     horizon: u32,
     answer: String,
+    /// The last step, if its result did not match its subgoal, with their overlap.
+    failed: Option<(u32, f64)>,
 }
 
-impl Progress<'_> {
-    /// Shows what happens after `earlier` actions.
-    pub fn after(earlier: u32, io: &Io) -> Progress<'_> {
+impl<'io> Progress<'io> {
+    /// Shows what happens in a rollout of a task after `earlier` actions.
+    pub fn after(earlier: u32, program: &'io Program, io: &'io Io) -> Progress<'io> {
         Progress {
+            program,
             io,
             earlier,
             horizon: 0,
             answer: String::new(),
+            failed: None,
         }
     }
 
     pub fn show(&mut self, event: &Event) {
-        let is_earlier = event.at().is_some_and(|at| at.action <= self.earlier);
-        if is_earlier && !matches!(event, Event::Stopped { .. }) {
-            return;
-        }
-        let (io, horizon) = (self.io, self.horizon);
+        let is_earlier = |at: &At| at.action <= self.earlier;
+        let io = self.io;
         match event {
             Event::Start { header } => self.horizon = header.horizon,
             Event::Answer { text, .. } => self.answer.clone_from(text),
-            Event::Verdict { of, note, result } => {
-                let words = match (note, refusal(result, &self.answer)) {
+            Event::Verdict { at, asked } if !is_earlier(at) => {
+                let words = match (&asked.note, refusal(&asked.result, &self.answer)) {
                     (Some(note), refusal) => {
                         format!("{note}; {}", refusal.as_deref().unwrap_or("accepted"))
                     }
                     (None, Some(refusal)) => refusal,
                     (None, None) => return,
                 };
-                let (step, stage, attempt) = (of.at.step, &of.stage, of.attempt);
-                io.talk(&format!("  step {step}, {stage} attempt {attempt}: {words}"));
+                let (step, stage, attempt) = (at.step, &asked.stage, asked.attempt);
+                io.talk(&format!(
+                    "  step {step}, {stage} attempt {attempt}: {words}"
+                ));
             }
-            Event::Retried { at, overlap, limit } => io.talk(&format!(
-                "step {} again, kept as `step_{}`: its result overlaps the subgoal's cloth by {:.3}, and the task asks for more than {limit}",
-                at.step,
-                at.action,
-                // Rounded up, it could seem to be enough.
-                (overlap * 1000.0).floor() / 1000.0
-            )),
-            Event::Stopped { at, why } => {
-                io.talk(&format!("step {}/{horizon}: ended: {why}", at.step));
-            }
-            Event::Rehearsed {
-                at,
-                rehearsal,
-                took_s,
-            } => {
-                let words = rehearsed(rehearsal, *took_s);
-                io.talk(&format!("  step {}, {words}", at.step));
-            }
-            Event::Motion {
-                at,
-                grips,
-                other_values,
-                without,
-                executed,
-                cloth: moved,
-                took_s,
-                spent,
-                ..
-            } => {
-                let done = executed.grips.iter().map(|done| done.grasp);
-                let grips = grips.iter().zip(done);
-                let grips: Vec<String> = grips.map(|(action, grasp)| grip(action, grasp)).collect();
-                let mut said = grips.join("; ");
-                said.extend(other_values.iter().map(|it| format!(", {it}")));
-                said.extend(moved.as_ref().map(cloth));
-                if !without.is_empty() {
-                    said += &format!(", accepted without `{}`", without.join("`, `"));
+            Event::Picture { at, .. } if !is_earlier(at) => {
+                if let Some(overlap) = self.failed.take_if(|(step, _)| *step == at.step) {
+                    self.again(at, overlap.1);
                 }
-                let (step, spent) = (at.step, so_far(spent));
-                io.talk(&format!("step {step}/{horizon}: {said}   {took_s:.1} s{spent}"));
             }
-            Event::Skipped { at, why } => {
-                let (step, why) = (at.step, why.name());
-                io.talk(&format!("step {step}/{horizon}: skipped ({why})"));
+            Event::Motion { at, line, spent } if !is_earlier(at) || line.stopped.is_some() => {
+                let failed = line.result.filter(|result| !result.is_enough);
+                self.failed = failed.map(|result| (at.step, result.overlap));
+                self.step(at.step, line, spent);
             }
-            Event::Experts { missing, total } => io.talk(&format!(
-                "simulating {missing} of {total} expert results to score against; they are kept for the next run"
-            )),
             Event::Note { note } => io.talk(&format!("note: {note}")),
-            Event::Picture { .. } | Event::Question { .. } | Event::End { .. } => {}
+            _ => {}
         }
+    }
+
+    /// Shows that a step is taken again, since its result does not match its subgoal.
+    fn again(&self, at: &At, overlap: f64) {
+        let asked = self.program.verify.result.as_ref();
+        let limit = asked.map_or(0.0, |it| it.overlap_above);
+        // Rounded up, it could seem to be enough.
+        let overlap = (overlap * 1000.0).floor() / 1000.0;
+        let At { action, step } = at;
+        self.io.talk(&format!(
+            "step {step} again, kept as `step_{action}`: its result overlaps the subgoal's cloth by {overlap:.3}, and the task asks for more than {limit}"
+        ));
+    }
+
+    /// Shows how a step ended.
+    fn step(&self, step: u32, line: &Step, spent: &StepSpent) {
+        let io = self.io;
+        let tried = line.rehearsal.as_ref();
+        let tried = tried.filter(|it| it.aside.is_none() && !it.candidates.is_empty());
+        if let Some(tried) = tried {
+            let took_s = spent.seconds.get("rehearse").and_then(Value::as_f64);
+            let taken = line.accepted.as_ref().map(|accepted| accepted.attempt);
+            let words = rehearsed(&tried.candidates, taken, took_s.unwrap_or_default());
+            io.talk(&format!("  step {step}, {words}"));
+        }
+        let said = match (&line.executed, line.skipped, &line.stopped) {
+            (_, _, Some(why)) => format!("ended: {why}"),
+            (_, Some(why), None) => format!("skipped ({})", why.name()),
+            (Some(executed), ..) => {
+                let (took_s, spent) = (spent.took_s(), so_far(&spent.so_far));
+                format!("{}   {took_s:.1} s{spent}", self.motion(line, executed))
+            }
+            _ => return,
+        };
+        // Ending after a requested plan is not ending early.
+        if line.stopped != Some(WorldError::PlannedOnly.to_string()) {
+            io.talk(&format!("step {step}/{}: {said}", self.horizon));
+        }
+    }
+
+    fn motion(&self, line: &Step, executed: &Executed) -> String {
+        let done = executed.grips.iter().map(|done| done.grasp);
+        let grips = line.action.iter().flatten().zip(done);
+        let grips: Vec<String> = grips.map(|(action, grasp)| grip(action, grasp)).collect();
+        let mut said = grips.join("; ");
+        for (name, value) in line.proposal().into_iter().flat_map(|it| it.fields) {
+            if let Some(field) = self.program.field(&name).filter(|it| !it.is_point()) {
+                said += &format!(", {name} {}", space::text(field, &value));
+            }
+        }
+        said.extend(line.cloth.as_ref().map(cloth));
+        let accepted = line.accepted.iter().filter(|it| !it.without.is_empty());
+        said.extend(accepted.map(|it| format!(", accepted without `{}`", it.without.join("`, `"))));
+        said
     }
 }
 
@@ -127,13 +150,12 @@ fn grip(action: &Action, grasp: Grasp) -> String {
 }
 
 /// Says which of the answers that were tried on twins was taken, by its measure and its place among them.
-fn rehearsed(line: &RehearsedStep, seconds: f64) -> String {
-    let tried = &line.candidates;
+fn rehearsed(tried: &[RehearsedAnswer], taken: Option<u32>, seconds: f64) -> String {
     let measure = |index: usize| {
         let measure: Option<f64> = tried[index].measure;
         measure.map_or("no measure".to_owned(), |it| format!("{it:.2}"))
     };
-    let is_taken = |it: &RehearsedAnswer| line.chosen == Some(it.attempt);
+    let is_taken = |it: &RehearsedAnswer| taken == Some(it.attempt);
     let choice = match tried.iter().position(is_taken) {
         None => "none taken".to_owned(),
         Some(0) => format!("the first taken ({})", measure(0)),
@@ -143,9 +165,8 @@ fn rehearsed(line: &RehearsedStep, seconds: f64) -> String {
         }
     };
     format!(
-        "rehearsed: {}, {choice}, {}, {seconds:.1} s",
-        counted(tried.len(), "answer"),
-        counted(line.calls as usize, "more question")
+        "rehearsed: {}, {choice}, {seconds:.1} s",
+        counted(tried.len(), "answer")
     )
 }
 
@@ -192,7 +213,7 @@ fn refusal(result: &Finding, answer: &str) -> Option<String> {
             verdict: Verdict::Reject { check, message, .. },
             ..
         } => Some(format!("refused by `{check}`: {message}")),
-        Finding::Malformed { message, .. } => Some(format!(
+        Finding::Malformed(Malformed { message, .. }) => Some(format!(
             "not readable: {message}\nthe answer: {}",
             shown(answer, MAX_SHOWN)
         )),
@@ -239,7 +260,7 @@ fn summary(report: &Ended, goal: Option<&Goal>) -> Vec<String> {
             goal.unwrap_or_default()
         ));
         let judged_by = report.judged_by.iter();
-        let elsewhere = judged_by.filter(|judged_by| judged_by.world != report.world);
+        let elsewhere = judged_by.filter(|judged_by| judged_by.world != report.header.world);
         lines.extend(elsewhere.map(|judged_by| {
             let (world, [x, y]) = (&judged_by.world, judged_by.grid);
             format!("judged by expert results of `{world}`, on a grid of {x} x {y} particles")
@@ -249,12 +270,14 @@ fn summary(report: &Ended, goal: Option<&Goal>) -> Vec<String> {
         lines.extend(coverage(report));
     }
     lines.extend(report.operator.as_ref().map(judged));
-    lines.push(match &report.model {
-        Some(model) if report.model_is_stand_in => {
+    let policy = &report.header.policy;
+    let model = policy.models.as_ref().map(|_| &policy.name);
+    lines.push(match model {
+        Some(model) if policy.is_stand_in() => {
             format!("model: {model}, a stand-in and no vision-language model")
         }
         Some(model) => format!("model: {model}"),
-        None => format!("policy: {}", report.policy),
+        None => format!("policy: {}", policy.title()),
     });
     lines.push(questions(report));
     lines.extend(spent(report));
@@ -264,12 +287,6 @@ fn summary(report: &Ended, goal: Option<&Goal>) -> Vec<String> {
         seconds.filter_map(|(what, spent)| Some(format!("{what} {:.2}", spent.as_f64()?)));
     let seconds = seconds.collect::<Vec<_>>().join(", ");
     lines.push(format!("seconds: {seconds}, in all {:.1}", took.wall_s));
-    let n_new = Some(took.experts_simulated).filter(|count| *count > 0);
-    lines.extend(
-        n_new.map(|count| {
-            format!("of that, {count} expert results were simulated for the first time")
-        }),
-    );
     let has_sheet = Path::new(&took.run_dir).join(SHEET_FILE).exists();
     let sheet = has_sheet.then(|| format!(" (contact sheet: {SHEET_FILE})"));
     let sheet = sheet.unwrap_or_default();
@@ -308,7 +325,7 @@ fn judged(judgement: &Judgement) -> String {
 
 /// Reports what was paid for models, if there were calls.
 fn spent(report: &Ended) -> Option<String> {
-    if report.took.calls == 0 {
+    if report.took.spent.calls == 0 {
         return None;
     }
     let faults = report.took.faults.iter();

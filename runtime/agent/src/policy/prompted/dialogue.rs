@@ -7,6 +7,7 @@ use crate::pictures::scene_png;
 use crate::policy::judge::judge;
 use crate::policy::proposing::{Refusal, Settled, settle};
 use crate::policy::{Attempt, Exchange, Exchanged, Finding, Question, RunError, StepView};
+use crate::record::Asked;
 use fab_model::calls::CallRefused;
 use fab_model::{Model, ModelError, Png, Request, Speaker};
 use fab_program::facts::Facts;
@@ -144,7 +145,7 @@ impl Dialogue {
             schema: Some(self.schema.clone()),
         };
         let question = Question::Prompt(Box::new(request.clone()));
-        (exchange.record)(Exchanged::Question {
+        let sent = (exchange.record)(Exchanged::Question {
             stage: &stage.name,
             attempt: self.asked,
             question: &question,
@@ -164,15 +165,12 @@ impl Dialogue {
         };
         let answer = reply.as_ref().map(|reply| reply.text.clone());
         self.answer = answer.unwrap_or_default();
-        Ok(Attempt {
-            stage: stage.name.clone(),
-            number: self.asked,
-            question: Some(question),
-            reply,
-            note: None,
-            finding,
-            took,
-        })
+        let asked = Asked {
+            sent,
+            usage: reply.as_ref().and_then(|reply| reply.usage),
+            ..Asked::new(&stage.name, self.asked, finding)
+        };
+        Ok(Attempt { asked, reply, took })
     }
 
     /// Adds a refused answer, why it was refused and, if the task asks for that, a picture of its action.

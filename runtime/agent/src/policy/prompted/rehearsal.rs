@@ -8,8 +8,9 @@ use super::StageMessage;
 use super::dialogue::{Dialogue, Setting};
 use crate::policy::proposing::Settled;
 use crate::policy::{Asking, Exchange, Exchanged, Finding, RunError, StepView};
+use crate::record::SentFiles;
 use fab_base::interrupt::Interrupt;
-use fab_model::calls::Calls;
+use fab_model::calls::{Budget, Calls, Ledger};
 use fab_model::{Lowering, Model, ModelError, ModelKind, Reply, Request};
 use fab_program::Stage;
 use fab_program::render::Values;
@@ -70,6 +71,7 @@ pub fn rehearse(
 ) -> Result<(Vec<Rehearsed>, Vec<String>), RunError> {
     let answers = Mutex::new(answers.into());
     let given = Given { lowering, answers };
+    let budget = Budget::default();
     let mut texts = BTreeMap::new();
     let mut rehearsed = Vec::with_capacity(stages.len());
     for stage in stages {
@@ -83,14 +85,14 @@ pub fn rehearse(
         let n_asked_first = dialogue.messages.len();
         let mut findings = Vec::new();
         let mut exchange = Exchange {
-            asking: &mut Asking::default(),
+            asking: &mut Asking::of(Ledger::unwritten(&budget)),
             record: &mut |exchanged| {
                 if let Exchanged::Attempt(attempt) = exchanged
                     && attempt.reply.is_some()
                 {
-                    findings.push(attempt.finding.clone());
+                    findings.push(attempt.asked.result.clone());
                 }
-                Ok(())
+                Ok(SentFiles::default())
             },
             interrupt: &Interrupt::default(),
         };
