@@ -21,17 +21,16 @@ pub struct PictureArguments {
     /// they carry are found where they are black, with a ring at the tail and a head at the tip; others are proposed.
     #[arg(long, value_name = "PICTURE", num_args = 1.., value_hint = ValueHint::FilePath)]
     pub from_images: Vec<PathBuf>,
-    /// The flat cloth's longer side, such as `340mm`; without `--height` the camera's height follows from it.
-    #[arg(long, value_name = "LENGTH", requires = "from_images", value_parser = |text: &str| length(text, [20.0, 1200.0]))]
+    /// The flat cloth's longer side, such as `340mm`, from which the camera's height follows.
+    #[arg(long, value_name = "LENGTH", requires = "from_images", value_parser = length)]
     pub cloth: Option<f64>,
-    /// The camera's height above the table, such as `65cm`; without `--cloth` the cloth's size follows from it. With both
-    /// the camera's field of view follows.
-    #[arg(long, value_name = "LENGTH", requires = "from_images", value_parser = |text: &str| length(text, [100.0, 5000.0]))]
-    pub height: Option<f64>,
 }
 
-/// Parses a length with its unit, metres; the allowed range is in millimetres.
-fn length(text: &str, [least_mm, most_mm]: [f64; 2]) -> Result<f64, String> {
+/// The shortest and the longest cloth, millimetres.
+const SIDES_MM: [f64; 2] = [20.0, 1200.0];
+
+/// Parses the length of a cloth with its unit, metres.
+fn length(text: &str) -> Result<f64, String> {
     let units = [("mm", 1.0), ("cm", 10.0), ("m", 1000.0)];
     let read = |(unit, mm): (&str, f64)| {
         let number: f64 = text.strip_suffix(unit)?.trim_end().parse().ok()?;
@@ -40,6 +39,7 @@ fn length(text: &str, [least_mm, most_mm]: [f64; 2]) -> Result<f64, String> {
     let Some(found_mm) = units.into_iter().find_map(read) else {
         return Err("write a number with its unit, such as `340mm`, `34cm` or `0.34m`".to_owned());
     };
+    let [least_mm, most_mm] = SIDES_MM;
     if (least_mm..=most_mm).contains(&found_mm) {
         // Whole tenths of a millimetre, as the file states lengths.
         Ok((found_mm * 10.0).round() / 10_000.0)

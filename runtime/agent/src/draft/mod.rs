@@ -11,8 +11,6 @@ mod fold_search;
 mod measures;
 mod outline;
 
-pub use measures::StatedMeasures;
-
 #[cfg(test)]
 mod tests;
 
@@ -128,13 +126,13 @@ pub type MakeWorld<'a> = dyn Fn(&program::Camera) -> Result<Box<dyn World>, Worl
 
 /// Drafts a fold.
 ///
-/// - `stated`: what the user knows about the camera and the cloth.
+/// - `longer_m`: the flat cloth's longer side, metres, if the user stated it.
 /// - `announce`: told each step before folds are tried for it, from 1.
 ///
 /// The same pictures give the same draft.
 pub fn draft(
     pictures: &[NamedPicture],
-    stated: &StatedMeasures,
+    longer_m: Option<f64>,
     make_world: &MakeWorld<'_>,
     interrupt: &Interrupt,
     announce: &dyn Fn(usize),
@@ -149,7 +147,7 @@ pub fn draft(
         .map(PictureParts::of)
         .collect::<Result<_, _>>()?;
     let pose = Pose::of(&shown[0], &pictures[0].name)?;
-    let (camera, cloth) = measures::of(pose.sides_px, side_px, stated)?;
+    let (camera, cloth) = measures::of(pose.sides_px, side_px, longer_m)?;
     let compared = program::Camera {
         image_px: COMPARED_PX,
         ..camera

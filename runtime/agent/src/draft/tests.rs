@@ -14,12 +14,7 @@ fn make_world(camera: &program::Camera) -> Result<Box<dyn World>, WorldError> {
 }
 
 fn drafted(pictures: &[NamedPicture]) -> Result<Draft, DraftError> {
-    drafted_with(pictures, &StatedMeasures::default())
-}
-
-fn drafted_with(pictures: &[NamedPicture], stated: &StatedMeasures) -> Result<Draft, DraftError> {
-    let interrupt = Interrupt::default();
-    draft(pictures, stated, &make_world, &interrupt, &|_| {})
+    draft(pictures, None, &make_world, &Interrupt::default(), &|_| {})
 }
 
 fn load(paths: &[PathBuf]) -> Vec<NamedPicture> {

@@ -8,7 +8,7 @@ use crate::io::Io;
 use crate::sources;
 use crate::verbs::new::{Draft, FOLDING, NewFoldArguments, shown};
 use fab_agent::draft;
-use fab_agent::draft::{DraftError, NamedPicture, SIDE_PX, StatedMeasures};
+use fab_agent::draft::{DraftError, NamedPicture, SIDE_PX};
 use fab_picture::{cut, png};
 use fab_program::{Camera, Picker};
 use fab_world::{SimulatedWorld, World, WorldError};
@@ -20,10 +20,6 @@ const CUT_PX: u32 = 480;
 /// Looks at the pictures and writes the task.
 pub fn draft(arguments: &NewFoldArguments, io: &Io) -> Result<Draft, Failure> {
     let (pictures, are_cut) = load(&arguments.pictures.from_images, io)?;
-    let stated = StatedMeasures {
-        height_m: arguments.pictures.height,
-        longer_m: arguments.pictures.cloth,
-    };
     let interrupt = io.interrupt()?;
     let make_world = |camera: &Camera| -> Result<Box<dyn World>, WorldError> {
         let world = SimulatedWorld::new(camera, Picker::PutDown)?;
@@ -33,7 +29,8 @@ pub fn draft(arguments: &NewFoldArguments, io: &Io) -> Result<Draft, Failure> {
         let steps = pictures.len() - 1;
         io.progress(&format!("step {step}/{steps}: trying folds"));
     };
-    let found = draft::draft(&pictures, &stated, &make_world, &interrupt, &announce);
+    let longer_m = arguments.pictures.cloth;
+    let found = draft::draft(&pictures, longer_m, &make_world, &interrupt, &announce);
     io.progress("");
     let found = found.map_err(|error| match error {
         DraftError::World(WorldError::Interrupted) => Failure::interrupted(),
