@@ -4,7 +4,6 @@ mod from_images;
 mod page;
 
 pub use from_images::draft;
-pub use page::point_text;
 
 use crate::exit::Failure;
 use crate::io::Io;
@@ -17,8 +16,7 @@ use std::path::{Path, PathBuf};
 /// Pictures to draft a fold from.
 #[derive(Args)]
 pub struct PictureArguments {
-    /// Pictures of your own, the flat cloth first and then one after each step: the steps are found in them. Arrows that
-    /// they carry are found where they are black, with a ring at the tail and a head at the tip; others are proposed.
+    /// Pictures of your own, the flat cloth first and then one after each step: the steps are found in them.
     #[arg(long, value_name = "PICTURE", num_args = 1.., value_hint = ValueHint::FilePath)]
     pub from_images: Vec<PathBuf>,
     /// The flat cloth's longer side, such as `340mm`, from which the camera's height follows.
@@ -56,7 +54,7 @@ pub fn demonstrated(program: &Program, io: &Io) -> Result<Option<(SubgoalSet, St
     let interrupt = io.interrupt()?;
     let mut world = setting::world(program)?;
     let beside = Path::new("");
-    let drawn = SubgoalSet::draw(program, beside, world.as_mut(), &interrupt, &mut |_| {});
+    let drawn = SubgoalSet::draw(program, beside, world.as_mut(), &interrupt);
     let drawn = drawn.map_err(setting::no_subgoals)?;
     Ok(Some((drawn, world.parameters())))
 }

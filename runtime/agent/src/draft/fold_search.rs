@@ -10,14 +10,13 @@ use super::{DraftError, DraftStep};
 use crate::subgoals::ArrowPx;
 use fab_base::interrupt::Interrupt;
 use fab_base::parallel;
-use fab_picture::SubpixelPoint;
 use fab_picture::camera::Camera;
 use fab_picture::depth_mask;
 use fab_picture::hull::distance;
 use fab_program::{self as program, ClothPoint, Fold};
 use fab_world::expert;
 use fab_world::expert::MakeWorld;
-use fab_world::start::{RESTING_HEIGHT_M, Start};
+use fab_world::start::Start;
 use fab_world::{Grip, World, WorldError};
 use std::cmp::Reverse;
 use std::thread;
@@ -26,19 +25,19 @@ use std::thread;
 const GONE_PX: f64 = 5.0;
 /// How far a place point may appear from the next outline, pixels.
 const BESIDE_PX: f64 = 8.0;
-/// How far both ends of a fold may appear from those of an arrow that means it, pixels.
-const DRAWN_PX: f64 = 12.0;
 /// The shortest fold, pixels; tasks refuse shorter ones.
 const SHORTEST_PX: f64 = 10.0;
 /// Folds whose ends are closer together than this are one fold, named by the first, pixels. In the recorded pictures, a
 /// corner folded to the center is this far from it.
 const SAME_PX: f64 = 8.0;
+/// Folds whose ends are closer together than this are no alternatives to each other, pixels.
+const ALIKE_PX: f64 = 10.0;
 /// How much better a fold to or from a quarter point must fit than one between points that people name. In the recorded
 /// pictures the right fold is worse by up to 0.01.
 const HANDICAP: f64 = 0.03;
 /// Least distance of a picked point from the next outline, as a share of the largest such distance.
 const FAR: f64 = 0.75;
-/// The most folds that are simulated for a step without an arrow.
+/// The most folds that are simulated for a step.
 const MOST: usize = 22;
 /// Height above the table from which something counts as cloth, metres; a flat cloth lies at 5 mm.
 const CLOTH_M: f64 = 0.004;
@@ -54,8 +53,6 @@ pub struct StepSearch<'s> {
     pub before: &'s Outline,
     /// The outline after it.
     pub after: &'s Outline,
-    /// The arrow in the picture, in straightened coordinates.
-    pub arrow: Option<ArrowPx>,
     /// Makes worlds for trying folds.
     pub make_world: &'s MakeWorld<'s>,
     /// Those worlds' camera.
@@ -67,8 +64,7 @@ pub struct StepSearch<'s> {
 /// A fold to be tried.
 #[derive(Clone)]
 struct Candidate {
-    /// `None` for a drawn arrow that joins no named points.
-    fold: Option<Fold>,
+    fold: Fold,
     grip: Grip,
     arrow: ArrowPx,
 }
@@ -87,11 +83,7 @@ impl StepSearch<'_> {
         &self,
         positions: &[[f32; 3]],
     ) -> Result<Option<(DraftStep, Positions)>, DraftError> {
-        let world = self.lay(positions)?;
-        let candidates = match self.arrow {
-            Some(arrow) => self.drawn(arrow, world.as_ref())?,
-            None => self.likely(world.as_ref())?,
-        };
+        let candidates = self.likely(self.lay(positions)?.as_ref())?;
         let mut tried = self.try_all(&candidates, positions)?;
         // The sort is stable: of equals, the simplest name comes first.
         tried.sort_by(|a, b| b.merit().total_cmp(&a.merit()));
@@ -100,13 +92,12 @@ impl StepSearch<'_> {
             return Ok(None);
         };
         let Candidate { fold, arrow, .. } = taken.candidate;
-        let next = tried.find(|other| !are_near(&other.candidate.arrow, &arrow, DRAWN_PX));
+        let next = tried.find(|other| !are_near(&other.candidate.arrow, &arrow, ALIKE_PX));
         let step = DraftStep {
             arrow,
-            is_drawn: self.arrow.is_some(),
             fold,
             overlap: taken.overlap,
-            next_best: next.and_then(|next| Some((next.candidate.fold?, next.overlap))),
+            next_best: next.map(|next| (next.candidate.fold, next.overlap)),
         };
         Ok(Some((step, taken.positions)))
     }
@@ -132,7 +123,7 @@ impl StepSearch<'_> {
     fn likely(&self, world: &dyn World) -> Result<Vec<Candidate>, DraftError> {
         let gone = self.before.without(self.after);
         let mut candidates = self.folds(world, |[tail, tip]| {
-            gone.distance_px(SubpixelPoint::at(*tail).pixel) <= GONE_PX
+            gone.distance_px(*tail) <= GONE_PX
                 && self.after.distance_px(*tip) <= BESIDE_PX
                 && distance(*tail, *tip) > SHORTEST_PX
         })?;
@@ -146,23 +137,6 @@ impl StepSearch<'_> {
         });
         candidates.truncate(MOST);
         Ok(candidates)
-    }
-
-    /// Collects the folds that a drawn arrow may mean; the arrow itself if it joins no named points.
-    fn drawn(&self, arrow: ArrowPx, world: &dyn World) -> Result<Vec<Candidate>, DraftError> {
-        let named = self.folds(world, |meant| are_near(meant, &arrow, DRAWN_PX))?;
-        if !named.is_empty() {
-            return Ok(named);
-        }
-        let depth_m = self.camera.height_m - RESTING_HEIGHT_M;
-        let lens = self.lens();
-        let [pick, place] = arrow.map(|at| lens.world_from_pixel(at, depth_m));
-        let unnamed = pick.zip(place).map(|(pick, place)| Candidate {
-            fold: None,
-            grip: Grip::new(pick, place),
-            arrow,
-        });
-        Ok(unnamed.into_iter().collect())
     }
 
     /// Collects the folds between named points that fit; of those that look the same, the first.
@@ -189,7 +163,6 @@ impl StepSearch<'_> {
             let arrow = [tail, tip];
             let is_known = |other: &Candidate| are_near(&other.arrow, &arrow, SAME_PX);
             if fits(&arrow) && !candidates.iter().any(is_known) {
-                let fold = Some(fold);
                 candidates.push(Candidate { fold, grip, arrow });
             }
         }
@@ -213,7 +186,7 @@ impl StepSearch<'_> {
             }
             let seen = world.observe()?;
             let below_m = self.camera.height_m - CLOTH_M;
-            let outline = Outline::whole(depth_mask(&seen.depth_m, below_m));
+            let outline = Outline(depth_mask(&seen.depth_m, below_m));
             let overlap = outline.overlap(self.after);
             Ok(Some(world.particles().map(|positions| TriedFold {
                 candidate,
@@ -238,8 +211,8 @@ fn are_near(one: &ArrowPx, other: &ArrowPx, within_px: f64) -> bool {
 }
 
 fn handicap(candidate: &Candidate) -> f64 {
-    let mut folds = candidate.fold.iter();
-    let is_named = folds.all(|fold| is_main(fold.pick) && is_main(fold.place));
+    let Fold { pick, place, .. } = candidate.fold;
+    let is_named = is_main(pick) && is_main(place);
     if is_named { 0.0 } else { HANDICAP }
 }
 

@@ -6,8 +6,7 @@
 use crate::verbs::new::GUESSED;
 use fab_agent::draft;
 use fab_agent::draft::{DraftStep, NamedPicture};
-use fab_base::wording::quoted;
-use fab_program::{ClothPoint, Fold, Sequence};
+use fab_program::{ClothPoint, Fold};
 
 /// Least overlap that the base task requires of a step's result.
 const BASE_ALIKE: f64 = 0.7;
@@ -34,7 +33,7 @@ impl Page<'_> {
     pub fn text(&self) -> String {
         let found = self.found;
         // Only if every step has a fold that explains its pictures.
-        let folds: Option<Vec<Fold>> = found.steps.iter().map(|it| it.found().cloned()).collect();
+        let folds: Option<Vec<&Fold>> = found.steps.iter().map(DraftStep::found).collect();
         let (goal, experts, sequences) = match &folds {
             Some(folds) => {
                 let experts = "    experts @NAME@_folds\n\n";
@@ -49,7 +48,7 @@ impl Page<'_> {
             ),
         };
         let steps = found.steps.iter();
-        let places = steps.filter_map(|step| Some(point_text(&step.fold.as_ref()?.place)));
+        let places = steps.map(|step| point_text(&step.fold.place));
         let places: Vec<String> = places.collect();
         let is_beside = places.iter().any(|place| place.starts_with("point"));
         let is_side = |place: &String| !place.starts_with("corner") && !place.starts_with("center");
@@ -119,15 +118,6 @@ impl Page<'_> {
                 turned_deg.abs()
             ));
         }
-        let steps = self.found.steps.iter().zip(self.pictures);
-        let bare = steps.filter(|(step, _)| !step.is_drawn);
-        let bare = quoted(bare.map(|(_, picture)| &picture.name));
-        if !bare.is_empty() {
-            guesses.push(format!(
-                "no arrow found in {bare} (arrows must be black, with a ring at the tail and a head at the tip); \
-                 proposed one from the difference between the pictures"
-            ));
-        }
         guesses
     }
 
@@ -164,7 +154,7 @@ impl Page<'_> {
                 lines.push_str(&format!(
                     "        {GUESSED}from `{before}` to `{after}`: {guess}\n"
                 ));
-                if !step.is_drawn && !is_lost(step) {
+                if step.found().is_some() {
                     let [tail, tip] = step.arrow.map(|at| self.written(at));
                     arrow = format!(" arrow {tail} -> {tip}");
                 }
@@ -175,12 +165,9 @@ impl Page<'_> {
     }
 
     fn guess(&self, step: &DraftStep, place: &str) -> String {
-        let fold = match &step.fold {
-            Some(fold) => fold_text(fold),
-            None => "between points without names".to_owned(),
-        };
+        let fold = fold_text(&step.fold);
         let overlap = step.overlap;
-        if is_lost(step) {
+        if step.found().is_none() {
             let across = |share: f64| (share * f64::from(self.found.camera.image_px)).floor();
             let (near, middle) = (across(0.2), across(0.5));
             return format!(
@@ -189,18 +176,12 @@ impl Page<'_> {
                  (column, row) from the top left, where the step picks and places"
             );
         }
-        let arrow = if step.is_drawn {
-            let [tail, tip] = step.arrow.map(|[u, v]| format!("({u:.0}, {v:.0})"));
-            format!(", by the arrow in the picture from {tail} to {tip}")
-        } else {
-            String::new()
-        };
         let doubt = if step.is_sure() { "" } else { "not sure: " };
         let next = match &step.next_best {
             Some((next, other)) => format!(", next best {other:.2} for {}", fold_text(next)),
             None => String::new(),
         };
-        format!("{doubt}{fold}{arrow} (overlap {overlap:.2}{next})")
+        format!("{doubt}{fold} (overlap {overlap:.2}{next})")
     }
 
     /// Writes a pixel of the picture; a point outside the picture is clamped to it.
@@ -211,16 +192,13 @@ impl Page<'_> {
         format!("({u}px, {v}px)")
     }
 
-    fn sequences(&self, folds: &[Fold]) -> String {
-        let sequence = |Sequence { folds }: Sequence| {
-            let folds: Vec<String> = folds.iter().map(fold_text).collect();
-            format!("    sequence {{ fold {} }}\n", folds.join(", "))
-        };
-        let all = draft::symmetric(folds, &self.found.cloth);
-        let all: String = all.into_iter().map(sequence).collect();
+    fn sequences(&self, folds: &[&Fold]) -> String {
+        let folds: Vec<String> = folds.iter().map(|fold| fold_text(fold)).collect();
         format!(
-            "# The folds that count as right: those of the pictures, from each side from which the cloth looks the same.\n\
-             experts @NAME@_folds {{\n{all}}}\n"
+            "# The folds that count as right: those of the pictures. Each further `sequence {{ … }}` counts as right, too.\n\
+             experts {}_folds {{\n    sequence {{ fold {} }}\n}}\n",
+            self.name,
+            folds.join(", ")
         )
     }
 }
@@ -231,18 +209,13 @@ const SIDES_NOW: &str = "        # One fold ends elsewhere than on a corner or a
         side_points = edge_middles(outline)
 ";
 
-/// Returns whether all that is known of a step is a guess that does not explain it.
-fn is_lost(step: &DraftStep) -> bool {
-    !step.is_drawn && step.found().is_none()
-}
-
 /// Writes a fold as a whole, ignoring its fraction.
 fn fold_text(fold: &Fold) -> String {
     format!("{} -> {}", point_text(&fold.pick), point_text(&fold.place))
 }
 
 /// Writes a point of the cloth in the language's syntax.
-pub fn point_text(point: &ClothPoint) -> String {
+fn point_text(point: &ClothPoint) -> String {
     let ClothPoint::Particle { right, front } = *point else {
         return "center".to_owned();
     };
