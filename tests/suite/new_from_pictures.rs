@@ -15,7 +15,6 @@ fn pictures(task: &str, count: usize) -> Vec<String> {
 #[ignore = "long"]
 fn a_fold_drafted_from_pictures_says_what_it_guessed_and_runs_to_its_goal() {
     let folder = tempfile::tempdir().unwrap();
-    // One picture is already there, the others are copied.
     let mut pictures = pictures("house", 3);
     std::fs::create_dir(folder.path().join("mine")).unwrap();
     std::fs::copy(&pictures[1], folder.path().join("mine/after.png")).unwrap();
@@ -29,6 +28,7 @@ fn a_fold_drafted_from_pictures_says_what_it_guessed_and_runs_to_its_goal() {
         "gable.fab",
         "lib/folding.fab",
         "gable.images/0.png",
+        "gable.images/1.png",
         "gable.images/2.png"
     ]);
     assert_eq!(written["files"], files);
@@ -44,7 +44,7 @@ fn a_fold_drafted_from_pictures_says_what_it_guessed_and_runs_to_its_goal() {
     assert!(!text.contains('@'), "{text}");
     for line in [
         "image \"gable.images/0.png\" arrow (41px, 41px) -> (112px, 112px)",
-        "image \"mine/after.png\" arrow (182px, 41px) -> (112px, 112px)",
+        "image \"gable.images/1.png\" arrow (182px, 41px) -> (112px, 112px)",
         "image \"gable.images/2.png\"\n",
         "sequence { fold corner(back_left) -> center, corner(back_right) -> center }",
     ] {

@@ -24,8 +24,6 @@ pub struct Page<'p> {
     pub name: &'p str,
     /// The pictures, under the user's names.
     pub pictures: &'p [NamedPicture],
-    /// What the task calls the pictures.
-    pub places: &'p [String],
     pub found: &'p draft::Draft,
 }
 
@@ -88,6 +86,11 @@ impl Page<'_> {
         text.trim_end().to_owned() + "\n"
     }
 
+    /// Returns what the task calls a picture.
+    pub fn place(&self, number: usize) -> String {
+        format!("{}.images/{number}.png", self.name)
+    }
+
     fn height_mm(&self) -> f64 {
         (self.found.camera.height_m * 10_000.0).round() / 10.0
     }
@@ -146,11 +149,12 @@ impl Page<'_> {
     /// Writes the pictures, with a guess before each from which a step begins.
     fn images(&self) -> String {
         let mut lines = String::new();
-        for (number, place) in self.places.iter().enumerate() {
+        for number in 0..self.pictures.len() {
+            let place = self.place(number);
             let mut arrow = String::new();
             if let Some(step) = self.found.steps.get(number) {
                 let [before, after] = [number, number + 1].map(|at| &self.pictures[at].name);
-                let guess = self.guess(step, place);
+                let guess = self.guess(step, &place);
                 lines.push_str(&format!(
                     "        {GUESSED}from `{before}` to `{after}`: {guess}\n"
                 ));

@@ -12,5 +12,5 @@ fn what_is_stated_holds_and_the_rest_follows_from_the_pictures() {
     assert_eq!(of(None).unwrap(), (0.65, [54, 44]));
     assert_eq!(of(Some(0.5)).unwrap(), (0.971, [81, 65]));
     let message = of(Some(0.02)).unwrap_err().to_string();
-    assert!(message.contains("needs a camera 43 mm above"), "{message}");
+    assert!(message.contains("needs a camera 44 mm above"), "{message}");
 }
