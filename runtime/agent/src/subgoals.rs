@@ -151,10 +151,9 @@ impl SubgoalSet {
         if self.pictures.is_empty() {
             return Ok(None);
         }
-        let last = self.pictures.len().saturating_sub(2);
-        let number = number.min(last);
-        let bare = [number, (number + 1).min(self.pictures.len() - 1)]
-            .map(|index| self.pictures[index].clone());
+        let last = self.pictures.len() - 1;
+        let number = number.min(last.saturating_sub(1));
+        let bare = [number, last.min(number + 1)].map(|index| self.pictures[index].clone());
         let mut with_arrow = bare.clone();
         if let Some([tail, tip]) = self.arrows.get(number).copied().flatten() {
             for picture in &mut with_arrow {
@@ -168,13 +167,13 @@ impl SubgoalSet {
 impl StepPictures {
     /// Returns one of the two pictures.
     pub fn picture(&self, which: SubgoalStep, arrow: Arrow) -> &RgbImage {
-        let pair = match arrow {
+        let [now, next] = match arrow {
             Arrow::Drawn => &self.with_arrow,
             Arrow::Absent => &self.bare,
         };
         match which {
-            SubgoalStep::Now => &pair[0],
-            SubgoalStep::Next => &pair[1],
+            SubgoalStep::Now => now,
+            SubgoalStep::Next => next,
         }
     }
 }

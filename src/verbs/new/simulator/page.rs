@@ -67,7 +67,10 @@ impl Page<'_> {
             ("    @GUESSES@\n", &guesses.collect::<String>()),
             ("@HEIGHT@", &self.height_mm().to_string()),
             ("@BELOW@", &(self.height_mm() - CLOTH_MM).to_string()),
-            ("@FOV@", &self.fov_deg().to_string()),
+            (
+                "@FOV@",
+                &found.camera.fov_rad.to_degrees().round().to_string(),
+            ),
             ("@IMAGE@", &found.camera.image_px.to_string()),
             ("    @GOAL@\n", &goal),
             ("    @ALIKE@\n", &self.alike()),
@@ -95,19 +98,15 @@ impl Page<'_> {
         (self.found.camera.height_m * 10_000.0).round() / 10.0
     }
 
-    fn fov_deg(&self) -> f64 {
-        (self.found.camera.fov_rad.to_degrees() * 10.0).round() / 10.0
-    }
-
     /// States what is assumed of camera and cloth, or follows from what the user stated, and of all pictures.
     fn guesses(&self) -> Vec<String> {
         let cloth = &self.found.cloth;
         let [width, depth] = [cloth.dimx, cloth.dimy]
             .map(|particles| f64::from(particles - 1) * cloth.spacing_m * 1000.0);
         let mut guesses = vec![format!(
-            "the camera is {} mm above the table and has a field of view of {} degrees, and the cloth measures {width:.0} mm by {depth:.0} mm",
+            "the camera is {} mm above the table and has a field of view of {:.0} degrees, and the cloth measures {width:.0} mm by {depth:.0} mm",
             self.height_mm(),
-            self.fov_deg()
+            self.found.camera.fov_rad.to_degrees()
         )];
         let turned_deg = self.found.turned_rad.to_degrees();
         if turned_deg.abs() >= TURNED_DEG {
