@@ -10,6 +10,7 @@ use crate::io::Io;
 use crate::verbs::runtime::setting;
 use clap::{Args, ValueHint};
 use fab_agent::subgoals::SubgoalSet;
+use fab_program::units::{self, Dimension};
 use fab_program::{Program, Subgoals};
 use std::path::{Path, PathBuf};
 
@@ -24,26 +25,20 @@ pub struct PictureArguments {
     pub cloth: Option<f64>,
 }
 
-/// The shortest and the longest cloth, millimetres.
-const SIDES_MM: [f64; 2] = [20.0, 1200.0];
-
 /// Parses the length of a cloth with its unit, metres.
-fn length(text: &str) -> Result<f64, String> {
-    let units = [("mm", 1.0), ("cm", 10.0), ("m", 1000.0)];
-    let read = |(unit, mm): (&str, f64)| {
-        let number: f64 = text.strip_suffix(unit)?.trim_end().parse().ok()?;
-        Some(number * mm)
+fn length(text: &str) -> Result<f64, &'static str> {
+    let letter = |letter: char| letter.is_ascii_alphabetic();
+    let (number, unit) = text.split_at(text.find(letter).unwrap_or(text.len()));
+    let unit = units::find(unit).filter(|unit| unit.dimension == Dimension::Length);
+    let number: Option<f64> = number.trim_end().parse().ok();
+    let (Some(number), Some(unit)) = (number, unit) else {
+        return Err("write a number with its unit, such as `340mm`, `34cm` or `0.34m`");
     };
-    let Some(found_mm) = units.into_iter().find_map(read) else {
-        return Err("write a number with its unit, such as `340mm`, `34cm` or `0.34m`".to_owned());
-    };
-    let [least_mm, most_mm] = SIDES_MM;
-    if (least_mm..=most_mm).contains(&found_mm) {
-        // Whole tenths of a millimetre, as the file states lengths.
-        Ok((found_mm * 10.0).round() / 10_000.0)
-    } else {
-        Err(format!("right is from {least_mm}mm to {most_mm}mm"))
-    }
+    // Whole tenths of a millimetre, as the file states lengths.
+    let length_m = (number * unit.size * 10_000.0).round() / 10_000.0;
+    let fits = (0.02..=1.2).contains(&length_m);
+    fits.then_some(length_m)
+        .ok_or("right is from 20mm to 1200mm")
 }
 
 /// Executes a task's demonstration; `None` if it has none. Also returns the parameters of the world in which it did.
