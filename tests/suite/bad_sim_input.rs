@@ -43,10 +43,6 @@ fn numbers_that_no_cloth_or_machine_has() {
         ),
         ("crumple --count 0", &["0", "1..=10000"]),
         (
-            "crumple --seed 18446744073709551615 --count 2",
-            &["largest seed"],
-        ),
-        (
             "measure coton",
             &["no material `coton`", "did you mean `cotton`", "fabc ships"],
         ),
