@@ -216,12 +216,15 @@ fn a_step_that_no_fold_explains_gets_no_arrow_and_words_on_what_to_write() {
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     for told in [
         "no fold found; the best guess is ",
-        "Write by hand: `image \"0.png\" arrow (",
+        "Write by hand: `image \"a.images/0.png\" arrow (",
     ] {
         assert!(ended.stderr.contains(told), "{}", ended.stderr);
     }
     let text = std::fs::read_to_string(folder.path().join("a.fab")).unwrap();
-    assert!(text.contains("        image \"0.png\"\n"), "{text}");
+    assert!(
+        text.contains("        image \"a.images/0.png\"\n"),
+        "{text}"
+    );
     assert_eq!(said(folder.path(), &["check", "a.fab"]).code, 0);
 }
 
