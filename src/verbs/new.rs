@@ -248,18 +248,16 @@ fn check_place(arguments: &NewTaskArguments) -> Result<(), Failure> {
 fn check_name(name: &str) -> Result<(), Failure> {
     let is_part = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
     let begins_with_digit = name.starts_with(|first: char| first.is_ascii_digit());
-    let why = if fab_compiler::is_keyword(name) {
-        "the language uses this word itself"
-    } else if name.is_empty() || begins_with_digit || !name.chars().all(is_part) {
-        "one begins with a letter or `_`, and continues with letters, digits and `_`, without accents"
-    } else if name.len() > 190 {
-        // A word has at most 200 letters, and `NAME_folds` is one too.
-        "a name has at most 190 letters"
-    } else {
+    let is_word = !begins_with_digit && name.chars().all(is_part);
+    // A word has at most 200 letters, and `NAME_folds` is one too.
+    if is_word && (1..=190).contains(&name.len()) && !fab_compiler::is_keyword(name) {
         return Ok(());
-    };
-    let why = format!("`{}` cannot name a task: {why}", name.escape_debug());
-    Err(Failure::usage(why))
+    }
+    Err(Failure::usage(format!(
+        "`{}` cannot name a task: a name begins with a letter or `_`, continues with letters, digits and `_`, without \
+         accents, up to 190 of them, and is no word of the language",
+        name.escape_debug()
+    )))
 }
 
 fn refuse_if_there(place: &Path, advice: &str) -> Result<(), Failure> {

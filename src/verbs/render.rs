@@ -1,6 +1,6 @@
 //! `fabc render`: prints the exact messages of each stage, without asking a model.
 //!
-//! Points come from the camera at the chosen step, or from `--scene`. An earlier stage's answer, which only a model can
+//! Points come from the camera at the chosen step; a build without the runtime writes typed placeholders. An earlier stage's answer, which only a model can
 //! give, comes from `--reply`; without it, a typed placeholder takes its place.
 
 #[cfg(feature = "runtime")]
@@ -12,13 +12,11 @@ use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::sources::{self, TaskArguments};
 use crate::verbs::price::Price;
-use crate::verbs::snap::scene::PinnedScene;
 use crate::watch;
 use clap::{Args, ValueHint};
 use fab_base::wording::quoted;
 use fab_program::render::PromptPicture;
-use fab_program::scene::SceneView;
-use fab_program::{Arrow, KeypointShape, Layers, Picture, Program, Stage, SubgoalStep};
+use fab_program::{Arrow, Layers, Picture, Program, Stage, SubgoalStep};
 use page::{DisplayPart, ShownStage};
 use serde_json::json;
 use std::fs;
@@ -34,10 +32,6 @@ pub struct RenderArguments {
     /// The step whose prompts are shown; earlier steps are done as demonstrated, or as the stand-in decides.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     pub step: u32,
-    /// Points by keypoint name, as JSON: `{"corners": [[u, v], …], "center": [[u, v]]}`, instead of a camera's.
-    #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath)]
-    #[cfg_attr(feature = "runtime", arg(conflicts_with_all = ["start", "dims", "up", "model", "models", "marks"]))]
-    pub scene: Option<PathBuf>,
     #[cfg(feature = "runtime")]
     #[command(flatten)]
     pub camera: camera::CameraArguments,
@@ -57,10 +51,10 @@ pub struct RenderArguments {
 
 pub fn run(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
     let entry = std::slice::from_ref(&arguments.task.file);
-    #[cfg_attr(not(feature = "runtime"), expect(unused_mut))]
-    let mut others = Vec::from_iter(arguments.scene.clone());
     #[cfg(feature = "runtime")]
-    others.extend(arguments.camera.files());
+    let others: Vec<PathBuf> = arguments.camera.files().collect();
+    #[cfg(not(feature = "runtime"))]
+    let others = Vec::new();
     let render = || render(arguments, io);
     watch::run(arguments.watch, entry, &others, render, io)
 }
@@ -79,15 +73,10 @@ fn render(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
             "`{title}` has {horizon} steps; there is no step {step}"
         )));
     }
-    let listed = arguments.scene.as_ref();
-    let listed = listed.map(|path| read_scene(&declared, path)).transpose()?;
     #[cfg(feature = "runtime")]
-    let rendered = match listed {
-        Some(listed) => without_camera(&declared, Some(&listed), arguments)?,
-        None => camera::rendered(&declared, arguments, io)?,
-    };
+    let rendered = camera::rendered(&declared, arguments, io)?;
     #[cfg(not(feature = "runtime"))]
-    let rendered = without_camera(&declared, listed.as_ref(), arguments)?;
+    let rendered = without_camera(&declared, arguments)?;
     let Rendered { stages, price } = &rendered;
     if let Some(folder) = &arguments.out {
         write(folder, stages).map_err(|error| {
@@ -125,49 +114,13 @@ fn render(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// Reads a scene whose points are listed in a file; its masks and boxes are unknown.
-fn read_scene(program: &Program, path: &Path) -> Result<PinnedScene, Failure> {
-    let wrong = |why: String| {
-        Failure::environment(format!(
-            "the scene `{}` cannot be used: {why}",
-            path.display()
-        ))
-    };
-    let text = sources::read_text(path).map_err(wrong)?;
-    let scene = PinnedScene {
-        points: serde_json::from_str(&text)
-            .map_err(|error| wrong(format!("{error}; right would be {{\"corners\": [[12, 34], [56, 78]], \"center\": [[40, 50]]}}")))?,
-        ..PinnedScene::default()
-    };
-    for keypoint in &program.keypoints {
-        let name = keypoint.name.as_str();
-        let found = scene.points.get(name).map_or(0, Vec::len);
-        match keypoint.extractor.shape() {
-            KeypointShape::Point if found != 1 => {
-                return Err(wrong(format!(
-                    "`{name}` needs exactly one point, but has {found}"
-                )));
-            }
-            KeypointShape::Points if found == 0 => {
-                return Err(wrong(format!("`{name}` needs at least one point")));
-            }
-            _ => {}
-        }
-    }
-    Ok(scene)
-}
-
-/// Renders stages with the points of a file, or with typed placeholders.
-fn without_camera(
-    program: &Program,
-    listed: Option<&PinnedScene>,
-    arguments: &RenderArguments,
-) -> Result<Rendered, Failure> {
+/// Renders stages with typed placeholders in place of points.
+#[cfg(not(feature = "runtime"))]
+fn without_camera(program: &Program, arguments: &RenderArguments) -> Result<Rendered, Failure> {
     let folder = sources::folder_of(&arguments.task.file);
-    let scene = listed.map(|listed| listed as &dyn SceneView);
     let stages = chosen_stages(program, arguments.stage.as_deref())?;
     let stages = stages.into_iter().map(|stage| {
-        ShownStage::without_camera(program, &folder, stage, scene, None, arguments.step)
+        ShownStage::without_camera(program, &folder, stage, None, None, arguments.step)
     });
     Ok(Rendered {
         stages: stages.collect::<Result<_, Failure>>()?,

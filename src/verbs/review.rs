@@ -15,7 +15,7 @@ mod tests;
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use clap::Args;
-use decide::{Decision, Decisions, Outcome};
+use decide::{Decision, Decisions};
 use find::Pending;
 use groups::Group;
 use serde_json::{Value, json};
@@ -23,8 +23,7 @@ use std::path::PathBuf;
 
 const KEYS: &str = "\
 Without --json, --accept, --reject and --accept-all it asks on the terminal; `?` lists the keys.
-An ID is a group's (8 letters of its hash), a snapshot's (its file name without `.snap`), or the
-path of a snapshot, pending or accepted.";
+An ID is a group's, 8 letters of its hash; with --only, a group is what is left of it.";
 
 #[derive(Args)]
 #[command(after_help = KEYS)]
@@ -35,10 +34,10 @@ pub struct ReviewArguments {
     /// Only snapshots whose id contains this.
     #[arg(long, value_name = "PART")]
     pub only: Option<String>,
-    /// Accept a group or a snapshot; may be given again.
+    /// Accept a group; may be given again.
     #[arg(long, value_name = "ID")]
     pub accept: Vec<String>,
-    /// Reject a group or a snapshot: delete the pending version, keep the accepted one; repeatable.
+    /// Reject a group: delete the pending versions, keep the accepted ones; may be given again.
     #[arg(long, value_name = "ID")]
     pub reject: Vec<String>,
     /// Accept all that --reject does not name.
@@ -51,12 +50,21 @@ pub struct ReviewArguments {
 
 pub fn run(arguments: &ReviewArguments, io: &Io) -> Result<Exit, Failure> {
     let mut pending = find::find(&arguments.places, arguments.only.as_deref(), io)?;
+    let mut groups = groups::group(&pending);
     let is_named = !arguments.accept.is_empty() || !arguments.reject.is_empty();
     let mut outcome = None;
     if arguments.accept_all || is_named {
-        outcome = Some(decide(arguments, &mut pending)?);
+        let mut decisions = Decisions::about(&pending, &groups);
+        decisions.decide_named(&arguments.accept, Decision::Accept)?;
+        decisions.decide_named(&arguments.reject, Decision::Reject)?;
+        if arguments.accept_all {
+            decisions.accept_others();
+        }
+        decisions.apply()?;
+        outcome = Some(decisions.outcome());
+        pending.retain(|one| one.path.exists());
+        groups = groups::group(&pending);
     }
-    let groups = groups::group(&pending);
     if arguments.json {
         let shown = groups.iter().map(|group| {
             let mut shown = json!(group);
@@ -78,23 +86,6 @@ pub fn run(arguments: &ReviewArguments, io: &Io) -> Result<Exit, Failure> {
         return ask(&pending, &groups, io);
     }
     Ok(Exit::Done)
-}
-
-/// Applies the decisions of the command line, and leaves in `pending` what they do not settle.
-fn decide(arguments: &ReviewArguments, pending: &mut Vec<Pending>) -> Result<Outcome, Failure> {
-    let groups = groups::group(pending);
-    let mut decisions = Decisions::about(pending, &groups);
-    decisions.decide_named(&arguments.accept, Decision::Accept)?;
-    decisions.decide_named(&arguments.reject, Decision::Reject)?;
-    if arguments.accept_all {
-        decisions.accept_others();
-    }
-    decisions.apply()?;
-    let outcome = decisions.outcome();
-    let settled = (0..pending.len()).map(|at| decisions.is_settled(at));
-    let mut settled = settled.collect::<Vec<bool>>().into_iter();
-    pending.retain(|_| settled.next() == Some(false));
-    Ok(outcome)
 }
 
 fn ask(pending: &[Pending], groups: &[Group], io: &Io) -> Result<Exit, Failure> {

@@ -16,7 +16,6 @@ use expected::Source;
 use fab_base::parallel::in_parallel;
 use fab_program::Program;
 use plan::{Plan, State};
-use scene::{Moment, USUAL};
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZero;
@@ -29,7 +28,7 @@ pub struct SnapArguments {
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<String>,
     /// Write nothing; exit 1 if a snapshot differs, waits for review, or is an orphan.
-    #[arg(long, conflicts_with_all = ["prune", "scene"])]
+    #[arg(long, conflicts_with = "prune")]
     pub check: bool,
     /// Remove accepted snapshots that no file declares any more (orphans).
     #[arg(long)]
@@ -37,38 +36,9 @@ pub struct SnapArguments {
     /// Redraw every picture, even if its inputs are unchanged.
     #[arg(long)]
     pub redraw: bool,
-    /// Pin one more scene, under this name; it is kept from then on.
-    #[arg(long, value_name = "NAME")]
-    pub scene: Option<String>,
-    /// Seed of the scene's start, turned or crumpled as the task's is; default: the task's own start.
-    #[arg(long, value_name = "SEED", requires = "scene")]
-    pub start: Option<u64>,
-    /// The step to pin; earlier steps are executed as demonstrated, or as the stand-in decides.
-    #[arg(long, value_name = "N", requires = "scene", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100))]
-    pub step: u32,
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,
-}
-
-impl SnapArguments {
-    /// Returns the scene to pin in addition to the usual ones.
-    fn moment(&self) -> Result<Option<Moment>, Failure> {
-        let Some(name) = &self.scene else {
-            return Ok(None);
-        };
-        let is_plain = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
-        if name.is_empty() || !name.chars().all(is_plain) || USUAL.contains(&name.as_str()) {
-            return Err(Failure::usage(format!(
-                "`--scene {name}` cannot name a scene; use letters, digits and `_`, and neither `start` nor `later`, which are always pinned"
-            )));
-        }
-        Ok(Some(Moment {
-            name: name.clone(),
-            start: self.start,
-            step: self.step,
-        }))
-    }
 }
 
 pub fn run(arguments: &SnapArguments, io: &Io) -> Result<Exit, Failure> {
@@ -169,7 +139,7 @@ fn planned(
     let expected = |number: usize| {
         let (name, programs) = &declared[number];
         let source = Source { name, folder };
-        expected::of_file(programs, &source, arguments, &plan, io).map(Some)
+        expected::of_file(programs, &source, arguments.redraw, &plan, io).map(Some)
     };
     let threads = thread::available_parallelism().map_or(1, NonZero::get);
     let found = in_parallel(declared.len(), threads, expected, |_| {})?;

@@ -22,7 +22,7 @@ fn wrong_arguments_are_named_with_what_would_be_right() {
     let folder = project(SUITE);
     fs::create_dir(folder.path().join("empty")).unwrap();
     fs::write(folder.path().join("file"), "").unwrap();
-    let cases: [(&[&str], i32, &str); 15] = [
+    let cases: [(&[&str], i32, &str); 14] = [
         (
             &["none"],
             64,
@@ -39,11 +39,6 @@ fn wrong_arguments_are_named_with_what_would_be_right() {
             &["tiny", "--model", "random:x"],
             64,
             "there is no model `random:x`",
-        ),
-        (
-            &["tiny", "--variant", "none"],
-            64,
-            "has no variant `none`; there is `without_visual_context`",
         ),
         (&["tiny", "--limit", "0"], 64, "0 is not in 1.."),
         (&["tiny", "--jobs", "0"], 64, "0 is not in 1.."),

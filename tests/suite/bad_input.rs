@@ -239,37 +239,6 @@ fn a_run_folder_that_cannot_be_written() {
 }
 
 #[test]
-fn a_scene_file_that_does_not_fit() {
-    let folder = tempfile::tempdir().unwrap();
-    let here = folder.path();
-    demonstrated(here);
-    for (text, words) in [
-        ("", "right would be"),
-        ("[]", "right would be"),
-        (
-            "{\"corners\": [[1, 2, 3]], \"center\": [[1, 2]]}",
-            "right would be",
-        ),
-        (
-            "{\"corners\": [[1, 2]]}",
-            "`center` needs exactly one point",
-        ),
-        (
-            "{\"corners\": [], \"center\": [[1, 2]]}",
-            "`corners` needs at least one point",
-        ),
-    ] {
-        fs::write(here.join("scene.json"), text).unwrap();
-        refused(
-            here,
-            &["render", "small.fab", "--scene", "scene.json"],
-            2,
-            &["`scene.json`", words],
-        );
-    }
-}
-
-#[test]
 fn a_task_that_is_wrong_is_not_run() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(

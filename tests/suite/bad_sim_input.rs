@@ -30,20 +30,6 @@ fn numbers_that_no_cloth_or_machine_has() {
             "replay set --task fold",
             &["has that task", "those of `Fold`"],
         ),
-        (
-            "replay set --set substeps",
-            &["`--set substeps`", "such as `substeps=8`"],
-        ),
-        ("replay set --set substep=8", &["`substep`", "`substeps`"]),
-        ("replay set --set substeps=-8", &["-8", "u32"]),
-        ("replay set --set substeps=many", &["substeps=many"]),
-        ("replay set --set step_secs=1e39", &["`step_secs`", "`inf`"]),
-        ("replay set --set step_secs=0", &["`step_secs`", "`0`"]),
-        (
-            "replay set --set picker_travel_m=0",
-            &["`picker_travel_m`", "`0`"],
-        ),
-        ("replay set --set gravity_m_s2=9.8", &["`--set`", "9.8"]),
         ("crumple --dims 0x8", &["`--dims 0x8`", "at least 2"]),
         (
             "crumple --dims 4000000000x8",
@@ -56,10 +42,6 @@ fn numbers_that_no_cloth_or_machine_has() {
             &["--outline", "--dims"],
         ),
         ("crumple --count 0", &["0", "1..=10000"]),
-        (
-            "crumple --seed 18446744073709551615 --count 2",
-            &["largest seed"],
-        ),
         (
             "measure coton",
             &["no material `coton`", "did you mean `cotton`", "fabc ships"],

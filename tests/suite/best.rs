@@ -5,10 +5,14 @@ use super::seen_coverage::Blind;
 use super::support::{Fabc, ProjectFiles, bring_library, fabc, finish};
 use fab_agent::action::Action;
 use fab_agent::best::{self, Aim, Choice, Found, Limits, Search, Stop};
+use fab_agent::examples::Examples;
+use fab_agent::policy::Expert;
+use fab_agent::rollout::Job;
 use fab_agent::scene::Scene;
 use fab_agent::subgoals::SubgoalSet;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
+use fab_model::calls::Budget;
 use fab_program::scene::SceneView;
 use fab_program::{PixelPoint, Program, Proposal, Sequence};
 use fab_world::expert::MakeWorld;
@@ -18,6 +22,7 @@ use fab_world::{Grip, SimulatedWorld, World, WorldError, Wrapper, expert};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
+use std::sync::LazyLock;
 use std::time::Instant;
 
 const FABC: &str = env!("CARGO_BIN_EXE_fabc");
@@ -172,28 +177,52 @@ impl Asked<'_> {
         let interrupt = Interrupt::default();
         let subgoals = SubgoalSet::obtain(program, folder, &mut world, &interrupt).unwrap();
         let start = Start::flat(&program.cloth);
+        let job = job(program, &start, &subgoals, &make_world, &interrupt);
         let search = Search {
-            program,
-            start: &start,
-            subgoals: &subgoals,
-            make_world: &make_world,
-            make_expert_world: &make_world,
-            cache: &Cache::none(),
-            horizon: program.horizon,
+            job: &job,
             limits: self.limits,
             hint: self.hint,
-            interrupt: &interrupt,
             progress: &|trials| {
                 if Some(trials) == stop_after {
                     interrupt.raise();
                 }
             },
         };
-        let aim = Aim::of(&search).unwrap();
+        let aim = Aim::of(&job).unwrap();
         if stop_after == Some(0) {
             interrupt.raise();
         }
         best::search(&search, &aim).unwrap()
+    }
+}
+
+/// A rollout of a task, whose policy is of no account.
+fn job<'a>(
+    program: &'a Program,
+    start: &'a Start,
+    subgoals: &'a SubgoalSet,
+    make_world: &'a MakeWorld<'a>,
+    interrupt: &'a Interrupt,
+) -> Job<'a> {
+    static EXAMPLES: LazyLock<Examples> = LazyLock::new(Examples::default);
+    static BUDGET: LazyLock<Budget> = LazyLock::new(Budget::default);
+    static CACHE: LazyLock<Cache> = LazyLock::new(Cache::none);
+    Job {
+        program,
+        start,
+        subgoals,
+        examples: &EXAMPLES,
+        make_policy: &Expert,
+        budget: &BUDGET,
+        make_world,
+        make_expert_world: make_world,
+        cache: &CACHE,
+        interrupt,
+        horizon: None,
+        early_stop: true,
+        operator: None,
+        repetition: 0,
+        start_number: None,
     }
 }
 
@@ -356,7 +385,7 @@ fn pulls_anywhere_are_sampled_and_say_so() {
     let (code, whole) = run(folder.path(), ANYWHERE, arguments);
     assert_eq!(code, 0, "{whole:#}");
     let start = &whole;
-    assert_eq!(start["left"]["sampled"][0], "any point on the cloth");
+    assert!(start["left"].as_u64() > Some(0), "{start:#}");
     assert_eq!(
         (&start["exhausted"], &start["trials"]),
         (&false.into(), &24.into())
@@ -399,7 +428,7 @@ fn a_search_that_is_interrupted_before_its_first_trial_still_reports() {
     };
     let found = asked.found(home.path());
     assert_eq!((found.stop, found.trials), (Some(Stop::Interrupt), 0));
-    assert_eq!((found.left.states, found.value), (1, None));
+    assert_eq!((found.left, found.value), (1, None));
 }
 
 #[test]
@@ -415,7 +444,7 @@ fn a_search_ends_with_its_time_and_says_what_it_left() {
     };
     let found = asked.found(home.path());
     assert_eq!((found.stop, found.trials), (Some(Stop::Time), 0));
-    assert_eq!((found.left.states, found.value), (1, None));
+    assert_eq!((found.left, found.value), (1, None));
 }
 
 #[test]
@@ -457,7 +486,7 @@ fn an_order_that_is_drawn_is_the_same_on_any_number_of_threads() {
             ..Asked::of(&program)
         };
         let found = asked.found(folder.path());
-        assert_eq!(found.left.sampled, ["any point on the cloth"]);
+        assert!(found.left > 0, "{found:?}");
         assert_eq!((found.trials, found.best.len()), (8, 2));
         format!("{found:#?}")
     });
@@ -538,20 +567,19 @@ fn a_world_without_copies_is_searched_with_equal_results_and_one_without_particl
     let program = compiled(folder.path(), TWICE);
     let simulated = || SimulatedWorld::of(&program);
     let search = |make_world: &MakeWorld<'_>| {
-        let search = Search {
-            program: &program,
-            start: &Start::flat(&program.cloth),
-            subgoals: &SubgoalSet::default(),
-            make_world,
+        let (start, subgoals) = (Start::flat(&program.cloth), SubgoalSet::default());
+        let interrupt = Interrupt::default();
+        let job = Job {
             make_expert_world: &|| Ok(Box::new(simulated()?)),
-            cache: &Cache::none(),
-            horizon: program.horizon,
+            ..job(&program, &start, &subgoals, make_world, &interrupt)
+        };
+        let search = Search {
+            job: &job,
             limits: FEW,
             hint: &[],
-            interrupt: &Interrupt::default(),
             progress: &|_| {},
         };
-        best::search(&search, &Aim::of(&search)?)
+        best::search(&search, &Aim::of(&job)?)
     };
     let copied = Asked::of(&program).found(folder.path());
     let again = search(&|| Ok(Box::new(Copyless(simulated()?)))).unwrap();

@@ -20,8 +20,13 @@ fn table(grey: u8, cloth: [u8; 3]) -> RgbImage {
 }
 
 fn look(program: &Program, rgb: RgbImage) -> Result<SeeOutput, SeeError> {
-    let (depth_m, last) = (None, None);
-    see(program, SeeInput { rgb, depth_m, last })
+    let (depth_m, last_place) = (None, None);
+    let brought = SeeInput {
+        rgb,
+        depth_m,
+        last_place,
+    };
+    see(program, brought)
 }
 
 fn real(task: &str) -> Program {

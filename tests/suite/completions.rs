@@ -73,6 +73,6 @@ fn bash_reads_its_script_and_completes_verbs_and_files() {
     assert!(verbs.contains(&"resume".to_owned()), "{verbs:?}");
     assert!(verbs.iter().all(|verb| verb.starts_with("re")), "{verbs:?}");
     // The script leaves completing files to bash.
-    let files = offered(&["fabc", "render", "a.fab", "--scene", "nap"]);
+    let files = offered(&["fabc", "render", "a.fab", "--start", "nap"]);
     assert_eq!(files, ["napkin.fab"]);
 }

@@ -112,11 +112,11 @@ fn what_exists_is_left_and_nothing_is_written_beside_it() {
 fn names_that_the_language_or_the_library_uses_are_wrong_usage() {
     let folder = tempfile::tempdir().unwrap();
     for (name, why) in [
-        ("two words", "one begins with a letter or `_`"),
-        ("2fold", "one begins with a letter or `_`"),
-        ("stage", "the language uses this word itself"),
+        ("two words", "a name begins with a letter or `_`"),
+        ("2fold", "a name begins with a letter or `_`"),
+        ("stage", "is no word of the language"),
         ("folding", "`lib/folding.fab` has one of this name"),
-        ("a".repeat(191).as_str(), "a name has at most 190 letters"),
+        ("a".repeat(191).as_str(), "up to 190 of them"),
     ] {
         let ended = said(folder.path(), &["new", "fold", name, "--json"]);
         assert_eq!(ended.code, 64, "{}", ended.stderr);

@@ -6,7 +6,7 @@ use super::steered::steered_but;
 use super::support::{ProjectFiles, fabc, finish, project, world};
 use crate::recorded_data::recorded_data;
 use fab_agent::scene::Scene;
-use fab_agent::see::{LastAction, SeeInput, see};
+use fab_agent::see::{SeeInput, see};
 use fab_picture::Mask;
 use fab_picture::png;
 use fab_program::scene::SceneView;
@@ -143,7 +143,7 @@ fn recorded_folding_pictures_give_their_corners_in_order_and_their_center() {
         let brought = SeeInput {
             rgb: png::load(&path).unwrap(),
             depth_m: None,
-            last: None,
+            last_place: None,
         };
         let found: serde_json::Map<String, Value> = see(&program, brought)
             .unwrap()
@@ -214,21 +214,21 @@ fn what_is_seen_is_what_a_rollout_sees() {
     let observation = world.observe().unwrap();
     let expected = Scene::of(&program, &observation, None).unwrap();
     let place = PixelPoint::new(60, 70);
-    for last in [None, Some(LastAction { pick: None, place })] {
+    for last_place in [None, Some(place)] {
         let brought = SeeInput {
             rgb: observation.rgb.clone(),
             depth_m: Some(observation.depth_m.clone()),
-            last,
+            last_place,
         };
         let seen = see(&program, brought).unwrap();
         assert_eq!(seen.scene.to_json(), expected.to_json());
         let is_red = |pixel: &Rgb<u8>| pixel.0 == [255, 0, 0];
-        assert_eq!(seen.annotated.pixels().any(is_red), last.is_some());
+        assert_eq!(seen.annotated.pixels().any(is_red), last_place.is_some());
         let names = seen.stages.iter().map(|(name, _)| name.as_str());
         let kept = program
             .layers
             .iter()
-            .filter(|layer| last.is_some() || !layer.uses_last());
+            .filter(|layer| last_place.is_some() || !layer.uses_last());
         let keypoints = program
             .keypoints
             .iter()

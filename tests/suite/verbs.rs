@@ -164,36 +164,6 @@ fn render_writes_messages_and_the_pictures_that_a_model_gets() {
 }
 
 #[test]
-fn render_takes_points_from_a_scene_file() {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(
-        folder.path().join("scene.json"),
-        r#"{"corners": [[11, 22], [33, 44]], "center": [[55, 66]]}"#,
-    )
-    .unwrap();
-    let file = project("tasks/double_straight.fab");
-    let said = finish(fabc(folder.path()).args([
-        "render",
-        &file,
-        "--stage",
-        "plan",
-        "--scene",
-        "scene.json",
-    ]));
-    assert_eq!(said.code, 0, "{}", said.stderr);
-    assert!(
-        said.stdout.contains("Cloth corners: (11, 22), (33, 44)"),
-        "{}",
-        said.stdout
-    );
-    assert!(
-        said.stdout.contains("Cloth center: (55, 66)"),
-        "{}",
-        said.stdout
-    );
-}
-
-#[test]
 fn subgoals_draws_and_pins_one_picture_more_than_there_are_steps() {
     let folder = tempfile::tempdir().unwrap();
     small_fold(folder.path());

@@ -123,33 +123,6 @@ fn a_file_that_is_not_there_yet_is_waited_for() {
 }
 
 #[test]
-#[ignore = "long"]
-fn render_runs_again_after_a_change_of_its_scene() {
-    let folder = tempfile::tempdir().unwrap();
-    bring_task(folder.path());
-    let scene = folder.path().join("scene.json");
-    let points = |u: u32| {
-        format!(r#"{{ "corners": [[{u}, 50]], "center": [[112, 112]], "cloth": [[40, 40]] }}"#)
-    };
-    fs::write(&scene, points(77)).unwrap();
-    let arguments = [
-        "render",
-        "house.fab",
-        "--stage",
-        "plan",
-        "--scene",
-        "scene.json",
-        "--watch",
-    ];
-    let watching = Watching::begin(folder.path(), &arguments);
-    watching.until("Ctrl-C ends", 1);
-    assert_eq!(watching.count("Cloth corners: (77, 50)"), 1);
-    fs::write(&scene, points(88)).unwrap();
-    watching.until("Cloth corners: (88, 50)", 1);
-    assert_eq!(watching.interrupt(), Some(130));
-}
-
-#[test]
 fn watching_does_not_go_with_one_json_document() {
     let folder = tempfile::tempdir().unwrap();
     for verb in ["check", "test", "render"] {

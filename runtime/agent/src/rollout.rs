@@ -46,6 +46,7 @@ pub use event::Event;
 pub use first::{FirstQuestion, first_questions};
 
 /// What to run.
+#[derive(Clone, Copy)]
 pub struct Job<'a> {
     /// The compiled task.
     pub program: &'a Program,

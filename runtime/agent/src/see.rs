@@ -8,7 +8,7 @@ use fab_picture::DepthImage;
 use fab_picture::observation::{NotAligned, Observation};
 use fab_program::Proposal;
 use fab_program::facts::ExecutedAction;
-use fab_program::{Extractor, PixelPoint, Program, Sight};
+use fab_program::{Extractor, Layer, PixelPoint, Program, Sight};
 use image::RgbImage;
 
 /// The user's input.
@@ -18,17 +18,8 @@ pub struct SeeInput {
     pub rgb: RgbImage,
     /// Depth of the same shape, metres; 0 means no reading.
     pub depth_m: Option<DepthImage>,
-    /// The end of the previous action, for layers that show it.
-    pub last: Option<LastAction>,
-}
-
-/// The previous action, pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct LastAction {
-    /// Where the cloth was picked, if known.
-    pub pick: Option<PixelPoint>,
-    /// Where it was placed.
-    pub place: PixelPoint,
+    /// Where the previous action placed the cloth, for layers that show it.
+    pub last_place: Option<PixelPoint>,
 }
 
 /// The result.
@@ -40,7 +31,7 @@ pub struct SeeOutput {
     pub stages: Vec<(String, RgbImage)>,
     /// The picture that a model would get.
     pub annotated: RgbImage,
-    /// Layers that need a previous action, if there is none.
+    /// Layers that show the previous action, where its place is unknown or they need its pick.
     pub left_out: Vec<String>,
     /// What the pictures lack, and what was done about it.
     pub notes: Vec<String>,
@@ -52,9 +43,6 @@ pub enum SeeError {
     /// A keypoint needs depth; says what would work without.
     #[error("`{0}` needs depth, but the picture has none; use {1} instead")]
     NeedsDepth(String, &'static str),
-    /// A layer shows where the last action picked, which is unknown.
-    #[error("the layer `{0}` shows where the last action picked, but only its place was given")]
-    NeedsPick(String),
     /// The depth is not that of the picture.
     #[error(transparent)]
     NotAligned(#[from] NotAligned),
@@ -68,18 +56,24 @@ pub fn see(program: &Program, brought: SeeInput) -> Result<SeeOutput, SeeError> 
     if brought.depth_m.is_none() {
         check_depth(program)?;
     }
-    let last = brought.last.map(|last| done(program, last)).transpose()?;
+    let is_known = brought.last_place.is_some();
+    let is_left_out = |layer: &Layer| layer.uses_last_pick() || (layer.uses_last() && !is_known);
+    let mut program = program.clone();
+    let left_out = program.layers.extract_if(.., |layer| is_left_out(layer));
+    let left_out = left_out.map(|layer| layer.name).collect();
+    let last = brought.last_place.map(|place| ExecutedAction {
+        proposal: Proposal { fields: Vec::new() },
+        // No layer that is left shows the pick.
+        pick: place,
+        place,
+    });
     let mut observation = Observation::of_picture(&program.camera, brought.rgb, brought.depth_m)?;
-    let scene = Scene::of(program, &observation, None)?;
+    let scene = Scene::of(&program, &observation, None)?;
     observation.notes.extend(scene.beyond_the_picture());
-    let left_out = program
-        .layers
-        .iter()
-        .filter(|layer| last.is_none() && layer.uses_last());
     Ok(SeeOutput {
-        stages: scene.stages(program, &observation.rgb, last.as_ref())?,
-        annotated: scene.annotated(program, &observation.rgb, last.as_ref())?,
-        left_out: left_out.map(|layer| layer.name.clone()).collect(),
+        stages: scene.stages(&program, &observation.rgb, last.as_ref())?,
+        annotated: scene.annotated(&program, &observation.rgb, last.as_ref())?,
+        left_out,
         notes: observation.notes,
         scene,
     })
@@ -97,18 +91,4 @@ fn check_depth(program: &Program) -> Result<(), SeeError> {
         _ => "`mask(hue: …, saturation: …, value: …)`",
     };
     Err(SeeError::NeedsDepth(keypoint.name.clone(), alternative))
-}
-
-/// Makes the action for layers; only its two ends are known.
-fn done(program: &Program, last: LastAction) -> Result<ExecutedAction, SeeError> {
-    let of_pick = program.layers.iter().find(|layer| layer.uses_last_pick());
-    match (last.pick, of_pick) {
-        (None, Some(layer)) => Err(SeeError::NeedsPick(layer.name.clone())),
-        // If no layer shows the pick, any pixel will do.
-        (pick, _) => Ok(ExecutedAction {
-            proposal: Proposal { fields: Vec::new() },
-            pick: pick.unwrap_or(last.place),
-            place: last.place,
-        }),
-    }
 }

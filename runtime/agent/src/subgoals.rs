@@ -8,7 +8,6 @@ mod pins;
 use crate::journal::JournalError;
 use crate::task_files::{self, FileError};
 use fab_base::interrupt::Interrupt;
-use fab_picture::observation::Observation;
 use fab_picture::png;
 use fab_picture::png::PictureError;
 use fab_program::{Arrow, Effect, Fold, Program, StepTrial, SubgoalStep, Subgoals, Trial};
@@ -83,19 +82,6 @@ pub struct StepPictures {
     with_arrow: [RgbImage; 2],
 }
 
-/// A step of a demonstration, before its execution.
-#[derive(Clone, Copy)]
-pub struct Demonstrated<'a> {
-    /// From 0.
-    pub number: usize,
-    /// The fold.
-    pub fold: &'a Fold,
-    /// The cloth before it.
-    pub observation: &'a Observation,
-    /// Where it picks and places, pixels `[column, row]`; `None` if the camera does not see that point.
-    pub ends_px: [Option<[f64; 2]>; 2],
-}
-
 /// Why there are no pictures.
 #[derive(Debug, thiserror::Error)]
 pub enum SubgoalError {
@@ -132,7 +118,7 @@ impl SubgoalSet {
         match pins::load(program, folds, folder, world) {
             Ok(set) => Ok(set),
             Err(origin) => {
-                let (drawn, _) = demonstrate(program, folds, world, interrupt, &mut |_| {})?;
+                let (drawn, _) = demonstrate(program, folds, world, interrupt)?;
                 Ok(SubgoalSet { origin, ..drawn })
             }
         }
@@ -141,19 +127,16 @@ impl SubgoalSet {
     /// Draws the demonstration again, even if pictures are pinned; the author's own pictures are loaded.
     ///
     /// For a step that folds nothing, the smallest fold that stays is searched.
-    ///
-    /// - `watch`: shown each step before its execution.
     pub fn draw(
         program: &Program,
         folder: &Path,
         world: &mut dyn World,
         interrupt: &Interrupt,
-        watch: &mut dyn FnMut(Demonstrated<'_>),
     ) -> Result<SubgoalSet, SubgoalError> {
         let Some(Subgoals::Demonstrate { folds }) = &program.subgoals else {
             return load_images(program, folder);
         };
-        let (set, steps) = demonstrate(program, folds, world, interrupt, watch)?;
+        let (set, steps) = demonstrate(program, folds, world, interrupt)?;
         let trial = tried(program, steps, world, interrupt)?;
         Ok(SubgoalSet { trial, ..set })
     }
@@ -166,10 +149,9 @@ impl SubgoalSet {
         if self.pictures.is_empty() {
             return Ok(None);
         }
-        let last = self.pictures.len().saturating_sub(2);
-        let number = number.min(last);
-        let bare = [number, (number + 1).min(self.pictures.len() - 1)]
-            .map(|index| self.pictures[index].clone());
+        let last = self.pictures.len() - 1;
+        let number = number.min(last.saturating_sub(1));
+        let bare = [number, last.min(number + 1)].map(|index| self.pictures[index].clone());
         let mut with_arrow = bare.clone();
         if let Some([tail, tip]) = self.arrows.get(number).copied().flatten() {
             for picture in &mut with_arrow {
@@ -183,13 +165,13 @@ impl SubgoalSet {
 impl StepPictures {
     /// Returns one of the two pictures.
     pub fn picture(&self, which: SubgoalStep, arrow: Arrow) -> &RgbImage {
-        let pair = match arrow {
+        let [now, next] = match arrow {
             Arrow::Drawn => &self.with_arrow,
             Arrow::Absent => &self.bare,
         };
         match which {
-            SubgoalStep::Now => &pair[0],
-            SubgoalStep::Next => &pair[1],
+            SubgoalStep::Now => now,
+            SubgoalStep::Next => next,
         }
     }
 }
@@ -233,38 +215,32 @@ fn tried(
         return Ok(None);
     };
     let tenths = |mm: f64| (mm * 10.0).round() / 10.0;
-    let judged = |DoneStep {
-                      before,
-                      grip,
-                      moved,
-                  }: DoneStep| {
-        let effect = match moved.held {
+    let judged = |step: DoneStep| {
+        let effect = match step.moved.held {
             None => Effect::Missed,
             Some(held) if held.went_back => {
                 let cloth = Start {
                     name: "the cloth before the step".to_owned(),
-                    positions: before,
+                    positions: step.before,
                     ..Start::flat(&program.cloth)
                 };
                 Effect::WentBack {
                     carried_mm: tenths(held.carried_mm),
                     stayed_mm: tenths(held.stayed_mm),
-                    slid_mm: tenths(moved.slid_mm),
-                    smallest: smallest_fold::find(&cloth, &grip, world, interrupt)?,
+                    slid_mm: tenths(step.moved.slid_mm),
+                    smallest: smallest_fold::find(&cloth, &step.grip, world, interrupt)?,
                 }
             }
             Some(_) => Effect::Changed,
         };
-        let way = grip.place - grip.pick;
+        let way = step.grip.place - step.grip.pick;
         Ok(StepTrial {
             planned_mm: tenths(way.x.hypot(way.y) * 1000.0),
             effect,
         })
     };
-    let steps = steps
-        .into_iter()
-        .map(judged)
-        .collect::<Result<_, WorldError>>()?;
+    let steps = steps.into_iter().map(judged);
+    let steps = steps.collect::<Result<_, WorldError>>()?;
     Ok(Some(Trial { of, steps }))
 }
 
@@ -274,7 +250,6 @@ fn demonstrate(
     folds: &[Fold],
     world: &mut dyn World,
     interrupt: &Interrupt,
-    watch: &mut dyn FnMut(Demonstrated<'_>),
 ) -> Result<(SubgoalSet, Vec<DoneStep>), SubgoalError> {
     let start = Start::flat(&program.cloth);
     let mut steps = Vec::new();
@@ -285,7 +260,7 @@ fn demonstrate(
         origin: Origin::Drawn,
         ..SubgoalSet::default()
     };
-    for (number, fold) in folds.iter().enumerate() {
+    for fold in folds {
         let grip = expert::grip(fold, &start, world)?.with_manner(program.manner);
         let camera = &observation.camera;
         let ends_px = [grip.pick, grip.place].map(|point| camera.pixel_from_world(point));
@@ -293,23 +268,16 @@ fn demonstrate(
             [Some(tail), Some(tip)] => Some([tail, tip]),
             _ => None,
         });
-        watch(Demonstrated {
-            number,
-            fold,
-            observation: &observation,
-            ends_px,
-        });
         let before = world.particles().unwrap_or_default();
         let executed = world.act(&grip.into(), interrupt)?;
         let after = world.particles().unwrap_or_default();
         // Folds are executed only where particles are known.
-        if let Some(moved) = cloth_moved(&before, &after, &executed) {
-            steps.push(DoneStep {
-                before,
-                grip,
-                moved,
-            });
-        }
+        let moved = cloth_moved(&before, &after, &executed);
+        steps.extend(moved.map(|moved| DoneStep {
+            before,
+            grip,
+            moved,
+        }));
         observation = world.observe()?;
         set.pictures.push(observation.rgb.clone());
     }

@@ -4,48 +4,41 @@ mod from_images;
 mod page;
 
 pub use from_images::draft;
-pub use page::point_text;
 
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::verbs::runtime::setting;
 use clap::{Args, ValueHint};
 use fab_agent::subgoals::SubgoalSet;
+use fab_program::units::{self, Dimension};
 use fab_program::{Program, Subgoals};
 use std::path::{Path, PathBuf};
 
 /// Pictures to draft a fold from.
 #[derive(Args)]
 pub struct PictureArguments {
-    /// Pictures of your own, the flat cloth first and then one after each step: the steps are found in them. Arrows that
-    /// they carry are found where they are black, with a ring at the tail and a head at the tip; others are proposed.
+    /// Pictures of your own, the flat cloth first and then one after each step: the steps are found in them.
     #[arg(long, value_name = "PICTURE", num_args = 1.., value_hint = ValueHint::FilePath)]
     pub from_images: Vec<PathBuf>,
-    /// The flat cloth's longer side, such as `340mm`; without `--height` the camera's height follows from it.
-    #[arg(long, value_name = "LENGTH", requires = "from_images", value_parser = |text: &str| length(text, [20.0, 1200.0]))]
+    /// The flat cloth's longer side, such as `340mm`, from which the camera's height follows.
+    #[arg(long, value_name = "LENGTH", requires = "from_images", value_parser = length)]
     pub cloth: Option<f64>,
-    /// The camera's height above the table, such as `65cm`; without `--cloth` the cloth's size follows from it. With both
-    /// the camera's field of view follows.
-    #[arg(long, value_name = "LENGTH", requires = "from_images", value_parser = |text: &str| length(text, [100.0, 5000.0]))]
-    pub height: Option<f64>,
 }
 
-/// Parses a length with its unit, metres; the allowed range is in millimetres.
-fn length(text: &str, [least_mm, most_mm]: [f64; 2]) -> Result<f64, String> {
-    let units = [("mm", 1.0), ("cm", 10.0), ("m", 1000.0)];
-    let read = |(unit, mm): (&str, f64)| {
-        let number: f64 = text.strip_suffix(unit)?.trim_end().parse().ok()?;
-        Some(number * mm)
+/// Parses the length of a cloth with its unit, metres.
+fn length(text: &str) -> Result<f64, &'static str> {
+    let letter = |letter: char| letter.is_ascii_alphabetic();
+    let (number, unit) = text.split_at(text.find(letter).unwrap_or(text.len()));
+    let unit = units::find(unit).filter(|unit| unit.dimension == Dimension::Length);
+    let number: Option<f64> = number.trim_end().parse().ok();
+    let (Some(number), Some(unit)) = (number, unit) else {
+        return Err("write a number with its unit, such as `340mm`, `34cm` or `0.34m`");
     };
-    let Some(found_mm) = units.into_iter().find_map(read) else {
-        return Err("write a number with its unit, such as `340mm`, `34cm` or `0.34m`".to_owned());
-    };
-    if (least_mm..=most_mm).contains(&found_mm) {
-        // Whole tenths of a millimetre, as the file states lengths.
-        Ok((found_mm * 10.0).round() / 10_000.0)
-    } else {
-        Err(format!("right is from {least_mm}mm to {most_mm}mm"))
-    }
+    // Whole tenths of a millimetre, as the file states lengths.
+    let length_m = (number * unit.size * 10_000.0).round() / 10_000.0;
+    let fits = (0.02..=1.2).contains(&length_m);
+    fits.then_some(length_m)
+        .ok_or("right is from 20mm to 1200mm")
 }
 
 /// Executes a task's demonstration; `None` if it has none. Also returns the parameters of the world in which it did.
@@ -56,7 +49,7 @@ pub fn demonstrated(program: &Program, io: &Io) -> Result<Option<(SubgoalSet, St
     let interrupt = io.interrupt()?;
     let mut world = setting::world(program)?;
     let beside = Path::new("");
-    let drawn = SubgoalSet::draw(program, beside, world.as_mut(), &interrupt, &mut |_| {});
+    let drawn = SubgoalSet::draw(program, beside, world.as_mut(), &interrupt);
     let drawn = drawn.map_err(setting::no_subgoals)?;
     Ok(Some((drawn, world.parameters())))
 }

@@ -32,12 +32,7 @@ pub struct CameraArguments {
     #[command(flatten)]
     pub shown: TargetModelArguments,
     /// What a model answered, in the order of the questions; shows what follows, such as the message of a refusal.
-    #[arg(
-        long = "reply",
-        value_name = "TEXT",
-        conflicts_with = "scene",
-        allow_hyphen_values = true
-    )]
+    #[arg(long = "reply", value_name = "TEXT", allow_hyphen_values = true)]
     pub replies: Vec<String>,
 }
 

@@ -1,16 +1,13 @@
-//! Decisions about pending snapshots: what each comes to, and what an id names.
+//! Decisions about groups of pending snapshots, and what each snapshot comes to.
 //!
-//! In: decisions about groups and about snapshots. Out: the decision for each snapshot, and changed files. A snapshot is
-//! accepted when all of its edits were accepted, and rejected when one was rejected; until then it waits.
+//! In: decisions about groups. Out: the decision for each snapshot, and changed files. A snapshot is accepted when all of
+//! its edits were accepted, and rejected when one was rejected; until then it waits.
 
 use super::find::Pending;
 use super::groups::Group;
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::snapshots::{Name, Side};
-use fab_base::wording::quoted;
-use std::collections::BTreeMap;
-use std::path::PathBuf;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decision {
@@ -20,19 +17,13 @@ pub enum Decision {
     Reject,
 }
 
-/// The target of a decision, by its number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Selection {
-    Group(usize),
-    Snapshot(usize),
-}
-
 pub struct Decisions<'r> {
     pub pending: &'r [Pending],
     pub groups: &'r [Group],
-    made: BTreeMap<Selection, Decision>,
-    /// The snapshots whose files were changed.
-    settled: BTreeMap<usize, Decision>,
+    /// The decision about each group.
+    made: Vec<Option<Decision>>,
+    /// What was done with the file of each snapshot.
+    settled: Vec<Option<Decision>>,
 }
 
 /// What the decisions of a review came to.
@@ -50,113 +41,91 @@ impl<'r> Decisions<'r> {
         Decisions {
             pending,
             groups,
-            made: BTreeMap::new(),
-            settled: BTreeMap::new(),
+            made: vec![None; groups.len()],
+            settled: vec![None; pending.len()],
         }
     }
 
     pub fn decide(&mut self, group: usize, decision: Decision) {
-        self.made.insert(Selection::Group(group), decision);
+        self.made[group] = Some(decision);
     }
 
-    /// Records a decision about all that the ids name; fails if one names nothing, or something that was decided otherwise.
+    /// Records a decision about the groups with these ids; fails if there is none, or it was decided otherwise.
     pub fn decide_named(&mut self, ids: &[String], decision: Decision) -> Result<(), Failure> {
         for id in ids {
-            let earlier = self.made.insert(self.named(id)?, decision);
-            if earlier.is_some_and(|earlier| earlier != decision) {
+            let Some(group) = self.groups.iter().position(|group| group.id == *id) else {
+                return Err(Failure::usage(format!(
+                    "no pending group has the id `{id}`; `fabc review --json` lists them; nothing was done"
+                )));
+            };
+            if self.made[group].is_some_and(|earlier| earlier != decision) {
                 return Err(Failure::usage(format!(
                     "`{id}` is both accepted and rejected; nothing was done"
                 )));
             }
+            self.decide(group, decision);
         }
         Ok(())
     }
 
     pub fn accept_others(&mut self) {
-        for group in (0..self.groups.len()).map(Selection::Group) {
-            self.made.entry(group).or_insert(Decision::Accept);
+        for made in &mut self.made {
+            made.get_or_insert(Decision::Accept);
         }
     }
 
     /// Changes the files of every snapshot that the decisions settle.
     pub fn apply(&mut self) -> Result<(), Failure> {
         for (at, one) in self.pending.iter().enumerate() {
-            let Some(decision) = self.of(at).filter(|_| !self.is_settled(at)) else {
+            let open = self.settled[at].is_none();
+            let Some(decision) = self.of(at).filter(|_| open) else {
                 continue;
             };
             match decision {
                 Decision::Accept => one.folder.accept(&one.name, &one.proposed)?,
                 Decision::Reject => one.folder.remove(&one.name, Side::Pending)?,
             }
-            self.settled.insert(at, decision);
+            self.settled[at] = Some(decision);
         }
         Ok(())
     }
 
     /// Returns whether the file of a snapshot was changed.
     pub fn is_settled(&self, member: usize) -> bool {
-        self.settled.contains_key(&member)
+        self.settled[member].is_some()
     }
 
     pub fn outcome(&self) -> Outcome {
         let mut outcome = Outcome::default();
         for (at, one) in self.pending.iter().enumerate() {
-            let names = match self.settled.get(&at) {
-                Some(Decision::Accept) => &mut outcome.accepted,
-                Some(Decision::Reject) => &mut outcome.rejected,
+            match self.settled[at] {
+                Some(Decision::Accept) => outcome.accepted.push(one.name.clone()),
+                Some(Decision::Reject) => outcome.rejected.push(one.name.clone()),
                 None => {
                     outcome.n_pending += 1;
-                    // Some of its edits are accepted, and others undecided.
-                    let is_waiting = self.of_groups(at).any(|it| it.is_some());
-                    if !is_waiting || self.of(at).is_some() {
-                        continue;
+                    if self.of_groups(at).any(|decision| decision.is_some()) {
+                        outcome.waiting.push(one.name.clone());
                     }
-                    &mut outcome.waiting
                 }
-            };
-            names.push(one.name.clone());
+            }
         }
         outcome
     }
 
-    /// Returns what the decisions come to for a snapshot; `None` while some are open.
+    /// Returns what the decisions come to for a snapshot; `None` while some are open and none rejects it.
     fn of(&self, member: usize) -> Option<Decision> {
-        let of_groups: Vec<Option<Decision>> = self.of_groups(member).collect();
-        if of_groups.contains(&Some(Decision::Reject)) {
-            return Some(Decision::Reject);
+        let reject = Some(Decision::Reject);
+        if self.of_groups(member).any(|decision| decision == reject) {
+            return reject;
         }
-        if let Some(own) = self.made.get(&Selection::Snapshot(member)) {
-            return Some(*own);
-        }
-        let is_accepted = of_groups.iter().all(Option::is_some);
+        let is_accepted = self.of_groups(member).all(|decision| decision.is_some());
         is_accepted.then_some(Decision::Accept)
     }
 
     fn of_groups(&self, member: usize) -> impl Iterator<Item = Option<Decision>> {
-        let groups = self.groups.iter().enumerate();
-        let own = groups.filter(move |(_, group)| group.members.contains(&member));
-        own.map(|(number, _)| self.made.get(&Selection::Group(number)).copied())
-    }
-
-    /// Returns what an id names: a group's, a snapshot's, or the path of a snapshot, pending or accepted, or of its picture.
-    fn named(&self, id: &str) -> Result<Selection, Failure> {
-        if let Some(group) = self.groups.iter().position(|group| group.id == id) {
-            return Ok(Selection::Group(group));
-        }
-        let path = id.trim_end_matches(".png").trim_end_matches(".new");
-        let path = PathBuf::from(format!("{path}.new"));
-        let pending = self.pending.iter().enumerate();
-        let found = pending.filter(|(_, one)| one.name == id || one.path == path);
-        match found.collect::<Vec<_>>().as_slice() {
-            [] => Err(Failure::usage(format!(
-                "nothing that is pending has the id `{id}`; `fabc review --json` lists them; nothing was done"
-            ))),
-            [(one, _)] => Ok(Selection::Snapshot(*one)),
-            several => Err(Failure::usage(format!(
-                "`{id}` names several snapshots: {}; name one by its path; nothing was done",
-                quoted(several.iter().map(|(_, one)| one.path.display()))
-            ))),
-        }
+        let groups = self.groups.iter().zip(&self.made);
+        let own = groups.filter(move |(group, _)| group.members.contains(&member));
+        own.map(|(_, decision)| *decision)
     }
 }
 

@@ -60,9 +60,6 @@ pub struct BenchArguments {
     pub model: ModelArguments,
     #[command(flatten)]
     pub spend: SpendArguments,
-    /// Only this variant of the tasks.
-    #[arg(long, value_name = "NAME")]
-    pub variant: Option<String>,
     /// Recorded starts in place of the suite's: a folder with manifest.json, or of .npy files with descriptions.
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub starts: Option<PathBuf>,
@@ -119,7 +116,7 @@ pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
     let begun = Instant::now();
     arguments.arm.check_world(&arguments.world)?;
     let found = suites::find(&arguments.suite)?;
-    let mut suite = suites::narrowed(found.suite, arguments.variant.as_deref());
+    let mut suite = found.suite;
     let mut omitted = arguments.model.reach.omitted();
     suite.structured &= !omitted.any(|it| it == Parameter::Schema);
     if suite.vary.is_some() && arguments.world != WorldChoice::Sim {

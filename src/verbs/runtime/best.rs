@@ -15,6 +15,9 @@ use crate::verbs::runtime::sim::{ThreadArguments, threads};
 use clap::{Args, ValueHint};
 use fab_agent::best::{self, Aim, BestError, Limits, Search};
 use fab_agent::examples::Examples;
+use fab_agent::policy::Expert;
+use fab_agent::rollout::Job;
+use fab_model::calls::Budget;
 use fab_world::WorldError;
 use report::BestReport;
 use rows::Row;
@@ -87,31 +90,38 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
         arguments.out.as_deref(),
         &format!("best-{}", declared.title().replace('/', "-")),
     )?;
-    let search = Search {
+    let job = Job {
         program: &program,
         start: &start,
         subgoals: &subgoals,
+        examples: &examples,
+        make_policy: &Expert,
+        budget: &Budget::default(),
         make_world: &make_world,
         make_expert_world: &make_expert_world,
         cache: &setting::cache_or_beside(&out, io),
-        horizon: arguments.horizon.unwrap_or(program.horizon),
-        limits: Limits {
-            trials: arguments.trials,
-            until,
-            seed: arguments.seed,
-            threads: threads(&arguments.threads),
-        },
-        hint: &[],
         interrupt: &interrupt,
+        horizon: Some(arguments.horizon.unwrap_or(program.horizon)),
+        early_stop: true,
+        operator: None,
+        repetition: 0,
+        start_number: None,
+    };
+    let limits = Limits {
+        trials: arguments.trials,
+        until,
+        seed: arguments.seed,
+        threads: threads(&arguments.threads),
+    };
+    let aim = Aim::of(&job).map_err(failure)?;
+    let (policies, hint) = rows::play(&job, &limits, &aim, &out, io)?;
+    let search = Search {
+        job: &job,
+        limits,
+        hint: &hint,
         progress: &|trials| io.progress(&format!("{trials} of {} trials", arguments.trials)),
     };
-    let aim = Aim::of(&search).map_err(failure)?;
-    let (policies, hint) = rows::play(&search, &aim, &examples, &out, io)?;
-    let hinted = Search {
-        hint: &hint,
-        ..search
-    };
-    let found = best::search(&hinted, &aim).map_err(failure)?;
+    let found = best::search(&search, &aim).map_err(failure)?;
     io.progress("");
     let mut best = Row {
         name: "best",

@@ -4,7 +4,7 @@ use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::sources::{self, TaskArguments};
 use clap::{Args, ValueHint};
-use fab_agent::see::{LastAction, SeeError, SeeInput, SeeOutput, see};
+use fab_agent::see::{SeeError, SeeInput, SeeOutput, see};
 use fab_base::files;
 use fab_picture::png;
 use fab_program::PixelPoint;
@@ -26,9 +26,6 @@ pub struct SeeArguments {
     /// Where the action before this one placed the cloth, for layers that show it.
     #[arg(long, value_name = "U,V", value_parser = pixel, allow_hyphen_values = true)]
     pub last_place: Option<PixelPoint>,
-    /// Where that action picked the cloth.
-    #[arg(long, value_name = "U,V", value_parser = pixel, allow_hyphen_values = true, requires = "last_place")]
-    pub last_pick: Option<PixelPoint>,
     /// Write a picture of each keypoint and layer into this folder, and `annotated.png`, what a model would see.
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: Option<PathBuf>,
@@ -64,10 +61,7 @@ pub fn run(arguments: &SeeArguments, io: &Io) -> Result<Exit, Failure> {
     let brought = SeeInput {
         rgb,
         depth_m: depth_m.transpose()?,
-        last: arguments.last_place.map(|place| LastAction {
-            pick: arguments.last_pick,
-            place,
-        }),
+        last_place: arguments.last_place,
     };
     let seen = see(&program, brought).map_err(failure)?;
     for note in &seen.notes {
@@ -75,7 +69,7 @@ pub fn run(arguments: &SeeArguments, io: &Io) -> Result<Exit, Failure> {
     }
     for layer in &seen.left_out {
         io.talk(&format!(
-            "note: `{layer}` shows the action before this one, which `--last-place U,V` would say; it is left out"
+            "note: `{layer}` shows the action before this one, of which `--last-place U,V` alone can be said; it is left out"
         ));
     }
     let files = match &arguments.out {
@@ -113,7 +107,6 @@ pub fn pixel(text: &str) -> Result<PixelPoint, String> {
 fn failure(error: SeeError) -> Failure {
     match error {
         SeeError::NeedsDepth(..) => Failure::usage(format!("{error}; `--depth PNG` brings it")),
-        SeeError::NeedsPick(_) => Failure::usage(format!("{error}; `--last-pick U,V` says it")),
         SeeError::NotAligned(_) | SeeError::Scene(_) => Failure::environment(error),
     }
 }

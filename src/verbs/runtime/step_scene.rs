@@ -134,7 +134,7 @@ fn stand_in_action(
     });
     let (action, proposal) = lowered.ok_or_else(|| {
         Failure::environment(format!(
-            "`geometric`, the embedded stand-in, finds no action for step {step} of `{}`; `fabc render` takes the points from `--scene FILE.json`",
+            "`geometric`, the embedded stand-in, finds no action for step {step} of `{}`",
             program.title()
         ))
     })?;

@@ -1,21 +1,17 @@
 //! `fabc subgoals`: draws a task's demonstration and pins the pictures beside its file.
 
-pub mod offered;
-mod tried;
-
 use crate::exit::{Exit, Failure};
 use crate::io::{Io, write_file};
 use crate::shipped;
 use crate::sources::{self, TaskArguments};
 use crate::verbs::runtime::setting;
 use clap::{Args, ValueHint};
-use fab_agent::subgoals::{Demonstrated, Origin, SubgoalSet};
+use fab_agent::subgoals::{Origin, SubgoalSet};
 use fab_compiler::diag;
 use fab_picture::png;
 use fab_program::{Arrow, SubgoalStep};
 use fab_vision::VisionError;
 use image::{RgbImage, imageops};
-use offered::Offered;
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -39,21 +35,20 @@ pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
     let folder = sources::folder_of(&arguments.task.file);
     let interrupt = io.interrupt()?;
     let mut world = setting::world(&program)?;
-    let mut offered = Offered::of(&program);
-    let watch = &mut |step: Demonstrated<'_>| offered.look(step);
-    let drawn = SubgoalSet::draw(&program, &folder, world.as_mut(), &interrupt, watch);
+    let drawn = SubgoalSet::draw(&program, &folder, world.as_mut(), &interrupt);
     let set = drawn.map_err(setting::no_subgoals)?;
     let mut files = if shipped::is_shipped(&arguments.task.file, io) {
         Vec::new()
     } else {
         set.pin(&program, &folder, &world.parameters())?
     };
-    for note in offered.notes {
-        io.talk(&format!("note: {note}"));
-    }
     let mut diagnostics = json!([]);
-    if let Some(trial) = &set.trial {
-        let found = tried::compile(&arguments.task.file, &program, trial)?;
+    if set.trial.is_some() {
+        // What the steps do to the cloth is pinned beside the pictures.
+        let (mut found, _) = sources::compile_looking(&arguments.task.file)?;
+        let is_of_steps = |code| code == diag::Code::StepFoldsNothing;
+        found.diagnostics.retain(|it| is_of_steps(it.code));
+        found.left_out = 0;
         if !found.diagnostics.is_empty() {
             io.painted_talk(&sources::findings(&found, io.talk_color()));
         }

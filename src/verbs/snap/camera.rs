@@ -52,7 +52,7 @@ impl Page<'_> {
         });
         Ok(PinnedScene {
             seen_of,
-            start: self.moment.start,
+            start: (),
             step: self.moment.step,
             last,
             points: points.collect(),
@@ -77,10 +77,7 @@ impl Page<'_> {
         if let Some(seen) = self.seen.get() {
             return Ok(seen);
         }
-        let start = StartArguments {
-            start: self.moment.start.map(|seed| seed.to_string()),
-            ..StartArguments::default()
-        };
+        let start = StartArguments::default();
         let (program, folder, step) = (self.program, self.source.folder, self.moment.step);
         let interrupt = Interrupt::default();
         let seen = Seen::at(program, program, folder, &start, step, &interrupt, self.io)?;

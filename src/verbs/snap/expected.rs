@@ -2,10 +2,9 @@
 //!
 //! A variant shares the scenes and pictures of its task in which it would see and draw the same.
 
-use super::SnapArguments;
 use super::camera::Seen;
 use super::plan::{Expected, Plan};
-use super::scene::{Moment, PinnedScene, USUAL, hashes_of_pictures, short_hash};
+use super::scene::{Moment, PinnedScene, hashes_of_pictures, short_hash};
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::snapshots::{Contents, Info, Name, Origin, Side, Snapshot};
@@ -50,14 +49,15 @@ struct Shared {
 pub fn of_file(
     programs: &[Program],
     source: &Source<'_>,
-    arguments: &SnapArguments,
+    redraws: bool,
     plan: &Plan,
     io: &Io,
 ) -> Result<Vec<Expected>, Failure> {
     let mut found = Vec::new();
     // A task and its variants follow each other.
     for programs in programs.chunk_by(|one, other| one.task == other.task) {
-        for moment in &moments(programs, arguments, plan)? {
+        let moments: BTreeSet<Moment> = programs.iter().flat_map(Moment::of).collect();
+        for moment in &moments {
             let mut shared = Shared::default();
             for program in programs.iter().filter(|it| moment.step <= it.horizon) {
                 let page = Page {
@@ -72,45 +72,11 @@ pub fn of_file(
                 for stage in &program.stages {
                     found.push(page.stage(stage, &scene)?);
                 }
-                page.pictures(&scene, arguments.redraw, &mut shared, &mut found)?;
+                page.pictures(&scene, redraws, &mut shared, &mut found)?;
             }
         }
     }
     Ok(found)
-}
-
-/// Finds the scenes of a task: the usual ones, those that were pinned on request, and the one that is requested now.
-fn moments(
-    programs: &[Program],
-    arguments: &SnapArguments,
-    plan: &Plan,
-) -> Result<BTreeSet<Moment>, Failure> {
-    let task = &programs[0];
-    let mut moments: BTreeSet<Moment> = programs.iter().flat_map(Moment::of).collect();
-    let (start, end) = (format!("{}@", task.task), format!(".{POINTS}"));
-    for name in plan.folder.accepted.union(&plan.folder.pending) {
-        let scene = name.strip_prefix(&start);
-        let scene = scene.and_then(|scene| scene.strip_suffix(&end));
-        if let Some(scene) = scene.filter(|scene| !USUAL.contains(scene))
-            && let Some(known) = known_scenes(name, plan)?.first()
-        {
-            moments.insert(known.moment(scene));
-        }
-    }
-    let Some(wanted) = arguments.moment()? else {
-        return Ok(moments);
-    };
-    if wanted.step > task.horizon {
-        let Program { task, horizon, .. } = task;
-        return Err(Failure::usage(format!(
-            "`{task}` has {horizon} steps; there is no step {} to pin",
-            wanted.step
-        )));
-    }
-    // Another start or step replaces what was pinned under this name, as a change to review.
-    moments.retain(|known| known.name != wanted.name);
-    moments.insert(wanted);
-    Ok(moments)
 }
 
 /// Reads the scenes pinned under a name: the pending one, which is newer, then the accepted one; both must be valid.
@@ -146,9 +112,7 @@ impl Page<'_> {
         // After an undone edit, a pending scene of something else may hide an accepted one that fits, perhaps edited by
         // hand.
         let mut known = known_scenes(&name, self.plan)?.into_iter();
-        let fits = |known: &PinnedScene| {
-            known.seen_of == seen_of && known.moment(&self.moment.name) == *self.moment
-        };
+        let fits = |known: &PinnedScene| known.seen_of == seen_of && known.step == self.moment.step;
         let scene = match known.find(fits) {
             Some(known) => known,
             None => self.look(seen_of)?,
@@ -234,7 +198,7 @@ impl Page<'_> {
     }
 
     fn snapshot(&self, what: &str, info: Info, contents: Contents) -> Snapshot {
-        let (title, scene) = (self.program.title(), &self.moment.name);
+        let (title, scene) = (self.program.title(), self.moment.name);
         let description = format!("{what} {title}, scene {scene}");
         Snapshot::of(self.source.name, description, info, contents)
     }
@@ -250,7 +214,7 @@ impl Page<'_> {
         Info {
             task: self.program.task.clone(),
             variant: self.program.variant.clone(),
-            scene: Some(self.moment.name.clone()),
+            scene: Some(self.moment.name.to_owned()),
             ..Info::default()
         }
     }

@@ -17,8 +17,8 @@ use std::path::{Path, PathBuf};
 pub struct PinnedScene {
     /// Hash of what was seen.
     pub seen_of: String,
-    /// The start of the cloth: a seed, or `None` for the task's own.
-    pub start: Option<u64>,
+    /// Always null, for the task's own start.
+    pub start: (),
     pub step: u32,
     pub last: Option<PinnedAction>,
     pub points: BTreeMap<String, Vec<PixelPoint>>,
@@ -35,30 +35,21 @@ pub struct PinnedAction {
     pub place: PixelPoint,
 }
 
-/// Names of the scenes that are pinned by default.
-pub const USUAL: [&str; 2] = ["start", "later"];
-
+/// A scene that is pinned.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Moment {
     /// Its name in the snapshots.
-    pub name: String,
-    /// The start of the cloth: a seed, or `None` for the task's own.
-    pub start: Option<u64>,
+    pub name: &'static str,
     pub step: u32,
 }
 
 impl Moment {
-    /// Returns the default moments of a task: the start, and if a prompt looks back, the second step.
+    /// Returns the moments of a task: the start, and if a prompt looks back, the second step.
     pub fn of(program: &Program) -> Vec<Moment> {
-        let moment = |name: &str, step| Moment {
-            name: name.to_owned(),
-            start: None,
-            step,
-        };
-        let [start, later] = USUAL;
-        let mut moments = vec![moment(start, 1)];
+        let moment = |name, step| Moment { name, step };
+        let mut moments = vec![moment("start", 1)];
         if program.looks_back() && program.horizon > 1 {
-            moments.push(moment(later, 2));
+            moments.push(moment("later", 2));
         }
         moments
     }
@@ -75,7 +66,7 @@ impl Moment {
             "camera": program.camera,
             "picker": program.picker,
             "keypoints": program.keypoints,
-            "start": self.start,
+            "start": null,
             "step": self.step,
             "folds": folds[..before],
         });
@@ -104,14 +95,6 @@ impl PinnedScene {
             block(&self.points),
             block(&self.areas)
         )
-    }
-
-    pub fn moment(&self, name: &str) -> Moment {
-        Moment {
-            name: name.to_owned(),
-            start: self.start,
-            step: self.step,
-        }
     }
 
     /// Returns the previous action, with its fields in the program's order.

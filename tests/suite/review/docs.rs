@@ -85,9 +85,17 @@ fn the_chapter_names_every_option_and_field() {
     }
     let folder = tempfile::tempdir().unwrap();
     super::fixtures::each_kind(&folder.path().join("snapshots"));
-    let said =
-        finish(fabc(folder.path()).args(["review", "--json", "--reject", "half@start.points"]));
-    let value: Value = serde_json::from_str(&said.stdout).unwrap();
+    let review = |arguments: &[&str]| -> Value {
+        let said = finish(
+            fabc(folder.path())
+                .args(["review", "--json"])
+                .args(arguments),
+        );
+        serde_json::from_str(&said.stdout).unwrap()
+    };
+    let pending = review(&[]);
+    let id = pending["groups"][1]["id"].as_str().unwrap();
+    let value = review(&["--reject", id]);
     let maps = [
         &value,
         &value["groups"][0],

@@ -1,7 +1,7 @@
-//! What `fabc review` finds: unreadable files, other tools' files, pictures, and paths as ids.
+//! What `fabc review` finds: unreadable files, other tools' files, and pictures.
 
 use super::super::support::{Captured, fabc, finish};
-use super::fixtures::{accepted, each_kind, files, left, one_edit, pending, png, prompt, write};
+use super::fixtures::{accepted, files, left, one_edit, pending, png, prompt, write};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -113,28 +113,4 @@ fn new_pictures_name_their_files() {
     let file = "snapshots/half@start.scene.snap.new.png";
     assert_eq!(files, [&Value::Null, &json!(file)]);
     assert!(folder.path().join(file).is_file());
-}
-
-#[test]
-fn the_path_of_an_accepted_snapshot_names_what_is_pending_for_it() {
-    let folder = tempfile::tempdir().unwrap();
-    let snapshots = folder.path().join("snapshots");
-    each_kind(&snapshots);
-    let ids = [
-        "snapshots/fold_01.describe@start.snap",
-        "snapshots/fold_02.describe@start.snap.new",
-        "snapshots/half@start.subgoal_1.snap.new.png",
-        // A new snapshot, which is not accepted yet.
-        "snapshots/half.act@start.snap",
-    ];
-    for id in ids {
-        let said = review(folder.path(), &["--accept", id]);
-        assert!(
-            said.stdout.starts_with("accepted 1, "),
-            "{id} {}",
-            said.stderr
-        );
-    }
-    let said = review(folder.path(), &["--accept", "snapshots/none.snap"]);
-    assert_eq!(said.code, 64);
 }

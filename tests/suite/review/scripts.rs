@@ -1,4 +1,4 @@
-//! `fabc review` without a terminal: JSON, ids, patterns, paths, and refused input.
+//! `fabc review` without a terminal: JSON, ids of groups, places, and refused input.
 
 use super::super::support::{Captured, fabc, finish};
 use super::fixtures::{accepted, each_kind, files, left, one_edit, pending, prompt, write};
@@ -50,34 +50,34 @@ fn what_is_pending_is_told_as_json() {
     insta::assert_snapshot!(serde_json::to_string_pretty(&value).unwrap());
 }
 
+/// The ids of the groups of a kind, in order.
+fn ids(folder: &Path, kind: &str) -> Vec<String> {
+    let value = json(folder, &[]);
+    let groups = value["groups"].as_array().unwrap().iter();
+    let found = groups.filter(|group| group["kind"] == kind);
+    let ids = found.map(|group| group["id"].as_str().unwrap().to_owned());
+    ids.collect()
+}
+
 #[test]
-fn groups_and_snapshots_are_accepted_and_rejected_by_id() {
+fn groups_are_accepted_and_rejected_by_id_and_parts_of_them_by_only() {
     let folder = tempfile::tempdir().unwrap();
     let snapshots = folder.path().join("snapshots");
     each_kind(&snapshots);
-    let value = json(folder.path(), &[]);
-    assert_eq!(value, json(folder.path(), &[]), "ids last");
-    let groups = value["groups"].as_array().unwrap();
-    let id = |kind: &str| {
-        let group = groups.iter().find(|group| group["kind"] == kind);
-        group.unwrap()["id"].as_str().unwrap().to_owned()
-    };
-    let before = files(&snapshots);
-    let said = review(
-        folder.path(),
-        &[
-            "--accept",
-            &id("picture"),
-            "--accept",
-            "snapshots/fold_01.describe@start.snap.new",
-            "--reject",
-            "fold_02.describe@start",
-            "--reject",
-            &id("new"),
-        ],
+    assert_eq!(
+        json(folder.path(), &[]),
+        json(folder.path(), &[]),
+        "ids last"
     );
+    let [edit, picture, new] =
+        ["edit", "picture", "new"].map(|kind| ids(folder.path(), kind).remove(0));
+    let before = files(&snapshots);
+    let said = review(folder.path(), &["--only", "fold_01", "--accept", &edit]);
+    assert_eq!(said.stdout, "accepted 1, rejected 0, still pending 0\n");
+    let arguments = ["--accept", &picture, "--reject", &edit, "--reject", &new];
+    let said = review(folder.path(), &arguments);
     assert_eq!(said.code, 0, "{}", said.stderr);
-    assert_eq!(said.stdout, "accepted 2, rejected 3, still pending 1\n");
+    assert_eq!(said.stdout, "accepted 1, rejected 3, still pending 1\n");
     assert_eq!(left(&snapshots), ["crate__theirs", "half@start.points"]);
     let after = files(&snapshots);
     for (was, is) in [
@@ -100,7 +100,7 @@ fn groups_and_snapshots_are_accepted_and_rejected_by_id() {
 }
 
 #[test]
-fn an_id_that_names_nothing_or_too_much_changes_nothing() {
+fn an_id_that_names_no_group_or_is_decided_twice_changes_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let (one, two) = (
         folder.path().join("a/snapshots"),
@@ -109,40 +109,29 @@ fn an_id_that_names_nothing_or_too_much_changes_nothing() {
     one_edit(&one, 2);
     one_edit(&two, 1);
     let before = (files(&one), files(&two));
-    let cases: [(&[&str], &str); 4] = [
+    // One edit in two folders is one group.
+    let [id] = ids(folder.path(), "edit").try_into().unwrap();
+    let cases: [(&[&str], String); 3] = [
         (
-            &["--accept", "fold_02.describe@start", "--accept", "fold_09"],
-            "nothing that is pending has the id `fold_09`",
+            &["--accept", &id, "--accept", "0badbad0"],
+            "no pending group has the id `0badbad0`".to_owned(),
         ),
         (
-            &["--reject", "fold_01.describe@start"],
-            "`fold_01.describe@start` names several snapshots: `a/snapshots/fold_01.describe@start.snap.new`, `b/snapshots/fold_01.describe@start.snap.new`",
+            &["--accept", &id, "--reject", &id],
+            format!("`{id}` is both accepted and rejected"),
         ),
         (
-            &[
-                "--accept",
-                "fold_02.describe@start",
-                "--reject",
-                "fold_02.describe@start",
-            ],
-            "`fold_02.describe@start` is both accepted and rejected",
-        ),
-        (
-            &["--only", "fold_01*", "--accept", "fold_02.describe@start"],
-            "nothing that is pending has the id `fold_02.describe@start`",
+            &["--only", "fold_09", "--accept", &id],
+            format!("no pending group has the id `{id}`"),
         ),
     ];
     for (arguments, message) in cases {
         let said = review(folder.path(), arguments);
         assert_eq!(said.code, 64, "{arguments:?}");
-        assert!(said.stderr.contains(message), "{}", said.stderr);
+        assert!(said.stderr.contains(&message), "{}", said.stderr);
         assert_eq!((files(&one), files(&two)), before);
     }
-    // One edit in two folders is still one group.
-    let value = json(folder.path(), &[]);
-    assert_eq!(value["groups"].as_array().unwrap().len(), 1);
-    let id = value["groups"][0]["id"].as_str().unwrap();
-    assert_eq!(review(folder.path(), &["--accept", id]).code, 0);
+    assert_eq!(review(folder.path(), &["--accept", &id]).code, 0);
     assert!(left(&one).is_empty() && left(&two).is_empty());
 }
 
@@ -172,16 +161,16 @@ fn places_and_parts_of_ids_say_what_is_meant() {
         "{}",
         said.stderr
     );
-    let said = review(
-        root,
-        &[
-            "--accept-all",
-            "--reject",
-            "fold_03.describe@start",
-            "tasks",
-        ],
+    fs::write(root.join("tasks/more.fab"), "").unwrap();
+    let name = "more.describe@start";
+    pending(
+        &root.join("tasks/snapshots"),
+        name,
+        &prompt("more", "Dots.", 9),
     );
-    assert_eq!(said.stdout, "accepted 2, rejected 1, still pending 0\n");
+    let [new] = ids(root, "new").try_into().unwrap();
+    let said = review(root, &["--accept-all", "--reject", &new, "tasks"]);
+    assert_eq!(said.stdout, "accepted 3, rejected 1, still pending 0\n");
 }
 
 #[test]

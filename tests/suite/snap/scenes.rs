@@ -1,4 +1,4 @@
-//! Scenes: when they are captured again, edited by hand, or requested.
+//! Scenes: when they are captured again, or edited by hand.
 
 use super::{ALL, accept_all, accepted, edit, folder, named, snap, snapshots};
 use std::fs;
@@ -73,31 +73,6 @@ fn points_that_were_edited_by_hand_are_used_as_they_stand() {
 }
 
 #[test]
-fn more_scenes_are_kept_once_they_were_asked_for() {
-    let folder = folder();
-    accepted(folder.path());
-    let said = snap(
-        folder.path(),
-        &["half.fab", "--scene", "turned", "--start", "7"],
-    );
-    assert_eq!(said.code, 0, "{}", said.stderr);
-    assert_eq!(named(folder.path(), ".snap.new").len(), ALL);
-    accept_all(folder.path());
-    let turned = snapshots(folder.path()).join("half.plan@turned.snap");
-    let start = snapshots(folder.path()).join("half.plan@start.snap");
-    assert_ne!(fs::read(turned).unwrap(), fs::read(start).unwrap());
-    assert_eq!(snap(folder.path(), &["half.fab", "--check"]).code, 0);
-    let library = folder.path().join("lib/folding.fab");
-    edit(
-        &library,
-        "Answer in two lines:",
-        "Answer in exactly two lines:",
-    );
-    assert_eq!(snap(folder.path(), &["half.fab"]).code, 0);
-    assert_eq!(named(folder.path(), ".snap.new").len(), 10);
-}
-
-#[test]
 fn a_scene_that_was_edited_into_none_is_named() {
     let folder = folder();
     accepted(folder.path());
@@ -129,35 +104,4 @@ fn points_that_were_edited_by_hand_outlive_an_edit_that_is_undone() {
     assert_eq!(snap(folder.path(), &["half.fab"]).code, 0);
     assert!(named(folder.path(), ".snap.new").is_empty());
     assert!(fs::read_to_string(&scene).unwrap().contains("[[7,8]]"));
-}
-
-#[test]
-fn a_scene_that_cannot_be_pinned_is_refused_and_another_start_is_a_change() {
-    let folder = folder();
-    accepted(folder.path());
-    let late = ["half.fab", "--scene", "late", "--start", "4"];
-    assert_eq!(snap(folder.path(), &late).code, 0);
-    let cases: [(&[&str], &str); 3] = [
-        (
-            &["half.fab", "--scene", "far", "--step", "2"],
-            "`half` has 1 steps; there is no step 2 to pin",
-        ),
-        (
-            &["half.fab", "--scene", "a b"],
-            "use letters, digits and `_`",
-        ),
-        (&["half.fab", "--scene", "start"], "always pinned"),
-    ];
-    for (arguments, words) in cases {
-        let said = snap(folder.path(), arguments);
-        assert_eq!(said.code, 64, "{arguments:?}: {}", said.stderr);
-        assert!(said.stderr.contains(words), "{}", said.stderr);
-    }
-    // The same request again changes nothing; another start is a change to review.
-    accept_all(folder.path());
-    assert_eq!(snap(folder.path(), &late).code, 0);
-    assert!(named(folder.path(), ".snap.new").is_empty());
-    let other = ["half.fab", "--scene", "late", "--start", "5"];
-    assert_eq!(snap(folder.path(), &other).code, 0);
-    assert!(named(folder.path(), ".snap.new").contains("half@late.points"));
 }

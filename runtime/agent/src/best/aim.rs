@@ -3,7 +3,8 @@
 //! In: particle positions. Out: losses, of which lower is better. On the way, a fold is compared with the states
 //! of the experts after as many folds; the least distance counts.
 
-use super::{BestError, Search};
+use super::BestError;
+use crate::rollout::Job;
 use fab_program::{Comparison, Goal, Metric, Sequence};
 use fab_world::expert::{self, Sequences};
 use fab_world::metrics::{coverage, mean_particle_distance_m, normalized_improvement};
@@ -16,7 +17,7 @@ pub(super) type ExpertGrip = (f64, Grip);
 /// An expert sequence with the particles after 0, 1, … folds.
 type Expert<'a> = (&'a Sequence, Vec<Vec<[f32; 3]>>);
 
-/// The aim of one search.
+/// The aim of one job.
 #[derive(Debug)]
 pub struct Aim<'a> {
     /// What results are measured by: the goal's measure, or the distance to the experts.
@@ -32,9 +33,9 @@ impl<'a> Aim<'a> {
     ///
     /// Fails if the task says nowhere what is better, actions cannot be tried in the world, the start gives nothing to
     /// measure, or a fold cannot be executed; on an interrupt, with [`WorldError::Interrupted`].
-    pub fn of(search: &Search<'a>) -> Result<Aim<'a>, BestError> {
-        let mut world = (search.make_world)()?;
-        world.reset(search.start)?;
+    pub fn of(job: &Job<'a>) -> Result<Aim<'a>, BestError> {
+        let mut world = (job.make_world)()?;
+        world.reset(job.start)?;
         let unsearchable = |why| BestError::Unsearchable(world.name().to_owned(), why);
         if !world.repeats() {
             return Err(unsearchable("cannot lay a start again exactly"));
@@ -43,22 +44,22 @@ impl<'a> Aim<'a> {
             let why = "does not know where the cloth's particles are";
             return Err(unsearchable(why));
         }
-        let goal = search.program.goal.as_ref();
+        let goal = job.program.goal.as_ref();
         let metric = goal.map_or(Metric::ParticleDistance, |goal| goal.metric);
         let experts = match metric {
-            Metric::ParticleDistance if search.program.experts.is_empty() => {
-                return Err(BestError::Aimless(search.program.title()));
+            Metric::ParticleDistance if job.program.experts.is_empty() => {
+                return Err(BestError::Aimless(job.program.title()));
             }
-            Metric::ParticleDistance => experts(search)?,
+            Metric::ParticleDistance => experts(job)?,
             Metric::Coverage | Metric::NormalizedImprovement => Vec::new(),
         };
         let aim = Aim {
             metric,
-            start: search.start,
+            start: job.start,
             goal,
             experts,
         };
-        aim.value(&search.start.positions)?;
+        aim.value(&job.start.positions)?;
         Ok(aim)
     }
 
@@ -132,8 +133,8 @@ pub(super) fn off_m(experts: &[ExpertGrip], grip: &Grip) -> f64 {
 }
 
 /// Simulates the experts fold by fold.
-fn experts<'a>(search: &Search<'a>) -> Result<Vec<Expert<'a>>, WorldError> {
-    let sequences = &search.program.experts;
+fn experts<'a>(job: &Job<'a>) -> Result<Vec<Expert<'a>>, WorldError> {
+    let sequences = &job.program.experts;
     let beginnings = sequences.iter().flat_map(|sequence| {
         (1..=sequence.folds.len()).map(|folds| Sequence {
             folds: sequence.folds[..folds].to_vec(),
@@ -143,17 +144,17 @@ fn experts<'a>(search: &Search<'a>) -> Result<Vec<Expert<'a>>, WorldError> {
     let simulated = expert::ends(
         Sequences {
             folds: &beginnings,
-            manner: search.program.manner,
+            manner: job.program.manner,
         },
-        search.start,
-        search.make_expert_world,
-        search.cache,
-        search.interrupt,
+        job.start,
+        job.make_expert_world,
+        job.cache,
+        job.interrupt,
         &mut |_| {},
     )?;
     let mut ends = simulated.ends.into_iter().map(|end| end.positions);
     let experts = sequences.iter().map(|sequence| {
-        let mut states = vec![search.start.positions.clone()];
+        let mut states = vec![job.start.positions.clone()];
         states.extend(ends.by_ref().take(sequence.folds.len()));
         (sequence, states)
     });

@@ -22,15 +22,11 @@ pub use aim::Aim;
 
 use crate::action::Action;
 use crate::record;
+use crate::rollout::Job;
 use crate::scene::SceneError;
-use crate::subgoals::SubgoalSet;
-use fab_base::cache::Cache;
-use fab_base::interrupt::Interrupt;
 use fab_program::render::RenderError;
 use fab_program::{Metric, Program, Proposal, space};
 use fab_world::WorldError;
-use fab_world::expert::MakeWorld;
-use fab_world::start::Start;
 use serde::Serialize;
 use std::time::Instant;
 use tree::Tree;
@@ -38,26 +34,12 @@ use tree::Tree;
 /// What to search.
 #[derive(Clone, Copy)]
 pub struct Search<'a> {
-    /// The task, compiled for the cloth of the start.
-    pub program: &'a Program,
-    /// Where the cloth lies at first.
-    pub start: &'a Start,
-    /// The subgoal pictures, which decide whether a step is retried.
-    pub subgoals: &'a SubgoalSet,
-    /// Makes the worlds in which actions are tried.
-    pub make_world: &'a MakeWorld<'a>,
-    /// Makes the worlds of the experts.
-    pub make_expert_world: &'a MakeWorld<'a>,
-    /// Stores the states of the experts.
-    pub cache: &'a Cache,
-    /// The most steps of a rollout.
-    pub horizon: u32,
+    /// A rollout of the task from the start, whose policy is of no account here.
+    pub job: &'a Job<'a>,
     /// How much to try.
     pub limits: Limits,
     /// The actions of another rollout of this task from this start, tried first: the result is then at least as good.
     pub hint: &'a [Choice],
-    /// A request to stop early.
-    pub interrupt: &'a Interrupt,
     /// Called with the number of finished trials, from any thread.
     pub progress: &'a (dyn Fn(u32) + Sync),
 }
@@ -170,21 +152,10 @@ pub struct Found {
     pub trials: u32,
     /// Whether every action of every reached state was tried.
     pub exhausted: bool,
-    /// What remains untried.
-    pub left: Untried,
-    /// Why something is left; `None` if nothing is.
+    /// How many of the reached states offer actions that were not tried.
+    pub left: usize,
+    /// What ended the search; `None` if every listed action was tried.
     pub stop: Option<Stop>,
-}
-
-/// What a search has not tried.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Untried {
-    /// Actions of the states whose actions were listed.
-    pub actions: usize,
-    /// Reached states whose actions were not listed.
-    pub states: usize,
-    /// The masks of which only some pixels were listed, and fields whose combinations were too many.
-    pub sampled: Vec<String>,
 }
 
 /// Why there is no result.

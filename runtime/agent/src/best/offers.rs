@@ -26,8 +26,8 @@ const DRAWN: usize = 2_000;
 pub(super) struct Offers {
     /// The most promising first.
     pub choices: Vec<Choice>,
-    /// What was only drawn from.
-    pub sampled: Vec<String>,
+    /// Whether these are only some of what is offered.
+    pub are_drawn: bool,
 }
 
 impl Offers {
@@ -44,10 +44,10 @@ impl Offers {
         interrupt: &Interrupt,
     ) -> Result<Offers, BestError> {
         let relaxed = &at.program.verify.relaxed;
-        let mut sampled = Vec::new();
+        let (proposals, are_drawn) = proposals(at, &mut chance);
         let mut seen = BTreeSet::new();
         let mut ranked = Vec::new();
-        for proposal in proposals(at, &mut chance, &mut sampled) {
+        for proposal in proposals {
             if interrupt.is_raised() {
                 return Err(WorldError::Interrupted.into());
             }
@@ -85,31 +85,26 @@ impl Offers {
         }
         Ok(Offers {
             choices: ranked.into_iter().map(|(_, choice)| choice).collect(),
-            sampled,
+            are_drawn,
         })
     }
 }
 
-/// Combines the choices of all fields; of too many combinations, or of the pixels of a mask, some are drawn.
-fn proposals(at: Ground<'_>, chance: &mut Chance, sampled: &mut Vec<String>) -> Vec<Proposal> {
+/// Combines the choices of all fields; of too many combinations, or of the pixels of a mask, some are drawn. Returns whether
+/// they were.
+fn proposals(at: Ground<'_>, chance: &mut Chance) -> (Vec<Proposal>, bool) {
     let fields = at.program.actions.iter();
-    let masks = fields.clone().filter_map(|field| match &field.choices {
-        Choices::Region { mask } => Some(space::any_of(mask)),
-        _ => None,
-    });
-    sampled.extend(masks);
-    if sampled.is_empty() {
+    let is_mask = |choices: &Choices| matches!(choices, Choices::Region { .. });
+    if !fields.clone().any(|field| is_mask(&field.choices)) {
         let listed = fields.map(|field| (field.name.clone(), space::choices(field, at.scene)));
         let listed: Vec<_> = listed.collect();
         let all = combinations(&listed);
         if all.len() <= MOST_COMBINATIONS {
-            return all.collect();
+            return (all.collect(), false);
         }
-        let names: Vec<&str> = listed.iter().map(|(name, _)| name.as_str()).collect();
-        sampled.push(names.join(" x "));
     }
     // A number below an in-memory count fits in `usize`. Equal grips are offered once.
     let mut below = |count: u64| chance.below(count as usize) as u64;
     let drawn = (0..DRAWN).filter_map(|_| space::sample(at.program, at.scene, &mut below));
-    drawn.collect()
+    (drawn.collect(), true)
 }

@@ -5,7 +5,7 @@
 
 use super::aim::Aim;
 use super::offers::Offers;
-use super::{BestError, Choice, Found, Search, Stop, Taken, Untried};
+use super::{BestError, Choice, Found, Search, Stop, Taken};
 use crate::policy::Ground;
 use crate::result::StepResult;
 use crate::rollout::Tries;
@@ -16,7 +16,6 @@ use fab_program::Exhausted;
 use fab_program::facts::Facts;
 use fab_program::pointing::Pointing;
 use fab_world::{Fork, World, WorldError};
-use std::collections::BTreeSet;
 use std::time::Instant;
 
 /// States of one depth whose worlds are kept; any other state is reached again from the start.
@@ -69,9 +68,10 @@ impl<'a> Tree<'a> {
     ///
     /// Fails if the start gives nothing to choose from.
     pub fn at_start(search: &'a Search<'a>, aim: &'a Aim<'a>) -> Result<Tree<'a>, BestError> {
-        let mut world = (search.make_world)()?;
-        world.reset(search.start)?;
-        let positions = &search.start.positions;
+        let job = search.job;
+        let mut world = (job.make_world)()?;
+        world.reset(job.start)?;
+        let positions = &job.start.positions;
         let start = Node {
             path: Vec::new(),
             tries: Tries::default(),
@@ -85,7 +85,7 @@ impl<'a> Tree<'a> {
         Ok(Tree {
             search,
             aim,
-            first: Scene::of(search.program, &world.observe()?, None)?,
+            first: Scene::of(job.program, &world.observe()?, None)?,
             nodes: vec![start],
             stop: None,
         })
@@ -125,7 +125,8 @@ impl<'a> Tree<'a> {
 
     /// Goes through all depths once.
     fn pass(&mut self, width: usize) -> Result<(), BestError> {
-        let depths = self.search.horizon * self.search.program.actions_per_step();
+        let job = self.search.job;
+        let depths = job.horizon() * job.program.actions_per_step();
         for depth in 0..depths {
             // The remaining trials are shared with the depths that follow.
             let share = self.trials_left().div_ceil(depths - depth) as usize;
@@ -224,7 +225,7 @@ impl<'a> Tree<'a> {
 
     fn requested_stop(&self) -> Option<Stop> {
         let until = self.search.limits.until;
-        if self.search.interrupt.is_raised() {
+        if self.search.job.interrupt.is_raised() {
             return Some(Stop::Interrupt);
         }
         let is_over = until.is_some_and(|until| Instant::now() >= until);
@@ -233,20 +234,20 @@ impl<'a> Tree<'a> {
 
     /// Tries one choice on a copy of a state's world.
     fn reach(&self, (parent, number): (usize, usize)) -> Result<Node, BestError> {
-        let (search, aim, it) = (self.search, self.aim, &self.nodes[parent]);
-        let program = search.program;
+        let (job, aim, it) = (self.search.job, self.aim, &self.nodes[parent]);
+        let program = job.program;
         let offers = it.offers.as_ref().expect("only listed actions are tried");
         let choice = offers.choices[number].clone();
         let mut world = self.world_at(it)?;
-        world.act(&choice.action.grip.into(), search.interrupt)?;
+        world.act(&choice.action.grip.into(), job.interrupt)?;
         let positions = world.particles().unwrap_or_default();
         let (step, after) = (self.step_of(&it.tries), world.observe()?);
         let (value, behind) = (aim.value(&positions)?, aim.behind(&positions, step)?);
-        let result = StepResult::of(program, search.subgoals, step, &self.first, &after)?;
+        let result = StepResult::of(program, job.subgoals, step, &self.first, &after)?;
         let mut tries = it.tries;
         tries.number += 1;
         tries.after(program.actions_per_step(), result);
-        let has_ended = tries.step(search.horizon).is_none() || aim.is_reached(value);
+        let has_ended = tries.step(job.horizon()).is_none() || aim.is_reached(value);
         let end = if has_ended {
             End::Scored
         } else {
@@ -271,22 +272,22 @@ impl<'a> Tree<'a> {
 
     /// Lists what can be done in a state.
     fn offers(&self, node: usize) -> Result<Offers, BestError> {
-        let (search, it) = (self.search, &self.nodes[node]);
+        let (job, it) = (self.search.job, &self.nodes[node]);
         let mut world = self.world_at(it)?;
         let observation = world.observe()?;
         let last = it.path.last().map(|taken| taken.choice.as_ref());
-        let scene = Scene::of(search.program, &observation, last.map(|_| &self.first))?;
+        let scene = Scene::of(job.program, &observation, last.map(|_| &self.first))?;
         let positions = world.particles().unwrap_or_default();
         let step = self.step_of(&it.tries);
         let experts = self.aim.expert_grips(&positions, step - 1);
         let ground = Ground {
-            program: search.program,
+            program: job.program,
             scene: &scene,
             observation: &observation,
             reach: &|point| world.out_of_reach(point),
             refuses: &|motion| world.refuses(motion),
         };
-        let pointing = Pointing::of_camera(&search.program.camera);
+        let pointing = Pointing::of_camera(&job.program.camera);
         let last = last
             .flatten()
             .map(|it| it.action.executed(it.proposal.clone()));
@@ -294,8 +295,11 @@ impl<'a> Tree<'a> {
             last: last.as_ref(),
             ..Facts::of(&scene, step, pointing)
         };
-        let chance = Chance::of(&format!("offered actions {} {node}", search.limits.seed));
-        Offers::of(ground, facts, &experts, chance, search.interrupt)
+        let chance = Chance::of(&format!(
+            "offered actions {} {node}",
+            self.search.limits.seed
+        ));
+        Offers::of(ground, facts, &experts, chance, job.interrupt)
     }
 
     /// Returns the world of a state; where no copy of it is kept, the actions that lead to it are executed again.
@@ -303,17 +307,18 @@ impl<'a> Tree<'a> {
         if let Some(copy) = node.world.as_ref().and_then(|world| world.fork()) {
             return Ok(copy);
         }
-        let mut world = (self.search.make_world)()?;
-        world.reset(self.search.start)?;
+        let job = self.search.job;
+        let mut world = (job.make_world)()?;
+        world.reset(job.start)?;
         for choice in node.path.iter().filter_map(|taken| taken.choice.as_ref()) {
-            world.act(&choice.action.grip.into(), self.search.interrupt)?;
+            world.act(&choice.action.grip.into(), job.interrupt)?;
         }
         Ok(world)
     }
 
     /// Returns the task's step that is due, from 1.
     fn step_of(&self, tries: &Tries) -> u32 {
-        let horizon = self.search.horizon;
+        let horizon = self.search.job.horizon();
         tries.step(horizon).unwrap_or(horizon)
     }
 
@@ -329,7 +334,7 @@ impl<'a> Tree<'a> {
     pub fn found(&self) -> Found {
         let loss = |node: &Node| self.aim.loss(node.value);
         // A rollout whose steps were all skipped has no score, so one action at least is taken.
-        let may_skip = self.search.program.verify.exhausted == Exhausted::Skips;
+        let may_skip = self.search.job.program.verify.exhausted == Exhausted::Skips;
         let ends = self.nodes.iter().skip(1).filter(|it| match it.end {
             End::Scored => true,
             End::Open => may_skip,
@@ -338,11 +343,15 @@ impl<'a> Tree<'a> {
         let end = ends.min_by(|a, b| loss(a).total_cmp(&loss(b)));
         let deepest = self.nodes.iter().map(|node| node.tries.number).max();
         let promising = self.ranked(deepest.unwrap_or_default());
+        let is_left = |node: &&Node| {
+            let are_drawn = node.offers.as_ref().is_some_and(|it| it.are_drawn);
+            node.end == End::Open && (are_drawn || !node.is_tried_out())
+        };
+        let left = self.nodes.iter().filter(is_left).count();
         let best = match end {
             Some(end) => self.to_the_end(end),
             None => self.nodes[promising[0]].path.clone(),
         };
-        let left = self.untried();
         Found {
             metric: self.aim.metric,
             untouched: self.nodes[0].value,
@@ -350,7 +359,7 @@ impl<'a> Tree<'a> {
             limiting: end.and_then(|_| self.limiting(&best)),
             best,
             trials: self.n_trials(),
-            exhausted: left == Untried::default(),
+            exhausted: left == 0,
             left,
             stop: self.stop,
         }
@@ -358,9 +367,10 @@ impl<'a> Tree<'a> {
 
     /// Returns the steps of a rollout that ends in a state; those after it are skipped.
     fn to_the_end(&self, node: &Node) -> Vec<Taken> {
-        let program = self.search.program;
+        let job = self.search.job;
+        let program = job.program;
         let (mut path, mut tries) = (node.path.clone(), node.tries);
-        while let (Some(step), End::Open) = (tries.step(self.search.horizon), node.end) {
+        while let (Some(step), End::Open) = (tries.step(job.horizon()), node.end) {
             path.push(Taken::of(program, step, None, [node.value, node.behind]));
             tries.after(program.actions_per_step(), None);
         }
@@ -376,24 +386,5 @@ impl<'a> Tree<'a> {
         let lost = acted.map(|(index, (taken, before))| (index, taken.behind - before));
         let worst = lost.reduce(|worst, it| if it.1 > worst.1 { it } else { worst });
         worst.map(|(index, _)| index)
-    }
-
-    fn untried(&self) -> Untried {
-        let open = self.nodes.iter().filter(|it| it.end == End::Open);
-        let listed = open
-            .clone()
-            .filter_map(|it| Some((it.offers.as_ref()?, it.tried)));
-        let untried = listed
-            .clone()
-            .map(|(offers, tried)| offers.choices.len() - tried);
-        let sampled = listed
-            .clone()
-            .flat_map(|(offers, _)| offers.sampled.clone());
-        let sampled: BTreeSet<String> = sampled.collect();
-        Untried {
-            actions: untried.sum(),
-            states: open.count() - listed.count(),
-            sampled: sampled.into_iter().collect(),
-        }
     }
 }

@@ -7,7 +7,7 @@
 use super::words::{self, NamedPoint};
 use super::{DEMOS_FORMAT, Demo, DemoStep, Header};
 use crate::action::Action;
-use crate::scene::{Scene, SceneError};
+use crate::scene::Scene;
 use fab_base::chance::Chance;
 use fab_base::interrupt::Interrupt;
 use fab_base::wording::quoted;
@@ -15,7 +15,6 @@ use fab_picture::SubpixelPoint;
 use fab_program::Proposal;
 use fab_program::facts::Facts;
 use fab_program::pointing::Pointing;
-use fab_program::render::RenderError;
 use fab_program::scene::SceneView;
 use fab_program::verify::{self, Strictness, Verdict};
 use fab_program::{Choices, Fold, PixelPoint, Program, Read, Subgoals, Value};
@@ -67,21 +66,15 @@ pub enum MakeError {
 #[derive(Debug, thiserror::Error)]
 enum Unfit {
     #[error("{0}")]
-    Start(String),
-    #[error("in step {0} {1}")]
-    Scene(u32, SceneError),
-    #[error("in step {0} the camera does not see the table")]
-    Table(u32),
-    #[error("in step {0} no offered point is near the expert's {1} point")]
-    Point(u32, &'static str),
-    #[error("in step {0} the check `{1}` refuses the expert's answer")]
-    Refused(u32, String),
-    #[error("in step {0} nothing was grasped")]
-    Missed(u32),
-    #[error(transparent)]
-    Words(#[from] RenderError),
+    Because(String),
     #[error(transparent)]
     World(#[from] WorldError),
+}
+
+impl From<String> for Unfit {
+    fn from(why: String) -> Unfit {
+        Unfit::Because(why)
+    }
 }
 
 /// Makes demonstrations; `announce` is told of each discarded start, with the reason.
@@ -199,25 +192,32 @@ fn demonstrate(
     world: &mut dyn World,
 ) -> Result<(), Unfit> {
     let program = making.program;
-    let start = super::start_of(program, demo).map_err(Unfit::Start)?;
+    let start = super::start_of(program, demo)?;
     let [center_x, center_y] = start.center_m();
     let middle = WorldPoint::new(center_x, center_y, RESTING_HEIGHT_M);
     world.reset(&start)?;
     let mut first = None;
     let mut last = None;
     for (fold, number) in folds.iter().zip(1..) {
+        let in_step = |why: &str| format!("in step {number} {why}");
+        let beyond = || in_step("the camera does not see the table");
         let observation = world.observe()?;
         let scene = Scene::of(program, &observation, first.as_ref());
-        let scene = scene.map_err(|why| Unfit::Scene(number, why))?;
+        let scene = scene.map_err(|why| in_step(&why.to_string()))?;
         let grip = expert::grip(fold, &start, world)?;
         let camera = &observation.camera;
         let pixel = |point| Some(SubpixelPoint::at(camera.pixel_from_world(point)?).pixel);
-        let center = pixel(middle).ok_or(Unfit::Table(number))?;
+        let center = pixel(middle).ok_or_else(beyond)?;
         let named = |name: &'static str, point: WorldPoint, of| {
             let offered = verify::offered(program, &scene, name);
             let at = pixel(point).and_then(|wanted| nearest(wanted, &offered, program));
-            let at = at.ok_or(Unfit::Point(number, name))?;
-            Ok::<_, Unfit>(NamedPoint { point: of, at })
+            let unoffered = || {
+                in_step(&format!(
+                    "no offered point is near the expert's {name} point"
+                ))
+            };
+            let at = at.ok_or_else(unoffered)?;
+            Ok::<_, String>(NamedPoint { point: of, at })
         };
         let pick = named("pick", grip.pick, &fold.pick)?;
         let place = named("place", grip.place, &fold.place)?;
@@ -238,9 +238,10 @@ fn demonstrate(
             last: last.as_ref(),
             ..Facts::of(&scene, number, Pointing::of_camera(&program.camera))
         };
-        let verdict = verify::verdict(program, facts, &proposal, Strictness::Full)?;
-        if let Verdict::Reject { check, .. } = verdict {
-            return Err(Unfit::Refused(number, check));
+        let verdict = verify::verdict(program, facts, &proposal, Strictness::Full);
+        if let Verdict::Reject { check, .. } = verdict.map_err(|error| error.to_string())? {
+            let why = format!("the check `{check}` refuses the expert's answer");
+            return Err(in_step(&why).into());
         }
         let keypoints = program.keypoints.iter();
         let points = keypoints.filter_map(|it| Some((it.name.clone(), scene.points(&it.name)?)));
@@ -251,10 +252,10 @@ fn demonstrate(
             reason: words::reason(pick, place, center),
         });
         let action = Action::lower(program, &proposal, &scene, &observation);
-        let action = action.ok_or(Unfit::Table(number))?;
+        let action = action.ok_or_else(beyond)?;
         let done = world.act(&action.grip.into(), making.interrupt)?;
         if done.has_missed() {
-            return Err(Unfit::Missed(number));
+            return Err(in_step("nothing was grasped").into());
         }
         last = Some(action.executed(proposal));
         first.get_or_insert(scene);

@@ -125,17 +125,12 @@ impl Demonstrations {
         let header: Header = first
             .ok_or_else(|| unreadable("it is empty".to_owned()))?
             .map_err(|error| wrong(1, error.to_string()))?;
-        if header.format != DEMOS_FORMAT {
+        let Header { format, stage, .. } = &header;
+        if (*format, stage) != (DEMOS_FORMAT, &demos.stage) {
             let why = format!(
-                "it has format {}, this version reads {DEMOS_FORMAT}; make it again by `fabc demos`",
-                header.format
-            );
-            return Err(wrong(1, why));
-        }
-        if header.stage != demos.stage {
-            let why = format!(
-                "it is for the stage `{}`, and the task tells it to `{}`",
-                header.stage, demos.stage
+                "it has format {format} and is for the stage `{stage}`; right would be format {DEMOS_FORMAT} and `{}`: make \
+                 it again by `fabc demos`",
+                demos.stage
             );
             return Err(wrong(1, why));
         }

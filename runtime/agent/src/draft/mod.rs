@@ -1,31 +1,28 @@
-//! Drafts a fold from pictures: the cloth, and for each step the arrow and the fold that leads from one picture to the
-//! next.
+//! Drafts a fold from pictures: the cloth, and for each step the fold that leads from one picture to the next.
 //!
 //! In: pictures of a cloth on a plain table, flat at first and then after each step; a world to try folds in. Out: a
-//! [`Draft`] that states for each step how well it explains the pictures and what the best alternative is. Arrows drawn
-//! in the pictures are detected. If there is none, folds between named points are tried from the cloth's state after
-//! the previous steps, and the one whose outline matches the picture is proposed. Writing the task's text is done
-//! elsewhere.
+//! [`Draft`] that states for each step how well it explains the pictures and what the best alternative is. Folds between
+//! named points are tried from the cloth's state after the previous steps, and the one whose outline matches the picture
+//! is proposed. Writing the task's text is done elsewhere.
 
 mod fold_search;
 mod measures;
 mod outline;
-
-pub use measures::StatedMeasures;
 
 #[cfg(test)]
 mod tests;
 
 use crate::subgoals::ArrowPx;
 use fab_base::interrupt::Interrupt;
-use fab_program::{self as program, Cloth, ClothPoint, Fold, Sequence};
+use fab_picture::Mask;
+use fab_program::{self as program, Cloth, Fold};
 use fab_vision::VisionError;
 use fab_world::metrics::mean_particle_distance_m;
 use fab_world::start::Start;
 use fab_world::{World, WorldError};
 use fold_search::StepSearch;
 use image::RgbImage;
-use outline::{Outline, PictureParts, Pose};
+use outline::{Outline, Pose, cloth_of};
 use std::ops::RangeInclusive;
 
 /// Permitted sides of a picture, pixels.
@@ -70,12 +67,10 @@ pub struct Draft {
 /// One step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DraftStep {
-    /// The detected or proposed arrow; pixels of the pictures.
+    /// The arrow of the fold; pixels of the pictures.
     pub arrow: ArrowPx,
-    /// Whether the picture shows the arrow; otherwise it was derived from the pictures before and after the step.
-    pub is_drawn: bool,
-    /// The fold between named points; `None` if a drawn arrow joins no named points.
-    pub fold: Option<Fold>,
+    /// The fold between named points.
+    pub fold: Fold,
     /// Overlap of the simulated outline and the next picture's: intersection over union, 0 to 1.
     pub overlap: f64,
     /// The best other fold tried, with its overlap.
@@ -92,14 +87,13 @@ const LEAD: f64 = 0.015;
 impl DraftStep {
     /// Returns the fold if it explains the pictures; otherwise [`DraftStep::fold`] is only the best guess.
     pub fn found(&self) -> Option<&Fold> {
-        self.fold.as_ref().filter(|_| self.overlap >= FOUND)
+        (self.overlap >= FOUND).then_some(&self.fold)
     }
 
     /// Returns whether the fold explains the pictures, and no other does nearly as well.
     pub fn is_sure(&self) -> bool {
         let next = self.next_best.as_ref().map_or(0.0, |(_, overlap)| *overlap);
-        let leads = self.is_drawn || self.overlap - next >= LEAD;
-        self.fold.is_some() && self.overlap >= SURE && leads
+        self.overlap >= SURE && self.overlap - next >= LEAD
     }
 }
 
@@ -128,13 +122,13 @@ pub type MakeWorld<'a> = dyn Fn(&program::Camera) -> Result<Box<dyn World>, Worl
 
 /// Drafts a fold.
 ///
-/// - `stated`: what the user knows about the camera and the cloth.
+/// - `longer_m`: the flat cloth's longer side, metres, if the user stated it.
 /// - `announce`: told each step before folds are tried for it, from 1.
 ///
 /// The same pictures give the same draft.
 pub fn draft(
     pictures: &[NamedPicture],
-    stated: &StatedMeasures,
+    longer_m: Option<f64>,
     make_world: &MakeWorld<'_>,
     interrupt: &Interrupt,
     announce: &dyn Fn(usize),
@@ -144,12 +138,10 @@ pub fn draft(
         return Err(DraftError::Count(count));
     }
     let side_px = common_side(pictures)?;
-    let shown: Vec<PictureParts> = pictures
-        .iter()
-        .map(PictureParts::of)
-        .collect::<Result<_, _>>()?;
+    let shown = pictures.iter().map(cloth_of);
+    let shown: Vec<Mask> = shown.collect::<Result<_, _>>()?;
     let pose = Pose::of(&shown[0], &pictures[0].name)?;
-    let (camera, cloth) = measures::of(pose.sides_px, side_px, stated)?;
+    let (camera, cloth) = measures::of(pose.sides_px, side_px, longer_m)?;
     let compared = program::Camera {
         image_px: COMPARED_PX,
         ..camera
@@ -163,12 +155,10 @@ pub fn draft(
         let names = [number, number + 1].map(|index| pictures[index].name.as_str());
         check_change(before, after, names)?;
         announce(number + 1);
-        let drawn = shown[number].arrow;
         let search = StepSearch {
             start: &start,
             before,
             after,
-            arrow: drawn.map(|arrow| arrow.map(|at| pose.straighten(at))),
             make_world: &|| make_world(&compared),
             camera: &compared,
             interrupt,
@@ -177,10 +167,10 @@ pub fn draft(
             let [before, after] = names;
             return Err(DraftError::Unfit(format!(
                 "no fold leads from `{before}` to `{after}`: the part that is gone holds no corner, side middle or \
-                 quarter point of the cloth; an arrow drawn on `{before}` would say what is meant"
+                 quarter point of the cloth"
             )));
         };
-        let arrow = drawn.unwrap_or_else(|| found.arrow.map(|at| pose.as_shown(at)));
+        let arrow = found.arrow.map(|at| pose.as_shown(at));
         steps.push(DraftStep { arrow, ..found });
         positions = folded;
     }
@@ -214,7 +204,8 @@ fn check_change(
     after: &Outline,
     [from, to]: [&str; 2],
 ) -> Result<(), DraftError> {
-    let growth = after.area() as f64 / before.area().max(1) as f64;
+    let [before_px, after_px] = [before, after].map(|outline| outline.0.area_px() as f64);
+    let growth = after_px / before_px.max(1.0);
     if growth > GROWTH {
         return Err(DraftError::Unfit(format!(
             "`{to}` shows {:.0} % more cloth than `{from}`, but a fold must show less; give the flat cloth first and \
@@ -230,40 +221,4 @@ fn check_change(
         )));
     }
     Ok(())
-}
-
-/// Returns a sequence as seen from each side from which the cloth looks the same, mirrored too; the original first.
-///
-/// Equal sequences are listed once.
-pub fn symmetric(folds: &[Fold], cloth: &Cloth) -> Vec<Sequence> {
-    let mut sequences: Vec<Sequence> = Vec::new();
-    let n_sides = if cloth.dimx == cloth.dimy { 8 } else { 4 };
-    for side in 0..n_sides {
-        let point = |point: ClothPoint| {
-            let ClothPoint::Particle { right, front } = point else {
-                return point;
-            };
-            let [right, front] = if side < 4 {
-                [right, front]
-            } else {
-                [front, right]
-            };
-            ClothPoint::Particle {
-                right: if side % 2 == 0 { right } else { 1.0 - right },
-                front: if side % 4 < 2 { front } else { 1.0 - front },
-            }
-        };
-        let folds = folds.iter().map(|fold| Fold {
-            pick: point(fold.pick),
-            place: point(fold.place),
-            fraction: fold.fraction,
-        });
-        let sequence = Sequence {
-            folds: folds.collect(),
-        };
-        if !sequences.contains(&sequence) {
-            sequences.push(sequence);
-        }
-    }
-    sequences
 }

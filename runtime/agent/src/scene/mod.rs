@@ -82,7 +82,7 @@ impl Scene {
     /// Finds every keypoint of `program` in `observation`.
     ///
     /// Keypoints of the start are taken from `first`, the rollout's first scene; without one, this scene is the first.
-    /// Fails if the first mask (the cloth) or one that something is taken from is empty, a field has nothing to choose
+    /// Fails if the first mask (the cloth) or one that something is taken from is empty, or a field has nothing to choose
     /// from.
     pub fn of(
         program: &Program,
@@ -101,30 +101,29 @@ impl Scene {
             scene.add(keypoint, found);
         }
         for field in &program.actions {
-            if let Choices::Region { mask } = &field.choices
-                && scene.mask(mask)?.is_empty()
-            {
-                return Err(SceneError::NoCandidates(mask.clone(), String::new()));
-            }
-            if let Choices::Points { keypoints } = &field.choices
-                && space::choices(field, &scene).is_empty()
-            {
-                let searched = scene.cloth().map(|mask| {
-                    format!(
-                        "; the cloth's mask covers {} of its {} pixels, and a detector needs a whole cloth with background \
-                         around it",
-                        mask.area_px(),
-                        u64::from(mask.width()) * u64::from(mask.height())
-                    )
-                });
-                let keypoints = keypoints.join("`, `");
-                return Err(SceneError::NoCandidates(
-                    keypoints,
-                    searched.unwrap_or_default(),
-                ));
-            }
+            let (keypoints, searched) = match &field.choices {
+                Choices::Region { mask } if scene.mask(mask)?.is_empty() => {
+                    (mask.clone(), String::new())
+                }
+                Choices::Points { keypoints } if space::choices(field, &scene).is_empty() => {
+                    (keypoints.join("`, `"), scene.searched())
+                }
+                _ => continue,
+            };
+            return Err(SceneError::NoCandidates(keypoints, searched));
         }
         Ok(scene)
+    }
+
+    /// Describes where detectors looked for points; ends a message.
+    fn searched(&self) -> String {
+        self.cloth().map_or(String::new(), |mask| {
+            format!(
+                "; the cloth's mask covers {} of its {} pixels, and a detector needs a whole cloth with background around it",
+                mask.area_px(),
+                u64::from(mask.width()) * u64::from(mask.height())
+            )
+        })
     }
 
     /// Finds the cloth alone, the mask that [`Scene::cloth`] returns; `None` if it is out of view.

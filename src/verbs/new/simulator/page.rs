@@ -6,8 +6,7 @@
 use crate::verbs::new::GUESSED;
 use fab_agent::draft;
 use fab_agent::draft::{DraftStep, NamedPicture};
-use fab_base::wording::quoted;
-use fab_program::{ClothPoint, Fold, Sequence};
+use fab_program::{ClothPoint, Fold};
 
 /// Least overlap that the base task requires of a step's result.
 const BASE_ALIKE: f64 = 0.7;
@@ -25,8 +24,6 @@ pub struct Page<'p> {
     pub name: &'p str,
     /// The pictures, under the user's names.
     pub pictures: &'p [NamedPicture],
-    /// What the task calls the pictures.
-    pub places: &'p [String],
     pub found: &'p draft::Draft,
 }
 
@@ -34,7 +31,7 @@ impl Page<'_> {
     pub fn text(&self) -> String {
         let found = self.found;
         // Only if every step has a fold that explains its pictures.
-        let folds: Option<Vec<Fold>> = found.steps.iter().map(|it| it.found().cloned()).collect();
+        let folds: Option<Vec<&Fold>> = found.steps.iter().map(DraftStep::found).collect();
         let (goal, experts, sequences) = match &folds {
             Some(folds) => {
                 let experts = "    experts @NAME@_folds\n\n";
@@ -49,7 +46,7 @@ impl Page<'_> {
             ),
         };
         let steps = found.steps.iter();
-        let places = steps.filter_map(|step| Some(point_text(&step.fold.as_ref()?.place)));
+        let places = steps.map(|step| point_text(&step.fold.place));
         let places: Vec<String> = places.collect();
         let is_beside = places.iter().any(|place| place.starts_with("point"));
         let is_side = |place: &String| !place.starts_with("corner") && !place.starts_with("center");
@@ -70,7 +67,10 @@ impl Page<'_> {
             ("    @GUESSES@\n", &guesses.collect::<String>()),
             ("@HEIGHT@", &self.height_mm().to_string()),
             ("@BELOW@", &(self.height_mm() - CLOTH_MM).to_string()),
-            ("@FOV@", &self.fov_deg().to_string()),
+            (
+                "@FOV@",
+                &found.camera.fov_rad.to_degrees().round().to_string(),
+            ),
             ("@IMAGE@", &found.camera.image_px.to_string()),
             ("    @GOAL@\n", &goal),
             ("    @ALIKE@\n", &self.alike()),
@@ -89,12 +89,13 @@ impl Page<'_> {
         text.trim_end().to_owned() + "\n"
     }
 
-    fn height_mm(&self) -> f64 {
-        (self.found.camera.height_m * 10_000.0).round() / 10.0
+    /// Returns what the task calls a picture.
+    pub fn place(&self, number: usize) -> String {
+        format!("{}.images/{number}.png", self.name)
     }
 
-    fn fov_deg(&self) -> f64 {
-        (self.found.camera.fov_rad.to_degrees() * 10.0).round() / 10.0
+    fn height_mm(&self) -> f64 {
+        (self.found.camera.height_m * 10_000.0).round() / 10.0
     }
 
     /// States what is assumed of camera and cloth, or follows from what the user stated, and of all pictures.
@@ -103,9 +104,9 @@ impl Page<'_> {
         let [width, depth] = [cloth.dimx, cloth.dimy]
             .map(|particles| f64::from(particles - 1) * cloth.spacing_m * 1000.0);
         let mut guesses = vec![format!(
-            "the camera is {} mm above the table and has a field of view of {} degrees, and the cloth measures {width:.0} mm by {depth:.0} mm",
+            "the camera is {} mm above the table and has a field of view of {:.0} degrees, and the cloth measures {width:.0} mm by {depth:.0} mm",
             self.height_mm(),
-            self.fov_deg()
+            self.found.camera.fov_rad.to_degrees()
         )];
         let turned_deg = self.found.turned_rad.to_degrees();
         if turned_deg.abs() >= TURNED_DEG {
@@ -117,15 +118,6 @@ impl Page<'_> {
             guesses.push(format!(
                 "the cloth lies turned by {:.0} degrees {direction} in the pictures; folds are said as if it lay straight",
                 turned_deg.abs()
-            ));
-        }
-        let steps = self.found.steps.iter().zip(self.pictures);
-        let bare = steps.filter(|(step, _)| !step.is_drawn);
-        let bare = quoted(bare.map(|(_, picture)| &picture.name));
-        if !bare.is_empty() {
-            guesses.push(format!(
-                "no arrow found in {bare} (arrows must be black, with a ring at the tail and a head at the tip); \
-                 proposed one from the difference between the pictures"
             ));
         }
         guesses
@@ -156,15 +148,16 @@ impl Page<'_> {
     /// Writes the pictures, with a guess before each from which a step begins.
     fn images(&self) -> String {
         let mut lines = String::new();
-        for (number, place) in self.places.iter().enumerate() {
+        for number in 0..self.pictures.len() {
+            let place = self.place(number);
             let mut arrow = String::new();
             if let Some(step) = self.found.steps.get(number) {
                 let [before, after] = [number, number + 1].map(|at| &self.pictures[at].name);
-                let guess = self.guess(step, place);
+                let guess = self.guess(step, &place);
                 lines.push_str(&format!(
                     "        {GUESSED}from `{before}` to `{after}`: {guess}\n"
                 ));
-                if !step.is_drawn && !is_lost(step) {
+                if step.found().is_some() {
                     let [tail, tip] = step.arrow.map(|at| self.written(at));
                     arrow = format!(" arrow {tail} -> {tip}");
                 }
@@ -175,12 +168,9 @@ impl Page<'_> {
     }
 
     fn guess(&self, step: &DraftStep, place: &str) -> String {
-        let fold = match &step.fold {
-            Some(fold) => fold_text(fold),
-            None => "between points without names".to_owned(),
-        };
+        let fold = fold_text(&step.fold);
         let overlap = step.overlap;
-        if is_lost(step) {
+        if step.found().is_none() {
             let across = |share: f64| (share * f64::from(self.found.camera.image_px)).floor();
             let (near, middle) = (across(0.2), across(0.5));
             return format!(
@@ -189,18 +179,12 @@ impl Page<'_> {
                  (column, row) from the top left, where the step picks and places"
             );
         }
-        let arrow = if step.is_drawn {
-            let [tail, tip] = step.arrow.map(|[u, v]| format!("({u:.0}, {v:.0})"));
-            format!(", by the arrow in the picture from {tail} to {tip}")
-        } else {
-            String::new()
-        };
         let doubt = if step.is_sure() { "" } else { "not sure: " };
         let next = match &step.next_best {
             Some((next, other)) => format!(", next best {other:.2} for {}", fold_text(next)),
             None => String::new(),
         };
-        format!("{doubt}{fold}{arrow} (overlap {overlap:.2}{next})")
+        format!("{doubt}{fold} (overlap {overlap:.2}{next})")
     }
 
     /// Writes a pixel of the picture; a point outside the picture is clamped to it.
@@ -211,16 +195,13 @@ impl Page<'_> {
         format!("({u}px, {v}px)")
     }
 
-    fn sequences(&self, folds: &[Fold]) -> String {
-        let sequence = |Sequence { folds }: Sequence| {
-            let folds: Vec<String> = folds.iter().map(fold_text).collect();
-            format!("    sequence {{ fold {} }}\n", folds.join(", "))
-        };
-        let all = draft::symmetric(folds, &self.found.cloth);
-        let all: String = all.into_iter().map(sequence).collect();
+    fn sequences(&self, folds: &[&Fold]) -> String {
+        let folds: Vec<String> = folds.iter().map(|fold| fold_text(fold)).collect();
         format!(
-            "# The folds that count as right: those of the pictures, from each side from which the cloth looks the same.\n\
-             experts @NAME@_folds {{\n{all}}}\n"
+            "# The folds that count as right: those of the pictures. Each further `sequence {{ … }}` counts as right, too.\n\
+             experts {}_folds {{\n    sequence {{ fold {} }}\n}}\n",
+            self.name,
+            folds.join(", ")
         )
     }
 }
@@ -231,18 +212,13 @@ const SIDES_NOW: &str = "        # One fold ends elsewhere than on a corner or a
         side_points = edge_middles(outline)
 ";
 
-/// Returns whether all that is known of a step is a guess that does not explain it.
-fn is_lost(step: &DraftStep) -> bool {
-    !step.is_drawn && step.found().is_none()
-}
-
 /// Writes a fold as a whole, ignoring its fraction.
 fn fold_text(fold: &Fold) -> String {
     format!("{} -> {}", point_text(&fold.pick), point_text(&fold.place))
 }
 
 /// Writes a point of the cloth in the language's syntax.
-pub fn point_text(point: &ClothPoint) -> String {
+fn point_text(point: &ClothPoint) -> String {
     let ClothPoint::Particle { right, front } = *point else {
         return "center".to_owned();
     };

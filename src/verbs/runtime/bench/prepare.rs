@@ -173,10 +173,7 @@ pub fn entries<'a>(
                 let variant = method.variant.as_deref().unwrap_or_default();
                 if !method.optional {
                     let why = sources::no_variant(&prepared.file, variant, &prepared.declared);
-                    return Err(match arguments.variant {
-                        Some(_) => Failure::usage(why),
-                        None => Failure::environment(why),
-                    });
+                    return Err(Failure::environment(why));
                 }
                 io.talk(&format!(
                     "`{}` has no variant `{variant}`: its row `{}` is left out",

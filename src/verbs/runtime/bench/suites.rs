@@ -1,9 +1,9 @@
-//! Finds suites, and narrows them as the command line asks.
+//! Finds suites by their names.
 
 use crate::exit::Failure;
 use crate::sources;
 use fab_base::wording::quoted;
-use fab_bench::suite::{Method, Suite};
+use fab_bench::suite::Suite;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -57,28 +57,4 @@ fn there() -> String {
     } else {
         format!("`{FOLDER}` holds {}", quoted(names))
     }
-}
-
-/// Keeps only the methods of a variant; if there is none, adds a method for the variant.
-pub fn narrowed(mut suite: Suite, variant: Option<&str>) -> Suite {
-    let Some(variant) = variant else {
-        return suite;
-    };
-    let methods = &mut suite.methods;
-    methods.retain(|method| method.variant.as_deref() == Some(variant));
-    for method in methods {
-        // A user who names a variant wants an error if a task lacks it.
-        method.optional = false;
-    }
-    if suite.methods.is_empty() {
-        suite.methods.push(Method {
-            name: variant.to_owned(),
-            variant: Some(variant.to_owned()),
-            ..Method::default()
-        });
-    }
-    let is_there = |name: &String| suite.methods.iter().any(|method| method.name == *name);
-    let gaps = &mut suite.gaps;
-    gaps.retain(|gap| is_there(&gap.of) && is_there(&gap.over));
-    suite
 }

@@ -86,25 +86,14 @@ impl<'a> BestReport<'a> {
 
     /// Says what was not tried, and why.
     fn untried(&self) -> String {
-        let mut left = Vec::new();
-        if self.found.left.actions > 0 {
-            left.push(counted(self.found.left.actions, "listed action"));
-        }
-        if self.found.left.states > 0 {
-            let states = counted(self.found.left.states, "reached state");
-            left.push(format!("all actions of {states}"));
-        }
-        if !self.found.left.sampled.is_empty() {
-            let sampled = self.found.left.sampled.join(", ");
-            left.push(format!("what was not drawn of {sampled}"));
-        }
         let more = match self.found.stop {
-            None => "",
+            None => ": of their many actions some were drawn",
             Some(Stop::Trials) => "; `--trials` allows more",
             Some(Stop::Time) => "; `--seconds` allows more time",
             Some(Stop::Interrupt) => "; interrupted",
         };
-        format!("  left untried: {}{more}", left.join(", "))
+        let states = counted(self.found.left, "reached state");
+        format!("  left untried: actions of {states}{more}")
     }
 }
 

@@ -1,11 +1,10 @@
 //! The rollouts beside which the best is shown: the expert, random actions, the stand-in.
 //!
-//! In: a search. Out: a row each, and the actions of the rollout that ends best. Rollouts are written to run folders.
+//! In: a rollout's job, whose policy is replaced. Out: a row each, and the actions of the rollout that ends best. Rollouts are written to run folders.
 
 use crate::exit::Failure;
 use crate::io::Io;
-use fab_agent::best::{Aim, Choice, Search};
-use fab_agent::examples::Examples;
+use fab_agent::best::{Aim, Choice, Limits};
 use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
 use fab_agent::policy::{Expert, MakePolicy, Prompted, Random};
@@ -15,7 +14,6 @@ use fab_base::parallel::in_parallel;
 use fab_base::{files, npy};
 use fab_bench::statistics;
 use fab_model::Models;
-use fab_model::calls::Budget;
 use fab_program::Goal;
 use fab_standins::Geometric;
 use serde::Serialize;
@@ -73,17 +71,17 @@ impl Row {
     }
 }
 
-/// Plays the policies beside a search; returns a row each, and the actions of the best rollout with a score.
+/// Plays the policies; returns a row each, and the actions of the best rollout with a score.
 ///
 /// - `folder`: where their rollouts are written.
 pub fn play(
-    search: &Search<'_>,
+    job: &Job<'_>,
+    limits: &Limits,
     aim: &Aim<'_>,
-    examples: &Examples,
     folder: &Path,
     io: &Io,
 ) -> Result<(Vec<Row>, Vec<Choice>), Failure> {
-    let seed = search.limits.seed;
+    let seed = limits.seed;
     let models = Models {
         vision: &Geometric,
         text: &Geometric,
@@ -101,37 +99,25 @@ pub fn play(
             oracle,
             ..Row::default()
         };
-        if let Err(error) = make_policy.make().prepare(search.program) {
+        if let Err(error) = make_policy.make().prepare(job.program) {
             row.unscored.push(error.to_string());
             rows.push(row);
             continue;
         }
         let play = |index: usize| {
             let job = Job {
-                program: search.program,
-                start: search.start,
-                subgoals: search.subgoals,
-                examples,
                 make_policy,
-                budget: &Budget::default(),
-                make_world: search.make_world,
-                make_expert_world: search.make_expert_world,
-                cache: search.cache,
-                interrupt: search.interrupt,
-                horizon: Some(search.horizon),
-                early_stop: true,
-                operator: None,
                 repetition: index as u32,
-                start_number: None,
+                ..*job
             };
             end_of(&job, &folder.join(format!("{name}-{}", index + 1)), aim)
         };
-        let ends = in_parallel(count, search.limits.threads, play, |_| {})?;
+        let ends = in_parallel(count, limits.threads, play, |_| {})?;
         for (value, unscored, actions) in ends.into_iter().flatten() {
             if unscored.is_none() {
                 scored.push((aim.loss(value), actions));
             }
-            row.add(value, unscored, search.program.goal.as_ref());
+            row.add(value, unscored, job.program.goal.as_ref());
         }
         rows.push(row);
     }

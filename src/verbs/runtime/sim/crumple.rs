@@ -59,10 +59,9 @@ struct Crumpled {
 pub fn run(arguments: &CrumpleArguments, io: &Io) -> Result<Exit, Failure> {
     let (mask, name) = cloth(arguments)?;
     let (first, count) = (arguments.seed, arguments.count);
-    let beyond = || format!("{count} seeds from {first} on go beyond the largest seed");
-    let last = first.checked_add(u64::from(count) - 1);
-    let last = last.ok_or_else(|| Failure::usage(beyond()))?;
-    let seeds: Vec<u64> = (first..=last).collect();
+    // After the largest seed comes 0.
+    let seeds = (0..u64::from(count)).map(|number| first.wrapping_add(number));
+    let seeds: Vec<u64> = seeds.collect();
     let file = |seed: u64| {
         let folder = arguments.out.as_ref()?;
         Some(folder.join(format!("{name}_{seed}.npy")))

@@ -14,7 +14,7 @@ use fab_bench::statistics::{mean, standard_deviation};
 use fab_sim::{Params, SimError};
 use fab_world::metrics::mean_particle_distance_m;
 use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -29,9 +29,6 @@ pub struct ReplayArguments {
     /// Only demonstrations of this task, by the recorded data's own name.
     #[arg(long, value_name = "NAME")]
     pub task: Option<String>,
-    /// Replace a parameter of the simulator, such as `substeps=8`.
-    #[arg(long = "set", value_name = "NAME=VALUE")]
-    pub changes: Vec<String>,
     #[command(flatten)]
     pub threads: ThreadArguments,
     /// Print one JSON document.
@@ -65,7 +62,7 @@ struct Row {
 
 pub fn run(arguments: &ReplayArguments, io: &Io) -> Result<Exit, Failure> {
     let interrupt = io.interrupt()?;
-    let params = params(&arguments.changes)?;
+    let params = Params::default();
     let (task, ids) = (arguments.task.as_deref(), arguments.ids.as_deref());
     let selected = demonstrations::read(&arguments.folder, task, ids)?;
     let play = |index: usize| replay(&selected[index], &params, &interrupt);
@@ -79,20 +76,6 @@ pub fn run(arguments: &ReplayArguments, io: &Io) -> Result<Exit, Failure> {
     let document = json!({ "params": params, "rows": rows, "entries": entries });
     io.either(arguments.json, &document, || text(&rows, &params));
     Ok(Exit::Done)
-}
-
-fn params(changes: &[String]) -> Result<Params, Failure> {
-    let mut values = serde_json::to_value(Params::default())?;
-    for change in changes {
-        let (name, text) = change.split_once('=').unwrap_or((change, ""));
-        let Ok(value) = text.parse::<Value>() else {
-            return Err(Failure::usage(format!(
-                "`--set {change}`: write a name and a number, such as `substeps=8`"
-            )));
-        };
-        values[name] = value;
-    }
-    serde_json::from_value(values).map_err(|error| Failure::usage(format!("`--set`: {error}")))
 }
 
 fn replay(it: &Demonstration, params: &Params, interrupt: &Interrupt) -> Result<Replayed, Failure> {

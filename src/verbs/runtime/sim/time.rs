@@ -62,7 +62,7 @@ pub fn run(arguments: &TimeArguments, io: &Io) -> Result<Exit, Failure> {
         ));
     }
     let hash = params.hash();
-    let [cpu, wall, peak] = [median(cpu_ms), median(wall_ms), peak_mb()];
+    let [cpu, wall] = [median(cpu_ms), median(wall_ms)];
     let self_contact = params.self_contact_m > 0.0;
     let document = json!({
         "params": hash,
@@ -77,7 +77,6 @@ pub fn run(arguments: &TimeArguments, io: &Io) -> Result<Exit, Failure> {
         "self_contact": self_contact,
         "cpu_ms_per_step": cpu,
         "wall_ms_per_step": wall,
-        "peak_mb": peak,
         "digest": digest,
     });
     io.either(arguments.json, &document, || {
@@ -85,13 +84,12 @@ pub fn run(arguments: &TimeArguments, io: &Io) -> Result<Exit, Failure> {
             Some(value) => format!("{value:.3}"),
             None => "unknown here".to_owned(),
         };
-        let [cpu, wall, peak] = [cpu, wall, peak].map(number);
+        let [cpu, wall] = [cpu, wall].map(number);
         let (size, contact) = (arguments.size, if self_contact { "on" } else { "off" });
         format!(
             "{size} x {size} particles, {steps} steps of {substeps} substeps, {constraints} springs, self-contact {contact}\n\
              CPU ms per step   {cpu}   (median of {REPEATS})\n\
              wall ms per step  {wall}   ({threads} side by side)\n\
-             peak memory MB    {peak}\n\
              digest {digest}\n\
              simulator parameters {hash}"
         )
@@ -113,14 +111,4 @@ fn cpu_s() -> Option<f64> {
     let used = getrusage(UsageWho::RUSAGE_SELF).ok()?;
     let micros = used.user_time().num_microseconds() + used.system_time().num_microseconds();
     Some(micros as f64 * 1e-6)
-}
-
-/// Returns the largest resident memory, megabytes of 10^6 bytes; Linux alone tells it.
-fn peak_mb() -> Option<f64> {
-    // `getrusage` would start from the memory of the parent program.
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let mut lines = status.lines();
-    let line = lines.find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kib: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(kib * 1024.0 * 1e-6)
 }

@@ -5,7 +5,7 @@ use super::*;
 fn scene() -> PinnedScene {
     PinnedScene {
         seen_of: "0123456789abcdef".to_owned(),
-        start: Some(7),
+        start: (),
         step: 2,
         last: Some(PinnedAction {
             fields: BTreeMap::from([
