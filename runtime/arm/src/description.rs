@@ -29,6 +29,9 @@ const MAX_LIMIT_DEG: f64 = 720.0;
 /// The highest speed that a joint may have, deg/s; the fastest arms of a lab reach 430.
 const MAX_SPEED_DEG_S: f64 = 720.0;
 
+/// Joints that are no farther apart have nothing between them, metres.
+const FRAME_M: f64 = 1e-3;
+
 /// Slack of comparisons of angles, degrees: URDF files round pi.
 const EXACT_DEG: f64 = 1e-3;
 
@@ -172,7 +175,8 @@ impl<'b> Builder<'b> {
             joint_from_link = at_joint;
             if joint.kind != "fixed" {
                 self.check_kind(joint);
-                let turned = z_to(&joint.axis);
+                self.check_axis(joint);
+                let turned = z_to(joint);
                 joints.push(Joint {
                     parent_from_joint_at_zero: at_joint * turned,
                     limits_rad: self.limits(joint),
@@ -184,7 +188,7 @@ impl<'b> Builder<'b> {
         let last_from_tool = joint_from_link * self.arm.tip_from_tool();
         self.check_names(&names);
         let home_rad = self.home(&joints, &names);
-        let shapes = self.shapes(&moving, &last_from_tool);
+        let shapes = self.shapes(&moving, &joints, &last_from_tool);
         Some(Chain::described(
             &self.robot.name,
             names,
@@ -268,6 +272,16 @@ impl<'b> Builder<'b> {
         if let Some(other) = &joint.mimics {
             self.faults.push(format!(
                 "the joint `{}` follows `{other}`; expected one that moves by itself",
+                joint.name
+            ));
+        }
+    }
+
+    /// Checks that a joint that moves has an axis.
+    fn check_axis(&mut self, joint: &urdf::Joint) {
+        if let Err(why) = &joint.axis {
+            self.faults.push(format!(
+                "the joint `{}` cannot be used: {why}; expected the direction about which it turns, or along which it slides",
                 joint.name
             ));
         }
@@ -393,32 +407,29 @@ impl<'b> Builder<'b> {
         home_deg.iter().map(|it| it.to_radians()).collect()
     }
 
-    /// Returns the shapes of the links that the joints move, and of the hand.
+    /// Returns the shapes of the links that the joints move, and of the hand. A link that is drawn must have one, and so
+    /// must whatever leads from one joint to another place; a frame, or a joint at the place of the next, needs none.
     fn shapes(
         &mut self,
         moving: &[&'b urdf::Joint],
+        joints: &[Joint],
         last_from_tool: &Isometry3<f64>,
     ) -> Vec<Capsule> {
-        let mut shapes = Vec::new();
+        let mut shapes: Vec<Capsule> = Vec::new();
         let mut named = Vec::new();
         for (index, joint) in moving.iter().enumerate() {
             let is_last = index + 1 == moving.len();
+            let (n_shapes, n_faults) = (shapes.len(), self.faults.len());
             for link in self.carried(joint, moving, is_last) {
                 named.push(link.name);
                 // Stated shapes of the hand are in place of all that the URDF has for it.
                 let is_hand = link.is_hand && self.arm.hand.is_empty();
                 let n_faults = self.faults.len();
                 let found = self.link_shapes(&link);
-                let must_have = match link.is_hand {
-                    true => is_hand && self.robot.links[link.name].is_visible,
-                    false => true,
-                };
+                let must_have =
+                    self.robot.links[link.name].is_visible && (is_hand || !link.is_hand);
                 if must_have && found.is_empty() && self.faults.len() == n_faults {
-                    let name = link.name;
-                    self.faults.push(format!(
-                        "the link `{name}` has no shape, so nothing would keep it off the table; expected a `<collision>` in \
-                         the URDF, or an `[[arm.shape]]` with `link = \"{name}\"`"
-                    ));
+                    self.has_no_shape(link.name);
                 }
                 for (from, to, radius_m) in found {
                     let to_frame = match is_hand {
@@ -432,6 +443,13 @@ impl<'b> Builder<'b> {
                         radius_m,
                     });
                 }
+            }
+            let way_m = joints.get(index + 1).map_or(0.0, |next| {
+                next.parent_from_joint_at_zero.translation.vector.norm()
+            });
+            let is_bare = shapes.len() == n_shapes && self.faults.len() == n_faults;
+            if is_bare && way_m > FRAME_M {
+                self.has_no_shape(&joint.child);
             }
         }
         shapes.extend(self.arm.hand.iter().map(|hand| Capsule {
@@ -460,6 +478,13 @@ impl<'b> Builder<'b> {
         shapes
     }
 
+    fn has_no_shape(&mut self, name: &str) {
+        self.faults.push(format!(
+            "the link `{name}` has no shape, so nothing would keep it off the table; expected a `<collision>` in the URDF, \
+             or an `[[arm.shape]]` with `link = \"{name}\"`"
+        ));
+    }
+
     /// Returns the links that hang from a joint of the chain and from no later one of it.
     fn carried(
         &mut self,
@@ -471,7 +496,7 @@ impl<'b> Builder<'b> {
             name: &joint.child,
             joint_from_link: Isometry3::from_parts(
                 Translation3::identity(),
-                z_to(&joint.axis).inverse(),
+                z_to(joint).inverse(),
             ),
             is_hand: false,
             slides_m: vec![Vector3::zeros()],
@@ -499,7 +524,8 @@ impl<'b> Builder<'b> {
                     ("fixed", _) => {}
                     _ if is_last && !self.arm.hand.is_empty() => continue,
                     ("prismatic", Some([lower, upper])) if is_last && upper - lower < 1.0 => {
-                        let along = joint_from_below * below.axis.into_inner();
+                        let along = joint_from_below * axis(below).into_inner();
+                        self.check_axis(below);
                         ends_m = vec![along * lower, along * upper];
                     }
                     (kind, _) if is_last => {
@@ -545,11 +571,13 @@ impl<'b> Builder<'b> {
             .collect();
         if clouds.is_empty() {
             for collision in &self.robot.links[link.name].collisions {
-                match self.cloud(&collision.shape) {
-                    Ok((points, radius_m)) => {
-                        let placed = |point| collision.link_from_shape * point;
-                        clouds.push((points.into_iter().map(placed).collect(), radius_m));
-                    }
+                let cloud = collision.as_ref().map_err(Clone::clone).and_then(|it| {
+                    let (points, radius_m) = self.cloud(&it.shape)?;
+                    let placed = points.into_iter().map(|point| it.link_from_shape * point);
+                    Ok((placed.collect(), radius_m))
+                });
+                match cloud {
+                    Ok(cloud) => clouds.push(cloud),
                     Err(why) => self.faults.push(format!(
                         "the link `{name}` has a shape that cannot be used: {why}; expected another, or an `[[arm.shape]]` \
                          with `link = \"{name}\"`",
@@ -616,8 +644,9 @@ impl<'b> Builder<'b> {
                 false => Ok(beside.join(path)),
             };
         };
-        let beside = std::path::absolute(beside).map_err(|why| why.to_string())?;
-        let mut paths = beside.ancestors().map(|folder| folder.join(rest));
+        // The folder of a bare name is empty, which has no absolute path.
+        let file = std::path::absolute(self.file).map_err(|why| why.to_string())?;
+        let mut paths = file.ancestors().skip(1).map(|folder| folder.join(rest));
         paths.find(|path| path.is_file()).ok_or_else(|| {
             format!(
                 "there is no `{rest}` in any folder above `{}`",
@@ -627,9 +656,14 @@ impl<'b> Builder<'b> {
     }
 }
 
-/// Returns the rotation that brings z to an axis.
-fn z_to(axis: &Unit<Vector3<f64>>) -> UnitQuaternion<f64> {
-    UnitQuaternion::rotation_between_axis(&Vector3::z_axis(), axis)
+/// Returns a joint's axis; z if it has none, which is a fault.
+fn axis(joint: &urdf::Joint) -> Unit<Vector3<f64>> {
+    joint.axis.as_ref().copied().unwrap_or(Vector3::z_axis())
+}
+
+/// Returns the rotation that brings z to a joint's axis.
+fn z_to(joint: &urdf::Joint) -> UnitQuaternion<f64> {
+    UnitQuaternion::rotation_between_axis(&Vector3::z_axis(), &axis(joint))
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI))
 }
 

@@ -28,7 +28,8 @@ pub(super) struct Robot {
 /// A link.
 #[derive(Debug, Default)]
 pub(super) struct Link {
-    pub collisions: Vec<Collision>,
+    /// Its collision shapes; of one that cannot be read the reason, because a link that nobody uses may have one.
+    pub collisions: Vec<Result<Collision, String>>,
     /// Whether something of it is drawn.
     pub is_visible: bool,
 }
@@ -69,7 +70,8 @@ pub(super) struct Joint {
     pub parent: String,
     pub child: String,
     pub parent_from_joint: Isometry3<f64>,
-    pub axis: Unit<Vector3<f64>>,
+    /// The axis about which it turns or along which it slides, or why it has none. That of a fixed joint means nothing.
+    pub axis: Result<Unit<Vector3<f64>>, String>,
     /// The least and the largest position, radians or metres.
     pub limits: Option<[f64; 2]>,
     /// rad/s or m/s; none if it is not stated or 0.
@@ -112,7 +114,7 @@ pub(super) fn read(text: &str) -> Result<Robot, String> {
         match node.tag_name().name() {
             "link" => {
                 let name = attribute(&node, "name")?.to_owned();
-                let link = read_link(&node)?;
+                let link = read_link(&node);
                 if robot.links.insert(name.clone(), link).is_some() {
                     return Err(format!("{}: there are two links `{name}`", line(&node)));
                 }
@@ -124,19 +126,23 @@ pub(super) fn read(text: &str) -> Result<Robot, String> {
     Ok(robot)
 }
 
-fn read_link(node: &Node) -> Result<Link, String> {
+fn read_link(node: &Node) -> Link {
     let mut link = Link::default();
     for part in node.children() {
         match part.tag_name().name() {
             "visual" => link.is_visible = true,
-            "collision" => link.collisions.push(Collision {
-                link_from_shape: origin(&part)?,
-                shape: read_shape(&part)?,
-            }),
+            "collision" => link.collisions.push(read_collision(&part)),
             _ => {}
         }
     }
-    Ok(link)
+    link
+}
+
+fn read_collision(node: &Node) -> Result<Collision, String> {
+    Ok(Collision {
+        link_from_shape: origin(node)?,
+        shape: read_shape(node)?,
+    })
 }
 
 fn read_shape(collision: &Node) -> Result<Shape, String> {
@@ -194,12 +200,14 @@ fn read_joint(node: &Node) -> Result<Joint, String> {
         Ok::<_, String>(attribute(&part, "link")?.to_owned())
     };
     let axis = match child(node, "axis") {
-        Some(axis) => numbers(&axis, "xyz", attribute(&axis, "xyz")?)?.into(),
+        Some(axis) => attribute(&axis, "xyz").and_then(|text| numbers(&axis, "xyz", text)),
         // The format's default.
-        None => Vector3::x(),
+        None => Ok([1.0, 0.0, 0.0]),
     };
-    let axis = Unit::try_new(axis, 1e-6)
-        .ok_or_else(|| format!("{}: the axis of a joint has no direction", line(node)))?;
+    let axis = axis.and_then(|axis| {
+        Unit::try_new(Vector3::from(axis), 1e-6)
+            .ok_or_else(|| format!("{}: its axis has no direction", line(node)))
+    });
     let (mut limits, mut max_speed) = (None, None);
     if let Some(limit) = child(node, "limit") {
         let number = |name: &str| match limit.attribute(name) {
