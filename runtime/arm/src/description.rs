@@ -494,10 +494,7 @@ impl<'b> Builder<'b> {
     ) -> Vec<Carried<'b>> {
         let mut carried = vec![Carried {
             name: &joint.child,
-            joint_from_link: Isometry3::from_parts(
-                Translation3::identity(),
-                z_to(joint).inverse(),
-            ),
+            joint_from_link: Isometry3::from_parts(Translation3::identity(), z_to(joint).inverse()),
             is_hand: false,
             slides_m: vec![Vector3::zeros()],
         }];

@@ -33,9 +33,6 @@ const EXACT_M: f64 = 1e-5;
 /// How far the joint angles that an arm reports may be from those of its tool's pose, radians.
 const ASIDE_RAD: f64 = 0.05;
 
-/// Halvings in the search for the point of a capsule that is nearest to a box: a metre to 0.01 mm.
-const HALVINGS: usize = 30;
-
 /// Something that passed the checks of a [`Guard`]. Motions of the tool are made of nothing else, and only this module
 /// makes one.
 #[derive(Debug, PartialEq)]
@@ -365,7 +362,7 @@ impl Guard {
                 ));
             }
             let zones = self.workspace.keep_out.iter();
-            if let Some(zone) = zones.into_iter().find(|zone| gap_m(shape, zone) <= 0.0) {
+            if let Some(zone) = zones.into_iter().find(|zone| zone.gap_m(shape) <= 0.0) {
                 return Err(format!(
                     "{}, with the tool at {}, is within `{}`, which is kept out",
                     self.part(shape),
@@ -491,7 +488,7 @@ impl Guard {
         for (index, zone) in self.workspace.keep_out.iter().enumerate() {
             // Between two points of a path a shape comes nearer by at most half a step.
             let least_m = self.margin_m + STEP_M / 2.0;
-            let Some(found) = Nearest::of(shapes, |shape| gap_m(shape, zone)) else {
+            let Some(found) = Nearest::of(shapes, |shape| zone.gap_m(shape)) else {
                 continue;
             };
             path.next(index + 1, found.gap_m, least_m, 0.0, || {
@@ -530,6 +527,13 @@ impl Guard {
             true => "the hand".to_owned(),
             false => format!("the arm behind joint {}", shape.link + 1),
         }
+    }
+}
+
+impl KeepOut {
+    /// Returns the distance of a shape, metres; 0 or less if they overlap.
+    fn gap_m(&self, shape: &PlacedCapsule) -> f64 {
+        shape.gap_to_box_m(&self.min_m, &self.max_m)
     }
 }
 
@@ -625,27 +629,6 @@ fn begin_at(points: &mut [Vec<f64>], joints_rad: &[f64]) {
             *angle += left * aside;
         }
     }
-}
-
-/// Returns the distance between a shape and a zone, metres; 0 or less if they overlap.
-fn gap_m(shape: &PlacedCapsule, zone: &KeepOut) -> f64 {
-    let from_axis_m = |part: f64| {
-        let point = shape.ends[0] + (shape.ends[1] - shape.ends[0]) * part;
-        let away = Vector3::from_fn(|axis, _| {
-            point[axis] - point[axis].clamp(zone.min_m[axis], zone.max_m[axis])
-        });
-        away.norm()
-    };
-    // The distance to a box is convex along a line, so thirds without the least can be dropped.
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..2 * HALVINGS {
-        let third = (high - low) / 3.0;
-        match from_axis_m(low + third) <= from_axis_m(high - third) {
-            true => high -= third,
-            false => low += third,
-        }
-    }
-    from_axis_m((low + high) / 2.0) - shape.radius_m
 }
 
 /// Interpolates between two poses, at a fraction from 0 to 1; the rotation is at most [`MAX_TILT_RAD`].

@@ -160,11 +160,14 @@ fn grasped(positions: &[[f32; 3]], tip: [f32; 3]) -> Option<usize> {
         |point: &[f32; 3]| f64::from(point[0] - tip[0]).hypot(f64::from(point[1] - tip[1]));
     let up_m = |point: &[f32; 3]| f64::from(point[2] - tip[2]);
     let within = || {
-        positions.iter().enumerate().filter(|(_, point)| {
-            aside_m(point) <= REACH_ASIDE_M && up_m(point).abs() <= REACH_UP_M
-        })
+        positions
+            .iter()
+            .enumerate()
+            .filter(|(_, point)| aside_m(point) <= REACH_ASIDE_M && up_m(point).abs() <= REACH_UP_M)
     };
-    let top_m = within().map(|(_, point)| up_m(point)).fold(f64::MIN, f64::max);
+    let top_m = within()
+        .map(|(_, point)| up_m(point))
+        .fold(f64::MIN, f64::max);
     within()
         .filter(|(_, point)| up_m(point) >= top_m - LAYER_M)
         .min_by(|(_, a), (_, b)| aside_m(a).total_cmp(&aside_m(b)))
@@ -266,7 +269,11 @@ mod tests {
     #[test]
     fn the_nearest_of_the_uppermost_layer_is_grasped() {
         let below = [0.0, 0.0, 0.0];
-        let above = [[0.009, 0.0, 0.0040], [0.004, 0.0, 0.0038], [0.02, 0.0, 0.01]];
+        let above = [
+            [0.009, 0.0, 0.0040],
+            [0.004, 0.0, 0.0038],
+            [0.02, 0.0, 0.01],
+        ];
         let cloth = [below, above[0], above[1], above[2]];
         assert_eq!(grasped(&cloth, [0.0, 0.0, 0.002]), Some(2));
         assert_eq!(grasped(&cloth[..1], [0.0, 0.0, 0.002]), Some(0));

@@ -223,7 +223,10 @@ fn numbers_that_are_none_are_refused_with_their_line() {
     );
     says(
         &refused(&[("<axis xyz=\"0 2 0\"/>", "<axis xyz=\"0 0 0\"/>")], &[]),
-        &["its axis has no direction", "the joint `six` cannot be used"],
+        &[
+            "its axis has no direction",
+            "the joint `six` cannot be used",
+        ],
     );
     // The axis of a fixed joint is never used.
     let stand = "<joint name=\"stand\" type=\"fixed\">";
