@@ -1,12 +1,16 @@
 //! An arm as data: a URDF file, and what a settings file says beside it.
 //!
-//! In: the section `[arm]` of the settings, and the URDF and mesh files that it names. Out: a [`Chain`] with shapes; else
+//! In: the section `[arm]` of the settings, and the URDF and mesh files that it names; or the name of a model that is shipped
+//! (`shipped`). Out: a [`Chain`] with shapes; else
 //! all faults. A URDF's numbers are doubted: a joint without limits, a link without a shape or a mesh that cannot be read
 //! would let an arm go where it must not, so each is refused. No program is run to find or expand a file.
 
 mod hull;
 mod mesh;
+mod shipped;
 mod urdf;
+
+pub use shipped::UnknownModel;
 
 use super::kinematics;
 use super::kinematics::chain::{Chain, Joint, MAX_JOINTS, MIN_JOINTS};
@@ -35,7 +39,7 @@ const FRAME_M: f64 = 1e-3;
 /// Slack of comparisons of angles, degrees: URDF files round pi.
 const EXACT_DEG: f64 = 1e-3;
 
-/// The section `[arm]`: an arm of another kind than the built-in ones.
+/// The section `[arm]`: an arm of another kind than those that are shipped.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ArmDescription {
@@ -46,16 +50,21 @@ pub struct ArmDescription {
     /// The link that carries the hand.
     pub tip_link: String,
     /// The tool frame in the frame of `tip_link`, metres; its z points out of the hand.
+    #[serde(default)]
     pub tool_xyz_m: [f64; 3],
     /// Likewise its roll, pitch and yaw, degrees.
+    #[serde(default)]
     pub tool_rpy_deg: [f64; 3],
     /// The joints in a posture with the hand down over the table, degrees; postures near to it are preferred.
     pub home_deg: Vec<f64>,
     /// Limits of joints.
+    #[serde(default)]
     pub joint: Vec<JointLimits>,
     /// Shapes of links, in place of those of the URDF.
+    #[serde(default)]
     pub shape: Vec<LinkShape>,
     /// Shapes that contain hand and fingers in every opening, in place of those of the URDF.
+    #[serde(default)]
     pub hand: Vec<HandShape>,
 }
 
@@ -117,6 +126,11 @@ impl ArmDescription {
     pub(crate) fn chain(&self, folder: &Path) -> Result<Chain, Vec<String>> {
         let file = folder.join(&self.urdf);
         let text = files::read_text(&file, MAX_URDF_BYTES);
+        self.chain_of(&file, text)
+    }
+
+    /// Builds the arm of a URDF file's text.
+    fn chain_of(&self, file: &Path, text: Result<String, String>) -> Result<Chain, Vec<String>> {
         let robot = text.and_then(|text| urdf::read(&text));
         let robot = robot.map_err(|why| {
             vec![format!(
@@ -127,7 +141,7 @@ impl ArmDescription {
         let mut builder = Builder {
             arm: self,
             robot: &robot,
-            file: &file,
+            file,
             faults: Vec::new(),
         };
         match builder.build() {
@@ -189,7 +203,7 @@ impl<'b> Builder<'b> {
         self.check_names(&names);
         let home_rad = self.home(&joints, &names);
         let shapes = self.shapes(&moving, &joints, &last_from_tool);
-        Some(Chain::described(
+        Some(Chain::new(
             &self.robot.name,
             names,
             joints,

@@ -510,7 +510,8 @@ impl Guard {
     /// The settings state the table by the tool's place when the fingertips touch it, so the hand's shapes end where
     /// that is. Links are held to the tool's place itself, which is higher.
     fn above_table_m(&self, shape: &PlacedCapsule) -> f64 {
-        if shape.link == 0 && self.chain.is_first_link_level() {
+        // The table's plane, which has no edge, would pass through the foot.
+        if shape.link == 0 && self.chain.is_upright() {
             return f64::INFINITY;
         }
         let ends = shape.ends.map(|end| self.surface.distance_m(&end));

@@ -6,7 +6,7 @@
 
 use super::driver::{ArmState, Opening};
 use super::guard::{Checked, Guard, SegmentEnd, Walk};
-use super::kinematics::reach::{Reach, Turn};
+use super::kinematics::reach::Reach;
 use super::route::{Act, Route, SegmentName};
 use super::settings::Settings;
 use fab_program::Manner;
@@ -129,9 +129,9 @@ impl Plan {
 fn with_joints(settings: &Settings, guard: &Guard, from: &ArmState) -> Result<ArmState, String> {
     let mut from = from.clone();
     if from.joints_rad.is_empty() {
-        let turn = Turn::Fixed(settings.motion.hand_turn_deg.to_radians());
+        let turn_rad = settings.motion.hand_turn_deg.to_radians();
         let here = Point3::from(from.tool.translation.vector);
-        let at_rest = Reach::tool_down(guard.chain(), turn).check(&here, &[0.0]);
+        let at_rest = Reach::tool_down(guard.chain(), turn_rad).check(&here, &[0.0]);
         from.joints_rad = at_rest.map_err(|why| format!("where the tool is: {why}"))?;
     }
     Ok(from)

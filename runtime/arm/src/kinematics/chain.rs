@@ -46,11 +46,9 @@ pub struct Joint {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chain {
     model: String,
-    /// The joints' names; none for a built-in model, whose node has names of its own.
     names: Vec<String>,
     joints: Vec<Joint>,
-    /// A posture with the hand down, to which others should be near; none for a built-in model.
-    home: Option<Angles>,
+    home: Angles,
     last_from_tool: Isometry3<f64>,
     pub(super) shapes: Vec<Capsule>,
 }
@@ -77,26 +75,10 @@ pub enum BadAngles {
 }
 
 impl Chain {
-    pub(super) fn new(
-        model: &str,
-        joints: Vec<Joint>,
-        last_from_tool: Isometry3<f64>,
-        shapes: Vec<Capsule>,
-    ) -> Chain {
-        debug_assert!((MIN_JOINTS..=MAX_JOINTS).contains(&joints.len()));
-        Chain {
-            model: model.to_owned(),
-            joints,
-            last_from_tool,
-            shapes,
-            ..Chain::default()
-        }
-    }
-
-    /// Makes the chain of an arm that a file describes.
+    /// Makes the chain of an arm.
     ///
     /// - `home_rad`: one angle for each joint; missing ones are 0.
-    pub(crate) fn described(
+    pub(crate) fn new(
         model: &str,
         names: Vec<String>,
         joints: Vec<Joint>,
@@ -104,14 +86,18 @@ impl Chain {
         shapes: Vec<Capsule>,
         home_rad: &[f64],
     ) -> Chain {
+        debug_assert!((MIN_JOINTS..=MAX_JOINTS).contains(&joints.len()));
         let mut home = Angles::default();
         for (angle, home_rad) in home.iter_mut().zip(home_rad).take(joints.len()) {
             *angle = *home_rad;
         }
         Chain {
+            model: model.to_owned(),
             names,
-            home: Some(home),
-            ..Chain::new(model, joints, last_from_tool, shapes)
+            joints,
+            home,
+            last_from_tool,
+            shapes,
         }
     }
 
@@ -120,13 +106,14 @@ impl Chain {
         &self.model
     }
 
-    /// Returns the joints' names, from the base to the hand; none for a built-in model.
+    /// Returns the joints' names, from the base to the hand.
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    pub(super) fn home(&self) -> Option<&Angles> {
-        self.home.as_ref()
+    /// Returns a posture with the hand down over the table, to which others should be near.
+    pub(super) fn home(&self) -> &Angles {
+        &self.home
     }
 
     /// Returns the joints, from the base to the hand.
@@ -260,15 +247,8 @@ impl Chain {
         Point3::from(first.translation.vector + axis * away.dot(&axis))
     }
 
-    /// Returns whether the first link's height is not to be checked. It cannot come down if the arm stands upright, and the
-    /// table's plane, which has no edge, would pass through a capsule around the foot of most described arms. The built-in
-    /// models' capsules are tight there.
-    pub(crate) fn is_first_link_level(&self) -> bool {
-        self.home.is_some() && self.is_upright()
-    }
-
-    /// Returns whether the first joint turns the arm about a vertical.
-    pub(super) fn is_upright(&self) -> bool {
+    /// Returns whether the first joint turns the arm about a vertical, so that the first link cannot come down.
+    pub(crate) fn is_upright(&self) -> bool {
         let axis = self.joints[0].parent_from_joint_at_zero.rotation * Vector3::z();
         axis.xy().norm() < UPRIGHT
     }

@@ -66,12 +66,9 @@ pub enum Obstacle {
         /// The largest one.
         reach_m: f64,
     },
-    /// It is closer to the base than the arm can reach.
-    #[error("it is too close to the base")]
-    TooNear,
-    /// The arm reaches the point, but not with this rotation of the hand.
-    #[error("the hand cannot be turned this way at that point")]
-    Turn,
+    /// No posture leads there: it is too close to the base, or the hand cannot be turned this way there.
+    #[error("the hand cannot be turned this way at that point, or it is too close to the base")]
+    Posture,
     /// A joint, from 1 at the base, is at its limit.
     #[error("joint `{0}` is at its limit")]
     Limit(usize),
@@ -168,11 +165,8 @@ impl Chain {
         if best.reached() {
             return best;
         }
-        for start in starts::towards(self, base_from_tool)
-            .iter()
-            .take(MAX_ATTEMPTS - 1)
-        {
-            let attempt = self.approach(base_from_tool, start);
+        for start in starts::towards(self, *base_from_tool).take(MAX_ATTEMPTS - 1) {
+            let attempt = self.approach(base_from_tool, &start);
             if attempt.cost() < best.cost() {
                 best = attempt;
             }
@@ -291,15 +285,14 @@ impl Chain {
         if let Some(index) = (0..self.joints().len()).find(at_limit) {
             return Obstacle::Limit(index + 1);
         }
-        if best.distance_m <= POSITION_TOLERANCE_M {
-            return Obstacle::Turn;
-        }
         let from_shoulder_m =
             |pose: &Isometry3<f64>| (pose.translation.vector - self.shoulder().coords).norm();
-        if from_shoulder_m(base_from_tool) > from_shoulder_m(&self.tool_at(&best.angles)) {
+        let is_far = best.distance_m > POSITION_TOLERANCE_M
+            && from_shoulder_m(base_from_tool) > from_shoulder_m(&self.tool_at(&best.angles));
+        if is_far {
             self.too_far(base_from_tool)
         } else {
-            Obstacle::TooNear
+            Obstacle::Posture
         }
     }
 }

@@ -335,10 +335,6 @@ fn ros2(settings: &Settings, chain: Option<&Chain>, faults: &mut Faults) {
         for (key, is_missing) in [
             ("trajectory", ros2.trajectory.is_none()),
             ("gripper", ros2.gripper.is_none()),
-            (
-                "joints",
-                ros2.joints.is_empty() && chain.is_some_and(|chain| chain.names().is_empty()),
-            ),
             ("gripper_joints", ros2.gripper_joints.is_empty()),
         ] {
             if is_missing {

@@ -599,8 +599,8 @@ pub(super) const KEYS: &[Key] = &[
         "ros.joints",
         Texts,
         Is("[]"),
-        "for `trajectory`: the joints' names, from the base to the hand; without them the \
-         vendor's",
+        "for `trajectory`: the joints' names, from the base to the hand; without them those of the \
+         arm's URDF",
     ),
     key(
         "ros.color",
@@ -658,8 +658,8 @@ pub(super) const KEYS: &[Key] = &[
         "ros2.joints",
         Texts,
         Is("[]"),
-        "the joints' names in states and trajectories, from the base to the hand; needed for \
-         the driver `ros2`, except with `[arm]`, whose URDF names them",
+        "the joints' names in states and trajectories, from the base to the hand; without them \
+         those of the arm's URDF",
     ),
     key(
         "ros2.trajectory",

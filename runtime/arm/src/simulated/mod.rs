@@ -17,7 +17,7 @@ pub use faults::{Fault, FaultKind};
 pub use shared::SharedArm;
 
 use super::kinematics::chain::Chain;
-use super::kinematics::reach::{Reach, Turn};
+use super::kinematics::reach::Reach;
 use super::port::{
     AfterStop, GoalId, GoalState, Port, PortError, Reading, Readings, Stamps, Waypoint,
 };
@@ -83,8 +83,8 @@ impl Simulation {
     pub fn of(settings: &Settings) -> Result<Simulation, String> {
         let chain = settings.chain().clone();
         let [x, y, z] = settings.workspace.rest_m;
-        let turn = Turn::Fixed(settings.motion.hand_turn_deg.to_radians());
-        let joints_rad = Reach::tool_down(&chain, turn)
+        let turn_rad = settings.motion.hand_turn_deg.to_radians();
+        let joints_rad = Reach::tool_down(&chain, turn_rad)
             .check(&Point3::new(x, y, z), &[0.0])
             .map_err(|why| format!("the arm cannot rest at `rest_m`: {why}"))?;
         Ok(Simulation {

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::driver::{ArmError, Opening};
-use crate::kinematics::reach::{Reach, Turn};
+use crate::kinematics::reach::Reach;
 use crate::kinematics::tool_down::tool_down;
 use crate::settings::KeepOut;
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
@@ -83,7 +83,7 @@ fn links_are_kept_away_too() {
     let mut settings = settings();
     let guard_of = |settings: &Settings| guard(settings);
     let chain = Chain::of_model(&settings.model).unwrap();
-    let reach = Reach::tool_down(&chain, Turn::Fixed(0.0));
+    let reach = Reach::tool_down(&chain, 0.0);
     let here = [0.45, -0.15, 0.10];
     let from = ArmState {
         joints_rad: reach.check(&here.into(), &[0.1]).unwrap(),

@@ -8,7 +8,7 @@ use super::parts::guard;
 use crate::calibration::Calibration;
 use crate::driver::ArmState;
 use crate::guard::{Guard, Surface};
-use crate::kinematics::reach::{Reach, Turn};
+use crate::kinematics::reach::Reach;
 use crate::kinematics::tool_down::tool_down;
 use crate::plan::Plan;
 use crate::route::{self, SegmentName};
@@ -26,9 +26,9 @@ pub(super) struct ArmReach {
 impl ArmReach {
     /// Computes the reach of an arm whose motions are guarded.
     pub(super) fn new(settings: &Settings, guard: Guard) -> ArmReach {
-        let turn = Turn::Fixed(settings.motion.hand_turn_deg.to_radians());
+        let turn_rad = settings.motion.hand_turn_deg.to_radians();
         ArmReach {
-            reach: Reach::tool_down(guard.chain(), turn),
+            reach: Reach::tool_down(guard.chain(), turn_rad),
             guard,
         }
     }

@@ -8,7 +8,7 @@ use crate::io::Io;
 use clap::{Args, ValueHint};
 use fab_arm::calibration::{Accuracy, Calibration, METHOD};
 use fab_arm::guard::{Guard, Surface};
-use fab_arm::kinematics::reach::{Reach, Turn};
+use fab_arm::kinematics::reach::Reach;
 use fab_arm::settings::{CameraSource, Settings};
 use nalgebra::Point3;
 use serde::Serialize;
@@ -129,8 +129,8 @@ fn inspect(robot: &Path) -> Result<Inspection, Failure> {
 }
 
 fn places(settings: &Settings) -> Vec<NamedPose> {
-    let turn = Turn::Fixed(settings.motion.hand_turn_deg.to_radians());
-    let reach = Reach::tool_down(settings.chain(), turn);
+    let turn_rad = settings.motion.hand_turn_deg.to_radians();
+    let reach = Reach::tool_down(settings.chain(), turn_rad);
     let guard = Guard::new(settings, Surface::level(settings));
     let [x, y, z] = settings.table.center_m;
     let ([left, low, _], [right, high, _]) = (settings.workspace.min_m, settings.workspace.max_m);

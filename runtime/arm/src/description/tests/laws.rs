@@ -5,7 +5,7 @@ use crate::description::hull;
 use crate::driver::ArmState;
 use crate::guard::Guard;
 use crate::kinematics::inverse::{NoSolution, Obstacle};
-use crate::kinematics::reach::{Reach, Turn};
+use crate::kinematics::reach::Reach;
 use crate::kinematics::tool_down::tool_down;
 use crate::plan::Plan;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
@@ -119,7 +119,7 @@ proptest! {
         let chain = SEVEN.chain();
         let from = Point3::new(0.45, 0.0, 0.1);
         let to = Point3::new(radius * azimuth.cos(), radius * azimuth.sin(), height);
-        let start = Reach::tool_down(chain, Turn::Fixed(0.0)).check(&from, &[]).unwrap();
+        let start = Reach::tool_down(chain, 0.0).check(&from, &[]).unwrap();
         let [from, to] = [from, to].map(|point| tool_down(&point, 0.0));
         let way = chain.straight(&from, &to, &start, 0.01).unwrap();
         let along = to.translation.vector - from.translation.vector;
@@ -149,7 +149,7 @@ fn what_is_out_of_reach_is_named_with_distance_and_reach() {
     // 0.4 m, 0.39 m and 0.08 m between joints, and 0.14 m to the tool.
     assert!((reach_m - 1.01).abs() < 1e-6, "{reach_m}");
     assert!(error.to_string().contains("`2.000` m"), "{error}");
-    let reach = Reach::tool_down(chain, Turn::Fixed(0.0));
+    let reach = Reach::tool_down(chain, 0.0);
     let why = reach.check(&Point3::new(0.9, 0.0, 0.0), &[]).unwrap_err();
     let why = why.to_string();
     assert!(
@@ -167,7 +167,7 @@ fn of_several_postures_the_one_near_home_is_taken() {
         let x = at_home.rotation * Vector3::x();
         x.y.atan2(x.x)
     };
-    let reach = Reach::tool_down(chain, Turn::Fixed(turn_rad));
+    let reach = Reach::tool_down(chain, turn_rad);
     let found = reach
         .check(&Point3::from(at_home.translation.vector), &[0.05])
         .unwrap();

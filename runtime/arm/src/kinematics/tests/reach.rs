@@ -1,7 +1,7 @@
 //! Tests of the reach of a hand pointing down, and of refusal messages.
 
 use super::*;
-use crate::kinematics::reach::{OutOfReach, Range, Reach, Turn, WhyUnreachable};
+use crate::kinematics::reach::{OutOfReach, Range, Reach, WhyUnreachable};
 use crate::kinematics::tool_down::tool_down;
 use nalgebra::Point3;
 
@@ -20,9 +20,7 @@ fn each_model_reaches_its_ring_of_the_table() {
         ("j2n6s300", 0.178, 0.706),
         ("j2s6s200", 0.154, 0.721),
     ] {
-        let range = Reach::tool_down(&chain_of(model), Turn::Free)
-            .range(0.0)
-            .unwrap();
+        let range = Reach::tool_down(&chain_of(model), 0.0).range(0.0).unwrap();
         assert!(
             (range.nearest_m - nearest_m).abs() < 0.001,
             "{model}: {range:?}"
@@ -39,7 +37,7 @@ fn each_model_reaches_its_ring_of_the_table() {
 #[ignore = "long"]
 fn no_farther_than_the_links_are_long() {
     for model in MODELS {
-        let reach = Reach::tool_down(&chain_of(model), Turn::Free);
+        let reach = Reach::tool_down(&chain_of(model), 0.0);
         for height_cm in (-60..120).step_by(5) {
             let height_m = f64::from(height_cm) / 100.0;
             let Some(range) = reach.range(height_m) else {
@@ -68,7 +66,7 @@ proptest! {
         (part, azimuth, height_steps, turn) in (0.0..1.0f64, -4.0..4.0f64, -10..40i32, -7.0..7.0f64),
     ) {
         let chain = chain_of(model);
-        let reach = Reach::tool_down(&chain, Turn::Fixed(turn));
+        let reach = Reach::tool_down(&chain, turn);
         let height_m = f64::from(height_steps) * 0.005;
         let range = reach.range(height_m).unwrap();
         let (least, most) = (range.nearest_m + 0.002, range.farthest_m - 0.002);
@@ -87,10 +85,10 @@ proptest! {
         prop_assert_eq!(chain.joint_past_limit(&joints), None);
         prop_assert!(chain.frames(&joints).unwrap()[2].translation.z > height_m + 0.049);
         let refused = reach.check(&at(range.farthest_m + 0.002 + part, azimuth, height_m), &[]).unwrap_err();
-        prop_assert_eq!(refused.why, WhyUnreachable::TooFar);
+        prop_assert_eq!(refused.why, WhyUnreachable::OutOfRange);
         let near_m = (range.nearest_m - 0.002) * (1.0 - part * part);
         if let Err(refused) = reach.check(&at(near_m, azimuth, height_m), &[]) {
-            prop_assert_eq!(refused.why, WhyUnreachable::TooNear);
+            prop_assert_eq!(refused.why, WhyUnreachable::OutOfRange);
         }
     }
 
@@ -101,7 +99,7 @@ proptest! {
         (radius, azimuth) in (0.12..0.75f64, -4.0..4.0f64),
         heights in prop::collection::vec(0.0..0.5f64, 0..5),
     ) {
-        let reach = Reach::tool_down(&chain_of(model), Turn::Free);
+        let reach = Reach::tool_down(&chain_of(model), 0.0);
         let point = at(radius, azimuth, 0.01);
         let all = reach.check(&point, &heights);
         let few = reach.check(&point, &heights[..heights.len() / 2]);
@@ -117,7 +115,7 @@ proptest! {
         place in prop::array::uniform3(prop_oneof![Just(f64::NAN), Just(f64::NEG_INFINITY), Just(1e300), Just(0.0), -11.0..11.0f64]),
         heights in prop::collection::vec(prop_oneof![Just(f64::NAN), Just(-0.1), Just(1e300), 0.0..11.0f64], 0..4),
     ) {
-        let reach = Reach::tool_down(&chain_of("j2n6s300"), Turn::Free);
+        let reach = Reach::tool_down(&chain_of("j2n6s300"), 0.0);
         if let Err(refused) = reach.check(&place.into(), &heights) {
             prop_assert!(!refused.to_string().is_empty());
         }
@@ -126,7 +124,7 @@ proptest! {
 
 #[test]
 fn a_refusal_says_how_far_and_what_is_reached() {
-    let reach = Reach::tool_down(&chain_of("j2n6s200"), Turn::Free);
+    let reach = Reach::tool_down(&chain_of("j2n6s200"), 0.0);
     let said =
         |point: Point3<f64>, heights: &[f64]| reach.check(&point, heights).unwrap_err().to_string();
     let far = said(at(0.82, 1.0, 0.0), &[0.005, 0.1]);
@@ -173,8 +171,8 @@ fn the_elbow_does_not_go_below_the_point() {
     let chain = chain_of("j2s6s200");
     let point = at(0.405, 0.0, 0.6);
     assert!(chain.solve(&tool_down(&point, 0.0), &HOME_RAD).is_ok());
-    let refused = Reach::tool_down(&chain, Turn::Fixed(0.0))
+    let refused = Reach::tool_down(&chain, 0.0)
         .check(&point, &[])
         .unwrap_err();
-    assert_eq!(refused.why, WhyUnreachable::TooFar);
+    assert_eq!(refused.why, WhyUnreachable::OutOfRange);
 }

@@ -366,11 +366,6 @@ fn the_settings_for_ros_2_say_what_they_need() {
             "`driver` is `ros2`, which needs `ros2.gripper`",
         ),
         (
-            "ros2.joints",
-            "-",
-            "`driver` is `ros2`, which needs `ros2.joints`",
-        ),
-        (
             "ros2.gripper_joints",
             "-",
             "`driver` is `ros2`, which needs `ros2.gripper_joints`",
