@@ -3,9 +3,10 @@
 use super::lab::{Lab, Run};
 use super::nodes::Driver;
 use fab_arm::calibration::read_pairs;
-use fab_arm::driver::{Arm, PortArm};
+use fab_arm::driver::PortArm;
 use fab_arm::guard::Guard;
 use fab_arm::kinematics::tool_down::tool_down;
+use fab_arm::limits::Limited;
 use fab_arm::port::Port;
 use nalgebra::{Point3, Vector3};
 use std::io::{BufRead, BufReader, Lines, Write};
@@ -140,12 +141,9 @@ fn peer_ros_an_arm_that_is_guided_gives_its_places() {
     line_with(&mut lines, "type `u,v`");
     // Another client moves the arm, like a joystick.
     let port = lab.ros.connect();
-    let mut arm = PortArm::by_poses(
-        port,
-        Guard::level(&settings),
-        settings.fingers,
-        settings.tolerance,
-    );
+    let guard = Guard::level(&settings);
+    let arm = PortArm::by_poses(port, guard.clone(), settings.fingers, settings.tolerance);
+    let mut arm = Limited::new(arm, guard, &settings.tolerance);
     let mut places = Vec::new();
     for (at, pixel) in [
         ([0.40, -0.10, 0.02], "150,200"),
@@ -180,5 +178,5 @@ fn peer_ros_an_arm_that_is_guided_gives_its_places() {
         assert!(off_m < 0.001, "{pair:?}: {place:?}");
     }
     assert_eq!(kept[1].pixel, [300.5, 100.0]);
-    assert!(arm.port().state().tool.is_some());
+    assert!(arm.arm().port().state().tool.is_some());
 }

@@ -6,6 +6,7 @@
 
 use super::driver::{Arm, ArmError, ArmState, Halt, HandContents};
 use super::guard::Checked;
+use super::limits::Limited;
 use super::log::{ArmLog, Entry, LogError};
 use super::route::{Act, Route, Segment, SegmentName};
 use super::supervisor::{MotionRequest, Supervisor, Watchdog};
@@ -18,9 +19,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 const ALLOWED_POLL_S: f64 = 0.05;
 
 /// Everything that is needed to execute one pick and place.
-pub struct Execution<'e> {
+pub struct Execution<'e, A: Arm> {
     /// The arm, within its limits.
-    pub arm: &'e mut dyn Arm,
+    pub arm: &'e mut Limited<A>,
     /// Its journal.
     pub log: &'e mut ArmLog,
     /// Who confirms motion.
@@ -77,7 +78,7 @@ impl std::fmt::Display for FailedAction {
     }
 }
 
-impl Execution<'_> {
+impl<A: Arm> Execution<'_, A> {
     /// Executes the segments.
     ///
     /// - `points`: pick and place, metres, base frame, for the supervisor's question.
@@ -156,7 +157,7 @@ impl Execution<'_> {
                 if self.interrupt.is_raised() {
                     return Err(ArmError::Interrupted);
                 }
-                self.arm.wait(ALLOWED_POLL_S);
+                self.arm.arm().wait(ALLOWED_POLL_S);
             }
             let from = self.arm.state()?;
             let journal = |error: LogError| ArmError::JournalBeforeMotion(error.to_string());
@@ -238,7 +239,7 @@ impl Execution<'_> {
             why,
             ArmError::Refused(_) | ArmError::NotConfirmed | ArmError::JournalBeforeMotion(_)
         );
-        let mut stopped = moved.then(|| self.arm.stop());
+        let mut stopped = moved.then(|| self.arm.arm().stop());
         match &mut stopped {
             // The watchdog goes on watching until a stop is verified, and has a connection of its own to try.
             Some(Err(ArmError::StopNotAcknowledged { why } | ArmError::NotStopped { why })) => {

@@ -8,8 +8,9 @@ use super::state::POLL_S;
 use super::{ArmError, ArmState};
 use crate::guard::{Checked, Motion};
 
-/// How far from the joints' angles a trajectory may begin, radians; those of a checked motion begin there.
-const BEGIN_RAD: f64 = 1e-6;
+/// How far from the joints' angles a trajectory may begin, radians: it begins where they were when it was checked, and
+/// the readings of an arm at rest differ by less.
+const BEGIN_RAD: f64 = 5e-3;
 
 /// Which kind of goal commands a motion of the tool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,8 +33,13 @@ impl CommandMode {
 
 /// Returns the trajectory of a motion that begins where the joints are.
 fn trajectory(from: &ArmState, motion: &Checked<Motion>) -> Result<Goal, ArmError> {
-    let [first, _, ..] = motion.get().waypoints.as_slice() else {
-        return Ok(hold_position(from));
+    let first = match motion.get().waypoints.as_slice() {
+        [] => {
+            let why = "the arm did not report its joints when this motion was checked";
+            return Err(ArmError::Refused(why.to_owned()));
+        }
+        [_] => return Ok(hold_position(from)),
+        [first, ..] => first,
     };
     let pairs = first.joints_rad.iter().zip(&from.joints_rad).enumerate();
     for (joint, (begins_at, is_at)) in pairs {

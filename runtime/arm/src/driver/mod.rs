@@ -1,8 +1,8 @@
 //! The driver of an arm with a hand. It verifies every motion by measurement.
 //!
-//! In: tool poses and hand openings. Out: the verified state of the arm, else an [`ArmError`]. A driver trusts no
+//! In: checked motions of the tool and hand openings. Out: the verified state of the arm, else an [`ArmError`]. A driver trusts no
 //! action server: it measures where the arm is. [`PortArm`] drives an arm through a [`Port`](super::port::Port);
-//! [`Limited`](super::limits::Limited) wraps any arm in safety limits.
+//! [`Limited`](super::limits::Limited) checks motions for any arm.
 
 mod command;
 mod error;
@@ -17,6 +17,7 @@ pub use error::{ArmError, Deviation};
 
 pub use port_arm::PortArm;
 
+use crate::guard::{Checked, Motion};
 use nalgebra::Isometry3;
 
 /// The state of an arm, from recent readings.
@@ -83,16 +84,14 @@ pub trait Arm {
     /// Returns the arm's state; fails if its readings are stale.
     fn state(&mut self) -> Result<ArmState, ArmError>;
 
-    /// Moves the tool to a pose in a straight line, and verifies that it arrived and is at rest.
+    /// Makes a straight motion of the tool, and verifies that it arrived and is at rest.
     ///
     /// One call sends one motion. After [`ArmError::Short`] the caller may check the rest of the way and call again.
     ///
-    /// - `to`: `base_from_tool`.
-    /// - `speed_m_s`: the highest speed. A node that takes no speed is only monitored.
+    /// - `motion`: from where the arm is. A node that takes no speed is only monitored.
     fn move_tool(
         &mut self,
-        to: &Isometry3<f64>,
-        speed_m_s: f64,
+        motion: &Checked<Motion>,
         watch: &mut Watch<'_>,
     ) -> Result<ArmState, ArmError>;
 
@@ -129,11 +128,10 @@ impl<A: Arm + ?Sized> Arm for Box<A> {
 
     fn move_tool(
         &mut self,
-        to: &Isometry3<f64>,
-        speed_m_s: f64,
+        motion: &Checked<Motion>,
         watch: &mut Watch<'_>,
     ) -> Result<ArmState, ArmError> {
-        (**self).move_tool(to, speed_m_s, watch)
+        (**self).move_tool(motion, watch)
     }
 
     fn move_fingers(

@@ -1,6 +1,7 @@
 //! An arm that stays in one pose and refuses motion. Plans are made for it.
 
 use super::{Arm, ArmError, ArmState, HandContents, Opening, Watch};
+use crate::guard::{Checked, Motion};
 use nalgebra::Isometry3;
 use std::time::{Duration, Instant};
 
@@ -50,12 +51,7 @@ impl Arm for ParkedArm {
         })
     }
 
-    fn move_tool(
-        &mut self,
-        _: &Isometry3<f64>,
-        _: f64,
-        _: &mut Watch<'_>,
-    ) -> Result<ArmState, ArmError> {
+    fn move_tool(&mut self, _: &Checked<Motion>, _: &mut Watch<'_>) -> Result<ArmState, ArmError> {
         Err(ParkedArm::refusal())
     }
 

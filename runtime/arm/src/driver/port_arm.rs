@@ -15,10 +15,9 @@ use super::fingers::move_fingers;
 use super::goal::{Goal, Outcome, execute};
 use super::state::{is_at_rest, state, state_with_joints, wait_until_at_rest, watched_wait};
 use super::{Arm, ArmError, ArmState, Deviation, Halt, HandContents, Opening, Watch};
-use crate::guard::{Checked, Guard};
+use crate::guard::{Checked, Guard, Motion};
 use crate::port::{AfterStop, Ending, GoalId, GoalState, Port};
 use crate::settings::{FingerSettings, Tolerance};
-use nalgebra::Isometry3;
 
 /// How long a probe may take, seconds, and how often it is sent if its end is not reported.
 const PROBE_S: f64 = 3.0;
@@ -284,16 +283,14 @@ impl<P: Port> Arm for PortArm<P> {
 
     fn move_tool(
         &mut self,
-        to: &Isometry3<f64>,
-        speed_m_s: f64,
+        motion: &Checked<Motion>,
         watch: &mut Watch<'_>,
     ) -> Result<ArmState, ArmError> {
-        let mode = self.mode_at(speed_m_s);
+        let Motion { to, speed_m_s, .. } = motion.get();
+        let mode = self.mode_at(*speed_m_s);
         self.check_enabled(watch)?;
         let from = self.check_motion_allowed(mode, watch)?;
-        let motion = self.guard.motion(&from, to, speed_m_s);
-        let motion = motion.map_err(ArmError::Refused)?;
-        let goal = mode.goal(&from, &motion)?;
+        let goal = mode.goal(&from, motion)?;
         let takes_s = motion.get().takes_s(&from.tool);
         let limit_s = 2.0 * takes_s + self.tolerance.settle_s;
         let begun_s = self.port.now_s();

@@ -1,7 +1,7 @@
 //! Tests that motions which pass the guard stay within the limits, and that a moving arm is stopped at them.
 
 use super::*;
-use crate::driver::{ArmError, Opening};
+use crate::driver::Opening;
 use crate::kinematics::reach::Reach;
 use crate::kinematics::tool_down::tool_down;
 use crate::settings::KeepOut;
@@ -192,7 +192,7 @@ fn an_arm_that_runs_away_is_stopped_at_its_limits() {
         .arm
         .move_tool(&aside, SPEED_M_S, &mut nobody)
         .unwrap_err();
-    bench.arm.stop().unwrap();
+    bench.driver().stop().unwrap();
     bench.stays_stopped();
 }
 

@@ -13,7 +13,7 @@ mod simulations;
 mod timed;
 mod trajectories;
 
-use super::driver::{Arm, ArmState, Halt, PortArm};
+use super::driver::{Arm, ArmError, ArmState, Halt, PortArm, Watch};
 use super::execute::{CompletedAction, Execution, FailedAction};
 use super::guard::{Guard, Surface};
 use super::kinematics::chain::Chain;
@@ -334,6 +334,19 @@ impl Port for Tapped {
         }
         readings
     }
+}
+
+/// Checks a motion from where the arm is, and makes it.
+fn go_to<P: Port>(
+    arm: &mut PortArm<P>,
+    settings: &Settings,
+    to: &Isometry3<f64>,
+    speed_m_s: f64,
+    watch: &mut Watch<'_>,
+) -> Result<ArmState, ArmError> {
+    let from = arm.state()?;
+    let motion = guard(settings).motion(&from, to, speed_m_s);
+    arm.move_tool(&motion.map_err(ArmError::Refused)?, watch)
 }
 
 /// Permits every motion.

@@ -41,6 +41,8 @@ struct Inspection {
     settings: Settings,
     calibration: Result<MadeCalibration, String>,
     reach: Vec<NamedPose>,
+    /// Pairs of parts that touch at rest.
+    touching: Vec<[String; 2]>,
     faults: Vec<String>,
     /// What to do: about each fault, else to plan.
     next: Vec<String>,
@@ -71,6 +73,7 @@ pub fn run(arguments: &RobotCheckArguments, io: &Io) -> Result<Exit, Failure> {
             Err(why) => json!({"usable": false, "why": why}),
         },
         "reach": inspection.reach,
+        "touching": inspection.touching,
         "next": inspection.next,
         "exit": exit.code(),
     });
@@ -97,7 +100,8 @@ pub fn usable(robot: &Path) -> Result<Settings, Failure> {
 
 fn inspect(robot: &Path) -> Result<Inspection, Failure> {
     let settings = Settings::load(robot)?;
-    let (reach, file) = (places(&settings), robot.display());
+    let guard = Guard::new(&settings, Surface::level(&settings));
+    let (reach, file) = (places(&settings, &guard), robot.display());
     let (mut faults, mut next) = (Vec::new(), Vec::new());
     let calibration = calibration(robot, &settings).map_err(|[why, cure]| {
         faults.push(format!("the calibration cannot be used: {why}"));
@@ -123,15 +127,15 @@ fn inspect(robot: &Path) -> Result<Inspection, Failure> {
         settings,
         calibration,
         reach,
+        touching: guard.touching().to_vec(),
         faults,
         next,
     })
 }
 
-fn places(settings: &Settings) -> Vec<NamedPose> {
+fn places(settings: &Settings, guard: &Guard) -> Vec<NamedPose> {
     let turn_rad = settings.motion.hand_turn_deg.to_radians();
     let reach = Reach::tool_down(settings.chain(), turn_rad);
-    let guard = Guard::new(settings, Surface::level(settings));
     let [x, y, z] = settings.table.center_m;
     let ([left, low, _], [right, high, _]) = (settings.workspace.min_m, settings.workspace.max_m);
     let motion = &settings.motion;
@@ -237,6 +241,9 @@ impl Inspection {
             let result = why.map_or("reached".to_owned(), |why| format!("out of reach: {why}"));
             let name = place.name;
             format!("reach        {name} ({x:.3}, {y:.3}, {z:.3}): {result}")
+        }));
+        lines.extend(self.touching.iter().map(|[one, other]| {
+            format!("touching     {one} and {other}, at rest: these two are not kept apart")
         }));
         lines.extend(self.next.iter().map(|next| format!("next         {next}")));
         lines.join("\n")
