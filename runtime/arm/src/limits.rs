@@ -19,16 +19,16 @@ const FINGERS_STAY_M: f64 = 0.010;
 const SPEED_OVER_S: f64 = 0.4;
 
 /// An arm that is checked against its limits while it moves.
-pub struct Limited<A: Arm> {
-    arm: A,
+pub struct Limited<A: Arm + ?Sized> {
+    arm: Box<A>,
     guard: Guard,
     /// How often a motion that ended short of its goal is sent again.
     corrections: u32,
 }
 
-impl<A: Arm> Limited<A> {
+impl<A: Arm + ?Sized> Limited<A> {
     /// Wraps an arm whose tool reaches its goals to within the tolerance.
-    pub fn new(arm: A, guard: Guard, tolerance: &Tolerance) -> Limited<A> {
+    pub fn new(arm: Box<A>, guard: Guard, tolerance: &Tolerance) -> Limited<A> {
         Limited {
             arm,
             guard,

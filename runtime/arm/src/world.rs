@@ -20,9 +20,9 @@ use crate::calibration::Moved;
 use crate::driver::{Arm, ArmError, ArmState, HandContents};
 use crate::execute::{Execution, FailedAction};
 use crate::guard::Checked;
+use crate::journal::Journal;
 use crate::kinematics::tool_down::tool_down;
 use crate::limits::Limited;
-use crate::log::ArmLog;
 use crate::plan::Plan;
 use crate::rgbd::{RgbdSource, Shot};
 use crate::route::Route;
@@ -46,13 +46,13 @@ const TURNED_AT_REST_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
 pub struct ArmWorld {
     parts: Parts,
     base_from_world: Isometry3<f64>,
-    arm: Limited<Box<dyn Arm>>,
+    arm: Limited<dyn Arm>,
     camera: Box<dyn RgbdSource>,
     /// The simulated table, if there is one.
     table: Option<Rc<RefCell<ClothTable>>>,
     flat: Option<FlatPicture>,
     reach: ArmReach,
-    log: Option<ArmLog>,
+    log: Option<Journal>,
     is_laid: bool,
     is_camera_checked: bool,
     /// The last full picture of the camera.
@@ -74,7 +74,7 @@ impl ArmWorld {
             .check_settings(settings)
             .map_err(|why| motion(format!("the calibration does not fit the settings: {why}")))?;
         let guard = parts.guard();
-        let log = parts.folder.as_deref().map(ArmLog::open).transpose();
+        let log = parts.folder.as_deref().map(Journal::open).transpose();
         Ok(ArmWorld {
             base_from_world: base_from_world(settings),
             arm: Limited::new(arm, guard.clone(), &settings.tolerance),

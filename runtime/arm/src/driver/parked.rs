@@ -7,16 +7,14 @@ use std::time::{Duration, Instant};
 
 /// An arm that is parked at a pose. No hardware is connected, so nothing can move.
 pub struct ParkedArm {
-    model: String,
     at: Isometry3<f64>,
     since: Instant,
 }
 
 impl ParkedArm {
-    /// Parks an arm of a model at a pose, `base_from_tool`.
-    pub fn at(model: &str, at: Isometry3<f64>) -> ParkedArm {
+    /// Parks an arm at a pose, `base_from_tool`.
+    pub fn at(at: Isometry3<f64>) -> ParkedArm {
         ParkedArm {
-            model: model.to_owned(),
             at,
             since: Instant::now(),
         }
@@ -28,18 +26,12 @@ impl ParkedArm {
 }
 
 impl Arm for ParkedArm {
-    fn name(&self) -> String {
-        self.model.clone()
-    }
-
     fn now_s(&self) -> f64 {
         self.since.elapsed().as_secs_f64()
     }
 
     fn wait(&mut self, seconds: f64) {
-        if let Ok(time) = Duration::try_from_secs_f64(seconds) {
-            std::thread::sleep(time);
-        }
+        std::thread::sleep(Duration::from_secs_f64(seconds));
     }
 
     fn state(&mut self) -> Result<ArmState, ArmError> {
@@ -61,9 +53,5 @@ impl Arm for ParkedArm {
 
     fn stop(&mut self) -> Result<(), ArmError> {
         Ok(())
-    }
-
-    fn enable(&mut self) -> Result<(), ArmError> {
-        Err(ParkedArm::refusal())
     }
 }

@@ -249,7 +249,7 @@ fn a_cancelled_arm_is_enabled_and_a_stop_after_it_holds() {
         bench.driver().stop().unwrap();
         bench.stays_stopped();
         assert_eq!(go(&mut bench), Err(ArmError::Stopped));
-        bench.driver().enable().unwrap();
+        bench.driver().recover().unwrap();
         go(&mut bench).unwrap();
     }
 }
@@ -326,9 +326,6 @@ struct Carried {
 }
 
 impl Arm for Carried {
-    fn name(&self) -> String {
-        "carried".to_owned()
-    }
     fn now_s(&self) -> f64 {
         0.0
     }
@@ -349,7 +346,7 @@ impl Arm for Carried {
         self.n_motions += 1;
         self.at = tool_down(&Point3::new(0.40, 0.30, 0.20), 0.0);
         Err(ArmError::Short {
-            reported: "reached".to_owned(),
+            reported: "reached",
             deviation: Deviation::between(&self.at, &motion.get().to),
         })
     }
@@ -357,9 +354,6 @@ impl Arm for Carried {
         Ok(HandContents::Unknown)
     }
     fn stop(&mut self) -> Result<(), ArmError> {
-        Ok(())
-    }
-    fn enable(&mut self) -> Result<(), ArmError> {
         Ok(())
     }
 }
@@ -376,7 +370,7 @@ fn a_correction_is_checked_like_the_motion_before() {
         at: tool_down(&settings.workspace.rest_m.into(), 0.0),
         n_motions: 0,
     };
-    let mut arm = Limited::new(arm, guard(&settings), &settings.tolerance);
+    let mut arm = Limited::new(Box::new(arm), guard(&settings), &settings.tolerance);
     // From where it is now the way back leads through the zone.
     let moved = arm.move_tool(&there(), SPEED_M_S, &mut nobody);
     assert!(

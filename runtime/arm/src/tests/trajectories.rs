@@ -41,7 +41,7 @@ fn a_stopped_trajectory_is_not_gone_on_with() {
         bench.driver().stop().unwrap();
         bench.stays_stopped();
         match by_driver {
-            true => bench.driver().enable().unwrap(),
+            true => bench.driver().recover().unwrap(),
             false => bench.port().start().unwrap(),
         }
         rests(&mut bench);
@@ -68,7 +68,7 @@ fn a_trajectory_under_a_pressed_stop_is_not_gone_on_with() {
         }
         bench.stays_stopped();
         match by_driver {
-            true => bench.driver().enable().unwrap(),
+            true => bench.driver().recover().unwrap(),
             false => bench.port().start().unwrap(),
         }
         rests(&mut bench);
@@ -84,13 +84,13 @@ fn an_arm_is_not_let_go_while_its_controller_takes_nothing() {
     let mut bench = Bench::driven(By::Trajectories, &[(FaultKind::LostGoals, 1.0)]);
     bench.driver().stop().unwrap();
     bench.port().wait(1.0);
-    let enabled = bench.driver().enable();
+    let enabled = bench.driver().recover();
     assert!(
         matches!(enabled, Err(ArmError::TimedOut { .. })),
         "{enabled:?}"
     );
     bench.stays_stopped();
-    bench.driver().enable().unwrap();
+    bench.driver().recover().unwrap();
     go(bench.driver()).unwrap();
 }
 
@@ -176,7 +176,7 @@ fn an_arm_without_the_vendors_servers_moves_and_is_stopped() {
         let moved = arm.port().arm.tool().translation.vector - at.translation.vector;
         assert!(moved.norm() < 1e-9, "it moved by {} m", moved.norm());
         assert_eq!(go(&mut arm), Err(ArmError::Stopped));
-        arm.enable().unwrap();
+        arm.recover().unwrap();
         go(&mut arm).unwrap();
     }
 }

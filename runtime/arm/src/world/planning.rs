@@ -58,7 +58,7 @@ impl PlanningWorld {
         let settings = &parts.settings;
         let turn_rad = settings.motion.hand_turn_deg.to_radians();
         let at = tool_down(&settings.workspace.rest_m.into(), turn_rad);
-        let arm = ParkedArm::at(&settings.model, at);
+        let arm = ParkedArm::at(at);
         let world = ArmWorld::new(parts, Box::new(arm), camera)?;
         Ok(PlanningWorld { world, folder })
     }

@@ -4,7 +4,7 @@
 //! afterwards.
 
 use super::{ArmWorld, Parts, base_from_world, motion};
-use crate::driver::PortArm;
+use crate::driver::{Commands, PortArm};
 use crate::settings::DriverKind;
 use crate::simulated::{Fault, SharedArm, SimulatedArm, Simulation};
 use crate::table::{ClothTable, TableCamera};
@@ -46,9 +46,8 @@ impl ArmWorld {
         };
         let arm = SharedArm::new(SimulatedArm::new(simulation, Some(table.clone())));
         let (fingers, tolerance) = (settings.fingers, settings.tolerance);
-        let pose_speed_m_s = settings.motion.speed_m_s;
-        let guard = parts.guard();
-        let driver = PortArm::by_poses_at(pose_speed_m_s, arm.clone(), guard, fingers, tolerance);
+        let commands = Commands::PosesAt(settings.motion.speed_m_s);
+        let driver = PortArm::new(Box::new(arm.clone()), commands, fingers, tolerance);
         let camera = TableCamera(table.clone());
         let mut world = ArmWorld::new(parts, Box::new(driver), Box::new(camera))?;
         world.table = Some(table);
