@@ -143,7 +143,7 @@ fn peer_ros_an_arm_that_is_guided_gives_its_places() {
     let port = lab.ros.connect();
     let guard = Guard::level(&settings);
     let arm = PortArm::by_poses(port, guard.clone(), settings.fingers, settings.tolerance);
-    let mut arm = Limited::new(arm, guard, &settings.tolerance);
+    let mut arm = Limited::new(arm, guard);
     let mut places = Vec::new();
     for (at, pixel) in [
         ([0.40, -0.10, 0.02], "150,200"),

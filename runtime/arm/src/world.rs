@@ -77,7 +77,7 @@ impl ArmWorld {
         let log = parts.folder.as_deref().map(ArmLog::open).transpose();
         Ok(ArmWorld {
             base_from_world: base_from_world(settings),
-            arm: Limited::new(arm, guard.clone(), &settings.tolerance),
+            arm: Limited::new(arm, guard.clone()),
             camera,
             table: None,
             flat: None,

@@ -13,7 +13,9 @@
 use super::command::{CommandMode, hold_position};
 use super::fingers::move_fingers;
 use super::goal::{Goal, Outcome, execute};
-use super::state::{is_at_rest, state, state_with_joints, wait_until_at_rest, watched_wait};
+use super::state::{
+    SETTLE_S, is_at_rest, state, state_with_joints, wait_until_at_rest, watched_wait,
+};
 use super::{Arm, ArmError, ArmState, Deviation, Halt, HandContents, Opening, Watch};
 use crate::guard::{Checked, Guard, Motion};
 use crate::port::{AfterStop, Ending, GoalId, GoalState, Port};
@@ -292,7 +294,7 @@ impl<P: Port> Arm for PortArm<P> {
         let from = self.check_motion_allowed(mode, watch)?;
         let goal = mode.goal(&from, motion)?;
         let takes_s = motion.get().takes_s(&from.tool);
-        let limit_s = 2.0 * takes_s + self.tolerance.settle_s;
+        let limit_s = 2.0 * takes_s + SETTLE_S;
         let begun_s = self.port.now_s();
         let outcome = self.execute(&goal, limit_s, watch)?;
         if let (Goal::Trajectory(_), Outcome::Ended(Ending::Succeeded)) = (&goal, outcome) {

@@ -17,6 +17,9 @@ pub(super) const REST_M: f64 = 0.000_5;
 /// Time between those two readings, seconds: more than the 0.1 s between two messages of kinova-ros.
 const REST_S: f64 = 0.25;
 
+/// How long a motion may take beyond its time, seconds; an arm that stalls is noticed only after that.
+pub(super) const SETTLE_S: f64 = 5.0;
+
 fn fresh<T>(
     heard: Option<Reading<T>>,
     what: &'static str,
@@ -100,7 +103,7 @@ pub(super) fn watched_wait<P: Port>(
     }
 }
 
-/// Waits until the tool is at rest; fails after `settle_s`. A pause request is ignored.
+/// Waits until the tool is at rest; fails after [`SETTLE_S`]. A pause request is ignored.
 pub(super) fn wait_until_at_rest<P: Port>(
     port: &mut P,
     tolerance: &Tolerance,
@@ -108,7 +111,7 @@ pub(super) fn wait_until_at_rest<P: Port>(
 ) -> Result<ArmState, ArmError> {
     let begun_s = port.now_s();
     let mut before = state(port, tolerance)?;
-    while port.now_s() - begun_s <= tolerance.settle_s {
+    while port.now_s() - begun_s <= SETTLE_S {
         let now = watched_wait(port, REST_S, tolerance, watch)?;
         // Only a new reading can show rest.
         if now.at_s > before.at_s {

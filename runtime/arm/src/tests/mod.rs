@@ -137,7 +137,7 @@ impl Bench {
             &settings,
         );
         Bench {
-            arm: Limited::new(arm, guard(&settings), &settings.tolerance),
+            arm: Limited::new(arm, guard(&settings)),
             settings,
             cloth,
             folder: tempfile::tempdir().unwrap(),

@@ -289,7 +289,10 @@ mod tests {
         let why = at(0.7072).unwrap();
         assert!(why.contains("it lies 0.71 m from the arm's base"), "{why}");
         assert!(at(0.187).is_some(), "the same holds near the base");
-        assert_eq!(at(0.19), None);
+        let why = at(0.19).unwrap();
+        assert!(why.contains("the arm behind joint 2 would come within"), "{why}");
+        let nearest = (19..30).find(|cm| at(f64::from(*cm) / 100.0).is_none());
+        assert_eq!(nearest, Some(22), "no part of the arm touches another");
         // By its kinematics alone, the arm would reach both.
         for radius_m in [0.7072, 0.187] {
             let base = Point3::new(radius_m * angle_rad.cos(), radius_m * angle_rad.sin(), 0.02);
