@@ -76,11 +76,11 @@ const UNITS: &[(&str, &str)] = &[
     ("_px", "px"),
     ("_s", "s"),
     ("_m", "m"),
-    ("fingers.open", "the node's"),
-    ("fingers.closed", "the node's"),
-    ("fingers.cloth", "the node's"),
-    ("fingers.tolerance", "the node's"),
-    ("ros2.gripper_effort", "the gripper's"),
+    ("fingers.open", "in the node's units"),
+    ("fingers.closed", "in the node's units"),
+    ("fingers.cloth", "in the node's units"),
+    ("fingers.tolerance", "in the node's units"),
+    ("ros2.gripper_effort", "in the gripper's units"),
 ];
 
 /// A key of a section.
@@ -95,31 +95,13 @@ pub(crate) struct Key {
 pub(crate) enum Accepts {
     /// A text that begins like this, and is not blank.
     Text(&'static str),
-    /// Texts, none blank.
-    Texts,
     /// One of these words.
     OneOf(Vec<&'static str>),
-    /// Numbers, whole or not.
-    Numbers(Count, Values, IsWhole),
-    /// A section.
+    Number(Values),
+    Whole(Values),
+    /// So many of these, or any count.
+    List(Option<usize>, Box<Accepts>),
     Section(Vec<Key>),
-    /// A list of sections.
-    Sections(Vec<Key>),
-}
-
-/// How many numbers a key accepts.
-#[derive(Clone, Copy)]
-pub(crate) enum Count {
-    One,
-    Exactly(usize),
-    Any,
-}
-
-/// Whether numbers must be whole.
-#[derive(Clone, Copy, PartialEq)]
-pub(crate) enum IsWhole {
-    Yes,
-    No,
 }
 
 /// Values of a type that are accepted.
@@ -184,25 +166,15 @@ impl<T: Setting> Setting for Option<T> {
     }
 }
 
-/// Lists of numbers, of texts, and of sections.
 impl<T: Setting> Setting for Vec<T> {
     fn accepts(values: Values) -> Accepts {
-        match T::accepts(values) {
-            Accepts::Section(keys) => Accepts::Sections(keys),
-            Accepts::Numbers(_, values, is_whole) => Accepts::Numbers(Count::Any, values, is_whole),
-            _ => Accepts::Texts,
-        }
+        Accepts::List(None, Box::new(T::accepts(values)))
     }
 }
 
 impl<T: Setting, const N: usize> Setting for [T; N] {
     fn accepts(values: Values) -> Accepts {
-        match T::accepts(values) {
-            Accepts::Numbers(_, values, is_whole) => {
-                Accepts::Numbers(Count::Exactly(N), values, is_whole)
-            }
-            other => other,
-        }
+        Accepts::List(Some(N), Box::new(T::accepts(values)))
     }
 }
 
@@ -216,16 +188,12 @@ macro_rules! plain_settings {
     )+};
 }
 plain_settings! {
-    f64: |values| Accepts::Numbers(Count::One, values, IsWhole::No);
-    u16: whole;
-    u32: whole;
-    usize: whole;
+    f64: Accepts::Number;
+    u16: Accepts::Whole;
+    u32: Accepts::Whole;
+    usize: Accepts::Whole;
     String: |values: Values| Accepts::Text(values.begins);
     PathBuf: |values: Values| Accepts::Text(values.begins);
-}
-
-fn whole(values: Values) -> Accepts {
-    Accepts::Numbers(Count::One, values, IsWhole::Yes)
 }
 
 /// Reads a section, and checks every key of it by its declaration; fails with all faults, one per line.
@@ -257,10 +225,8 @@ pub(crate) fn read<T: Setting + serde::de::DeserializeOwned>(text: &str) -> Resu
 fn paths(keys: &[Key], prefix: &str) -> Vec<String> {
     let with_inner = |key: &Key| {
         let path = format!("{prefix}{}", key.name);
-        let inner = match &key.accepts {
-            Accepts::Section(keys) | Accepts::Sections(keys) => paths(keys, &format!("{path}.")),
-            _ => Vec::new(),
-        };
+        let inner = key.accepts.keys();
+        let inner = inner.map_or_else(Vec::new, |keys| paths(keys, &format!("{path}.")));
         [vec![path], inner].concat()
     };
     keys.iter().flat_map(with_inner).collect()
@@ -289,39 +255,38 @@ impl Check {
                 // Its keys say whether they may be absent.
                 table.entry(key.name).or_insert(Value::Table(Table::new()));
             }
-            match (table.get_mut(key.name), &key.accepts) {
-                (None, _) => match key.absent {
-                    Absent::Refused => {
-                        let why = lowered(&key.why);
-                        self.faults.push(format!("`{full}` is missing: {why}"));
-                    }
-                    Absent::Nothing => {}
-                    Absent::Is(default) => _ = table.insert(key.name.to_owned(), value_of(default)),
-                },
-                (Some(Value::Table(inner)), Accepts::Section(keys)) => {
-                    self.section(inner, keys, &format!("{full}."));
+            match (table.get_mut(key.name), &key.absent) {
+                (Some(value), _) => self.value(value, key, &key.accepts, &full),
+                (None, Absent::Refused) => {
+                    let why = lowered(&key.why);
+                    self.faults.push(format!("`{full}` is missing: {why}"));
                 }
-                (Some(Value::Array(all)), Accepts::Sections(keys)) => {
-                    for (index, one) in all.iter_mut().enumerate() {
-                        match one {
-                            Value::Table(inner) => {
-                                self.section(inner, keys, &format!("{full}[{index}]."));
-                            }
-                            other => self.faults.push(format!(
-                                "`{full}[{index}]` is `{other}`; expected a section"
-                            )),
-                        }
-                    }
-                }
-                (Some(value), accepts) => {
-                    if !accepts.takes(value) {
-                        let expected = key.expected(&full);
-                        let why = lowered(&key.why);
-                        self.faults
-                            .push(format!("`{full}` is `{value}`; expected {expected}: {why}"));
-                    }
+                (None, Absent::Nothing) => {}
+                (None, Absent::Is(default)) => {
+                    table.insert(key.name.to_owned(), value_of(default));
                 }
             }
+        }
+    }
+
+    /// Checks a value, and what is in it.
+    fn value(&mut self, value: &mut Value, key: &Key, accepts: &Accepts, full: &str) {
+        match (value, accepts) {
+            (Value::Table(inner), Accepts::Section(keys)) => {
+                self.section(inner, keys, &format!("{full}."));
+            }
+            (Value::Array(all), Accepts::List(None, one)) if one.keys().is_some() => {
+                for (index, value) in all.iter_mut().enumerate() {
+                    self.value(value, key, one, &format!("{full}[{index}]"));
+                }
+            }
+            (value, accepts) if !accepts.takes(value) => {
+                let expected = accepts.expected(unit(full));
+                let why = lowered(&key.why);
+                self.faults
+                    .push(format!("`{full}` is `{value}`; expected {expected}: {why}"));
+            }
+            _ => {}
         }
     }
 
@@ -359,46 +324,71 @@ fn lowered(sentence: &str) -> String {
     first.chain(letters.as_str().chars()).collect()
 }
 
+/// Returns the unit of a key's numbers, after a blank; empty for none.
+fn unit(full: &str) -> String {
+    let unit = UNITS.iter().find(|(end, _)| full.ends_with(end));
+    unit.map_or_else(String::new, |(_, unit)| format!(" {unit}"))
+}
+
 impl Values {
-    fn holds(self, value: &Value, is_whole: IsWhole) -> bool {
-        let number = match value {
-            Value::Float(number) if is_whole == IsWhole::No => *number,
-            Value::Integer(number) => *number as f64,
-            _ => return false,
-        };
+    fn holds(self, number: f64) -> bool {
         // NaN must be refused.
         (self.least < number || self.is_closed && self.least == number) && number <= self.most
-    }
-
-    fn text(self) -> String {
-        match self.is_closed {
-            true => format!("{} to {}", self.least, self.most),
-            false => format!("above {} and at most {}", self.least, self.most),
-        }
     }
 }
 
 impl Accepts {
+    /// Returns the keys of a section, or of one in a list.
+    fn keys(&self) -> Option<&[Key]> {
+        match self {
+            Accepts::Section(keys) => Some(keys),
+            Accepts::List(_, one) => one.keys(),
+            _ => None,
+        }
+    }
+
     fn takes(&self, value: &Value) -> bool {
-        let is_text = |value: &Value, begins: &str| {
-            let text = value.as_str();
-            text.is_some_and(|text| text.starts_with(begins) && !text.trim().is_empty())
-        };
-        let are = |count: Option<usize>, holds: &dyn Fn(&Value) -> bool| {
-            value.as_array().is_some_and(|all| {
-                count.is_none_or(|count| all.len() == count) && all.iter().all(holds)
-            })
+        match (self, value) {
+            (Accepts::Text(begins), Value::String(text)) => {
+                text.starts_with(begins) && !text.trim().is_empty()
+            }
+            (Accepts::OneOf(words), Value::String(word)) => words.contains(&word.as_str()),
+            (Accepts::Number(values), Value::Float(number)) => values.holds(*number),
+            (Accepts::Number(values) | Accepts::Whole(values), Value::Integer(number)) => {
+                values.holds(*number as f64)
+            }
+            (Accepts::List(count, one), Value::Array(all)) => {
+                count.is_none_or(|count| all.len() == count) && all.iter().all(|it| one.takes(it))
+            }
+            _ => false,
+        }
+    }
+
+    /// Words the values that are accepted.
+    fn expected(&self, unit: String) -> String {
+        let range = |values: &Values| {
+            let Values { least, most, .. } = values;
+            match values.is_closed {
+                true => format!("{least} to {most}{unit}"),
+                false => format!("above {least} and at most {most}{unit}"),
+            }
         };
         match self {
-            Accepts::Text(begins) => is_text(value, begins),
-            Accepts::Texts => are(None, &|one| is_text(one, "")),
-            Accepts::OneOf(words) => value.as_str().is_some_and(|word| words.contains(&word)),
-            Accepts::Numbers(count, values, is_whole) => match count {
-                Count::One => values.holds(value, *is_whole),
-                Count::Exactly(count) => are(Some(*count), &|one| values.holds(one, *is_whole)),
-                Count::Any => are(None, &|one| values.holds(one, *is_whole)),
-            },
-            Accepts::Section(_) | Accepts::Sections(_) => false,
+            Accepts::Text("") => "a text".to_owned(),
+            Accepts::Text(begins) => format!("a text that begins with `{begins}`"),
+            Accepts::OneOf(words) => format!("`{}`", words.join("`, `")),
+            Accepts::Number(values) => range(values),
+            Accepts::Whole(values) => format!("a whole number, {}", range(values)),
+            Accepts::List(count, one) => {
+                let count = count.map_or("a list of".to_owned(), |count| count.to_string());
+                match one.as_ref() {
+                    Accepts::Number(values) => format!("{count} numbers, {}", range(values)),
+                    Accepts::Whole(values) => format!("{count} whole numbers, {}", range(values)),
+                    Accepts::Section(_) => format!("{count} sections"),
+                    _ => format!("{count} texts"),
+                }
+            }
+            Accepts::Section(_) => "a section".to_owned(),
         }
     }
 }
@@ -424,43 +414,6 @@ impl Key {
             accepts: T::accepts(values.unwrap_or(ANY)),
             absent,
             why: why.join(" "),
-        }
-    }
-
-    /// Words the values that it accepts.
-    ///
-    /// - `full`: its sections and its name.
-    fn expected(&self, full: &str) -> String {
-        let unit = UNITS.iter().find(|(end, _)| full.ends_with(end));
-        let unit = match unit.map_or("", |(_, unit)| unit) {
-            "" => String::new(),
-            unit if unit.starts_with("the ") => format!(" in {unit} units"),
-            unit => format!(" {unit}"),
-        };
-        match &self.accepts {
-            Accepts::Text("") => "a text".to_owned(),
-            Accepts::Text(begins) => format!("a text that begins with `{begins}`"),
-            Accepts::Texts => "a list of texts".to_owned(),
-            Accepts::OneOf(words) => {
-                let words: Vec<String> = words.iter().map(|word| format!("`{word}`")).collect();
-                words.join(", ")
-            }
-            Accepts::Numbers(count, values, is_whole) => {
-                let whole = if *is_whole == IsWhole::Yes {
-                    "whole "
-                } else {
-                    ""
-                };
-                let range = values.text();
-                match count {
-                    Count::One if whole.is_empty() => format!("{range}{unit}"),
-                    Count::One => format!("a {whole}number, {range}{unit}"),
-                    Count::Exactly(count) => format!("{count} {whole}numbers, {range}{unit}"),
-                    Count::Any => format!("a list of {whole}numbers, {range}{unit}"),
-                }
-            }
-            Accepts::Section(_) => "a section".to_owned(),
-            Accepts::Sections(_) => "a list of sections".to_owned(),
         }
     }
 }

@@ -82,12 +82,10 @@ impl ArmReach {
         let up = tool_down(&high, turn_rad);
         self.guard.motion(&from, &up, motion.speed_m_s).err()
     }
-}
 
-impl ArmReach {
     /// Returns why the arm cannot follow a motion's manner, as [`World::refuses`] does.
     ///
-    /// The way is planned from where the arm rests. What is impossible in the arm's own manner too is not refused here.
+    /// The way is planned from where the arm rests.
     pub(super) fn refuses(&self, settings: &Settings, asked: &Motion) -> Option<String> {
         let mut grips = asked.grips.iter();
         grips.find_map(|grip| self.refuses_grip(settings, grip))
@@ -118,31 +116,34 @@ impl ArmReach {
             joints_rad: Vec::new(),
             fingers: Vec::new(),
         };
-        let (plan, route) = Plan::make(settings, &self.guard, &rest, points, manner);
-        if route.is_none() {
-            let usual = Plan::make(settings, &self.guard, &rest, points, &Manner::default());
-            usual.1?;
-            let why = plan.refused.unwrap_or_default();
-            let height = |name: &str, stated: Option<f64>| {
-                let height_m = stated?;
+        let plan = |manner: &Manner| {
+            let (plan, route) = Plan::make(settings, &self.guard, &rest, points, manner);
+            (plan.refused.filter(|_| route.is_none()), plan.segments)
+        };
+        let (refused, segments) = plan(manner);
+        if let Some(why) = refused {
+            // What is impossible in the arm's own manner too is not refused here.
+            if plan(&Manner::default()).0.is_some() {
+                return None;
+            }
+            let heights = [
+                ("lift", manner.lift_m),
+                ("release_height", manner.release_height_m),
+            ];
+            let stated = heights.into_iter().filter_map(|(name, height_m)| {
+                let height_m = height_m?;
+                let alone = Manner::default().with(name, height_m);
+                let why = plan(&alone).0?;
                 Some(format!(
                     "`{name}` of {:.0} mm is not possible: {why}",
                     height_m * 1000.0
                 ))
-            };
-            let ended = plan.segments.last().map(|segment| segment.name);
-            let released = || height("release_height", manner.release_height_m);
-            return match ended {
-                Some(SegmentName::DownToPlace | SegmentName::Up | SegmentName::Away) => {
-                    released().or_else(|| height("lift", manner.lift_m))
-                }
-                _ => height("lift", manner.lift_m).or_else(released),
-            }
-            .or(Some(why));
+            });
+            return stated.into_iter().next().or(Some(why));
         }
         let speed_m_s = manner.speed_m_s?;
-        let mut at = rest;
-        for segment in &plan.segments {
+        let mut at = rest.clone();
+        for segment in &segments {
             let to = tool_down(&segment.to_m.into(), turn_rad);
             let carries = matches!(
                 segment.name,
@@ -290,7 +291,10 @@ mod tests {
         assert!(why.contains("it lies 0.71 m from the arm's base"), "{why}");
         assert!(at(0.187).is_some(), "the same holds near the base");
         let why = at(0.19).unwrap();
-        assert!(why.contains("the arm behind joint 2 would come within"), "{why}");
+        assert!(
+            why.contains("the arm behind joint 2 would come within"),
+            "{why}"
+        );
         let nearest = (19..30).find(|cm| at(f64::from(*cm) / 100.0).is_none());
         assert_eq!(nearest, Some(22), "no part of the arm touches another");
         // By its kinematics alone, the arm would reach both.

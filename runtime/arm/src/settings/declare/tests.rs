@@ -41,19 +41,23 @@ fn print(page: &mut String, keys: &[Key], prefix: &str) {
     for key in keys {
         let (name, why) = (key.name, &key.why);
         let full = format!("{prefix}{name}");
-        match &key.accepts {
-            Accepts::Section(keys) => inner.push((format!("[{full}]"), why, keys, full)),
-            Accepts::Sections(keys) => inner.push((format!("[[{full}]]"), why, keys, full)),
-            _ => {
-                let default = match key.absent {
-                    Absent::Refused => "must be given".to_owned(),
-                    Absent::Nothing | Absent::Is("\"\"") => "none".to_owned(),
-                    Absent::Is(value) => format!("`{value}`"),
-                };
-                let expected = key.expected(&full);
-                _ = writeln!(page, "| `{name}` | {expected} | {default} | {why} |");
-            }
+        if let Some(keys) = key.accepts.keys() {
+            let is_list = matches!(key.accepts, Accepts::List(..));
+            let title = if is_list {
+                format!("[[{full}]]")
+            } else {
+                format!("[{full}]")
+            };
+            inner.push((title, why, keys, full));
+            continue;
         }
+        let default = match key.absent {
+            Absent::Refused => "must be given".to_owned(),
+            Absent::Nothing | Absent::Is("\"\"") => "none".to_owned(),
+            Absent::Is(value) => format!("`{value}`"),
+        };
+        let expected = key.accepts.expected(unit(&full));
+        _ = writeln!(page, "| `{name}` | {expected} | {default} | {why} |");
     }
     for (title, why, keys, full) in inner {
         _ = writeln!(page, "\n## `{title}`\n\n{why}");
@@ -72,7 +76,7 @@ fn every_default_is_accepted_and_every_reason_fits_a_table() {
             {
                 assert!(key.accepts.takes(&value_of(default)), "{full}");
             }
-            if let Accepts::Section(keys) | Accepts::Sections(keys) = &key.accepts {
+            if let Some(keys) = key.accepts.keys() {
                 check(keys, &format!("{full}."));
             }
         }
