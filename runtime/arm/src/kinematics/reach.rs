@@ -23,8 +23,8 @@ const ELBOW_OVER_POINT_M: f64 = 0.05;
 /// From how many starts postures are searched.
 const SEARCHES: usize = 25;
 
-/// The longest step of the path up, metres.
-const STEP_M: f64 = 0.02;
+/// The longest step of the path up, metres: that of the guard, so that it finds the same path.
+const STEP_M: f64 = 0.01;
 
 /// The largest coordinate or height considered, metres; no arm comes near it.
 const MAX_M: f64 = 10.0;
