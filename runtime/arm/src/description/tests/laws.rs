@@ -64,21 +64,7 @@ proptest! {
         let reached = chain.base_from_tool(&found).unwrap();
         prop_assert!(distance_m(&reached, &pose) <= 1e-4);
         prop_assert!(reached.rotation.angle_to(&pose.rotation) <= 0.01f64.to_radians());
-        prop_assert_eq!(chain.joint_past_limit(&found), None);
-    }
-
-    #[test]
-    fn the_jacobian_has_a_column_for_each_joint(angles in within_limits(), joint in 0..7usize) {
-        let chain = SEVEN.chain();
-        let moved = |by: f64| {
-            let mut angles = angles.clone();
-            angles[joint] += by;
-            chain.base_from_tool(&angles).unwrap()
-        };
-        let jacobian = chain.jacobian(&angles).unwrap();
-        prop_assert_eq!(jacobian.ncols(), 7);
-        let velocity = (moved(1e-6).translation.vector - moved(-1e-6).translation.vector) / 2e-6;
-        prop_assert!((jacobian.fixed_view::<3, 1>(0, joint) - velocity).norm() < 1e-8);
+        prop_assert!(chain.is_within_limits(&found));
     }
 
     #[test]
@@ -128,7 +114,7 @@ proptest! {
             let gone = tool.translation.vector - from.translation.vector;
             let beside = gone - along * (gone.dot(&along) / along.norm_squared().max(1e-12));
             prop_assert!(beside.norm() < 2e-4 || along.norm() < 1e-3, "{}", beside.norm());
-            prop_assert_eq!(chain.joint_past_limit(joints), None);
+            prop_assert!(chain.is_within_limits(joints));
         }
     }
 }

@@ -82,7 +82,7 @@ proptest! {
         let wanted = tool_down(&point, turn);
         prop_assert!(distance_m(&tool, &wanted) < 1e-4);
         prop_assert!(angle_deg(&tool, &wanted) < 0.01);
-        prop_assert_eq!(chain.joint_past_limit(&joints), None);
+        prop_assert!(chain.is_within_limits(&joints));
         prop_assert!(chain.frames(&joints).unwrap()[2].translation.z > height_m + 0.049);
         let refused = reach.check(&at(range.farthest_m + 0.002 + part, azimuth, height_m), &[]).unwrap_err();
         prop_assert_eq!(refused.why, WhyUnreachable::OutOfRange);
