@@ -5,7 +5,7 @@
 //! any angle, because an arm may report one past its limit.
 
 use super::shape::Capsule;
-use nalgebra::{Isometry3, Point3, SMatrix, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{Isometry3, SMatrix, UnitQuaternion, Vector3, Vector6};
 use std::f64::consts::TAU;
 
 /// The fewest joints that bring a hand to any pose.
@@ -215,14 +215,6 @@ impl Chain {
     pub(super) fn first_turns(&self) -> f64 {
         let axis = self.joints[0].parent_from_joint_at_zero.rotation * Vector3::z();
         axis.z.signum()
-    }
-
-    /// Returns the point of the first joint's axis that is nearest to the second joint, base frame, metres.
-    pub(super) fn shoulder(&self) -> Point3<f64> {
-        let [first, second, ..] = self.links_at(&Angles::default());
-        let axis = first.rotation * Vector3::z();
-        let away = second.translation.vector - first.translation.vector;
-        Point3::from(first.translation.vector + axis * away.dot(&axis))
     }
 
     /// Returns whether the first joint turns the arm about a vertical, so that the first link cannot come down.

@@ -63,9 +63,6 @@ macro_rules! named_settings {
 }
 pub(crate) use named_settings;
 
-/// The most faults that one message lists.
-const MAX_FAULTS: usize = 20;
-
 /// How the name of a key ends, and the unit of its numbers; the first one that fits.
 const UNITS: &[(&str, &str)] = &[
     ("_deg_s3", "deg/s³"),
@@ -207,18 +204,12 @@ pub(crate) fn read<T: Setting + serde::de::DeserializeOwned>(text: &str) -> Resu
         faults: Vec::new(),
     };
     check.section(&mut document, &keys, "");
-    let faults = check.faults;
-    match faults.len() {
-        0 => document
-            .try_into()
-            .map_err(|error: toml::de::Error| error.to_string()),
-        1..=MAX_FAULTS => Err(faults.join("\n")),
-        all => Err(format!(
-            "{}\nand {} faults more",
-            faults[..MAX_FAULTS].join("\n"),
-            all - MAX_FAULTS
-        )),
+    if !check.faults.is_empty() {
+        return Err(check.faults.join("\n"));
     }
+    document
+        .try_into()
+        .map_err(|error: toml::de::Error| error.to_string())
 }
 
 /// Returns the whole names of keys and of those in them.
