@@ -15,10 +15,11 @@ pub use shipped::UnknownModel;
 use super::kinematics;
 use super::kinematics::chain::{Chain, Joint, MAX_JOINTS, MIN_JOINTS};
 use super::kinematics::shape::Capsule;
+use super::settings::ANGLE;
+use super::settings::declare::{above, from, section};
 use fab_base::files;
 use fab_program::nearest::nearest;
 use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
-use serde::Deserialize;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use urdf::{Robot, Shape};
@@ -39,73 +40,66 @@ const FRAME_M: f64 = 1e-3;
 /// Slack of comparisons of angles, degrees: URDF files round pi.
 const EXACT_DEG: f64 = 1e-3;
 
-/// The section `[arm]`: an arm of another kind than those that are shipped.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ArmDescription {
-    /// The URDF file, relative to the settings.
-    pub urdf: PathBuf,
-    /// The link whose frame is the base frame; its z points up.
-    pub base_link: String,
-    /// The link that carries the hand.
-    pub tip_link: String,
-    /// The tool frame in the frame of `tip_link`, metres; its z points out of the hand.
-    #[serde(default)]
-    pub tool_xyz_m: [f64; 3],
-    /// Likewise its roll, pitch and yaw, degrees.
-    #[serde(default)]
-    pub tool_rpy_deg: [f64; 3],
-    /// The joints in a posture with the hand down over the table, degrees; postures near to it are preferred.
-    pub home_deg: Vec<f64>,
-    /// Limits of joints.
-    #[serde(default)]
-    pub joint: Vec<JointLimits>,
-    /// Shapes of links, in place of those of the URDF.
-    #[serde(default)]
-    pub shape: Vec<LinkShape>,
-    /// Shapes that contain hand and fingers in every opening, in place of those of the URDF.
-    #[serde(default)]
-    pub hand: Vec<HandShape>,
-}
+section! {
+    /// The section `[arm]`: an arm of another kind than those that are shipped.
+    pub struct ArmDescription {
+        /// The URDF file, relative to the settings, with xacro expanded. Meshes are `.stl` or `.obj`; a package is a
+        /// folder of its name above the file.
+        urdf: PathBuf;
+        /// The link whose frame is the base frame; its z points up.
+        base_link: String;
+        /// The link that carries the hand; between the two turn six or seven joints, and no other moves.
+        tip_link: String;
+        /// The tool's place in the frame of `tip_link`: between the fingertips.
+        tool_xyz_m: [f64; 3] = [0.0, 0.0, 0.0], from(-1.0, 1.0);
+        /// Its rotation there about fixed x, y, z; the tool's z points out of the hand.
+        tool_rpy_deg: [f64; 3] = [0.0, 0.0, 0.0], ANGLE;
+        /// The joints' angles in a posture over the table with the hand down; of several postures the one nearest to it
+        /// is taken.
+        home_deg: Vec<f64>, from(-720.0, 720.0);
+        /// Limits of joints that the URDF lacks, or tighter ones; looser ones are refused.
+        joint: Vec<JointLimits> = [];
+        /// Capsules that contain a link, in place of its collision shapes in the URDF; a link that is
+        /// drawn or long and has none is refused, because nothing would keep it off the table.
+        shape: Vec<LinkShape> = [];
+        /// Capsules that contain hand and fingers in every opening, in place of the shapes that the URDF has behind the
+        /// last joint; needed if it has none there, or if fingers turn.
+        hand: Vec<HandShape> = [];
+    }
 
-/// Limits of a joint that the URDF lacks, or tighter ones.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct JointLimits {
-    /// The joint's name in the URDF.
-    pub name: String,
-    /// The least angle, degrees.
-    pub min_deg: Option<f64>,
-    /// The largest.
-    pub max_deg: Option<f64>,
-    /// The highest speed, deg/s.
-    pub max_speed_deg_s: Option<f64>,
-}
+    /// Limits of a joint that the URDF lacks, or tighter ones.
+    pub struct JointLimits {
+        /// The joint's name in the URDF.
+        name: String;
+        /// The least angle.
+        min_deg: Option<f64>, from(-720.0, 720.0);
+        /// The largest.
+        max_deg: Option<f64>, from(-720.0, 720.0);
+        /// The highest speed.
+        max_speed_deg_s: Option<f64>, above(0.0, 720.0);
+    }
 
-/// A capsule around a link.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LinkShape {
-    /// The link's name in the URDF.
-    pub link: String,
-    /// One end of the capsule's line, metres, in the link's frame.
-    pub from_m: [f64; 3],
-    /// The other.
-    pub to_m: [f64; 3],
-    /// Its radius, metres.
-    pub radius_m: f64,
-}
+    /// A capsule around a link.
+    pub struct LinkShape {
+        /// The link's name in the URDF.
+        link: String;
+        /// One end of the capsule's line, in the link's frame.
+        from_m: [f64; 3], from(-2.0, 2.0);
+        /// The other.
+        to_m: [f64; 3], from(-2.0, 2.0);
+        /// Its radius.
+        radius_m: f64, from(0.005, 0.5);
+    }
 
-/// A capsule around the hand.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct HandShape {
-    /// One end of the capsule's line, metres, in the tool frame.
-    pub from_m: [f64; 3],
-    /// The other.
-    pub to_m: [f64; 3],
-    /// Its radius, metres.
-    pub radius_m: f64,
+    /// A capsule around the hand.
+    pub struct HandShape {
+        /// One end of the capsule's line, in the tool frame.
+        from_m: [f64; 3], from(-1.0, 1.0);
+        /// The other.
+        to_m: [f64; 3], from(-1.0, 1.0);
+        /// Its radius.
+        radius_m: f64, from(0.005, 0.5);
+    }
 }
 
 /// A link that a joint of the chain carries.

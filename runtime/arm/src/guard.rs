@@ -19,6 +19,9 @@ use super::timing::JointLimits;
 use crate::calibration::Calibration;
 use nalgebra::{Isometry3, Point3, Vector3};
 
+/// The longest motion at once, metres; a longer one is a mistake in a place.
+const MAX_WAY_M: f64 = 0.9;
+
 /// The longest step between two checked points of a path, metres.
 pub const STEP_M: f64 = 0.01;
 
@@ -448,10 +451,9 @@ impl Guard {
             ));
         }
         let way_m = (ends[1] - ends[0]).norm();
-        if way_m > self.workspace.max_step_m {
+        if way_m > MAX_WAY_M {
             return Err(format!(
-                "a way of {way_m:.3} m is longer than `{}` m, the longest that is allowed at once",
-                self.workspace.max_step_m
+                "a way of {way_m:.3} m is longer than `{MAX_WAY_M}` m, the longest that is allowed at once"
             ));
         }
         // Rotation speed is not limited, and every motion here keeps the rotation. NaN must fail these checks.

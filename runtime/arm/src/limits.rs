@@ -5,9 +5,11 @@
 
 use super::driver::{Arm, ArmError, ArmState, Deviation, Halt, HandContents, Opening, Watch};
 use super::guard::Guard;
-use super::settings::Tolerance;
 use nalgebra::Isometry3;
 use std::collections::VecDeque;
+
+/// How often a motion that ended short of its goal is sent again: after two the arm is not where it says.
+const CORRECTIONS: u32 = 2;
 
 /// Factor by which the measured speed may exceed the limit before the arm is stopped: positions have 1 mm resolution.
 const SPEED_SLACK: f64 = 1.5;
@@ -22,18 +24,12 @@ const SPEED_OVER_S: f64 = 0.4;
 pub struct Limited<A: Arm + ?Sized> {
     arm: Box<A>,
     guard: Guard,
-    /// How often a motion that ended short of its goal is sent again.
-    corrections: u32,
 }
 
 impl<A: Arm + ?Sized> Limited<A> {
-    /// Wraps an arm whose tool reaches its goals to within the tolerance.
-    pub fn new(arm: Box<A>, guard: Guard, tolerance: &Tolerance) -> Limited<A> {
-        Limited {
-            arm,
-            guard,
-            corrections: tolerance.corrections,
-        }
+    /// Wraps an arm.
+    pub fn new(arm: Box<A>, guard: Guard) -> Limited<A> {
+        Limited { arm, guard }
     }
 
     /// Returns the wrapped arm.
@@ -71,7 +67,7 @@ impl<A: Arm + ?Sized> Limited<A> {
                 watch(state)
             });
             match moved {
-                Err(ArmError::Short { .. }) if corrections < self.corrections => corrections += 1,
+                Err(ArmError::Short { .. }) if corrections < CORRECTIONS => corrections += 1,
                 moved => return moved,
             }
         }

@@ -4,6 +4,7 @@
 
 use super::ArmDescription;
 use crate::kinematics::chain::Chain;
+use crate::settings::declare;
 use fab_base::wording::quoted;
 use std::path::Path;
 
@@ -64,7 +65,7 @@ impl Chain {
         let [urdf, section] =
             [files.urdf, files.section].map(|text| text.replace(files.prefix, name));
         let section: ArmDescription =
-            toml::from_str(&section).expect("a test reads every shipped section");
+            declare::read(&section).expect("a test reads every shipped section");
         let chain = section.chain_of(Path::new(&section.urdf), Ok(urdf));
         Ok(chain.expect("a test builds every shipped arm"))
     }

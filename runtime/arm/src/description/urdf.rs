@@ -5,11 +5,8 @@
 
 use crate::kinematics;
 use nalgebra::{Isometry3, Unit, Vector3};
-use roxmltree::{Document, Node, ParsingOptions};
+use roxmltree::{Document, Node};
 use std::collections::BTreeMap;
-
-/// The most XML nodes of a description; the largest robots have some thousands.
-const MAX_NODES: u32 = 200_000;
 
 /// The largest coordinate of a frame or a shape, metres.
 pub(super) const MAX_M: f64 = 10.0;
@@ -82,11 +79,7 @@ pub(super) struct Joint {
 
 /// Reads a description.
 pub(super) fn read(text: &str) -> Result<Robot, String> {
-    let options = ParsingOptions {
-        nodes_limit: MAX_NODES,
-        ..ParsingOptions::default()
-    };
-    let document = Document::parse_with_options(text, options).map_err(|why| why.to_string())?;
+    let document = Document::parse(text).map_err(|why| why.to_string())?;
     let root = document.root_element();
     if root.tag_name().name() != "robot" {
         return Err(format!(

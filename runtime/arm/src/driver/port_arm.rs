@@ -11,7 +11,7 @@
 //! acknowledged, its trajectory has ended, and the tool is at rest.
 
 use super::goal::{Goal, Outcome};
-use super::readings::POLL_S;
+use super::readings::{POLL_S, SETTLE_S};
 use super::{Arm, ArmError, ArmState, Deviation, Halt, HandContents, Opening, Watch};
 use crate::guard::{Checked, Motion};
 use crate::phase::{Event, Phase};
@@ -190,7 +190,7 @@ impl<P: Port + ?Sized> PortArm<P> {
         };
         self.phase = self.phase.after(Event::Begin);
         let takes_s = motion.get().takes_s(&from.tool);
-        let limit_s = 2.0 * takes_s + self.tolerance.settle_s;
+        let limit_s = 2.0 * takes_s + SETTLE_S;
         let begun_s = self.port.now_s();
         let outcome = self.execute(&goal, limit_s, watch)?;
         if !by_pose && outcome == Outcome::Ended(Ending::Succeeded) {

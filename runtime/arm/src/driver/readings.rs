@@ -16,6 +16,9 @@ pub(super) const REST_M: f64 = 0.000_5;
 /// Time between two readings that must agree, seconds: more than the 0.1 s between two messages of kinova-ros.
 const REST_S: f64 = 0.25;
 
+/// How long a motion may take beyond its time, seconds; an arm that stalls is noticed only after that.
+pub(super) const SETTLE_S: f64 = 5.0;
+
 impl<P: Port + ?Sized> PortArm<P> {
     fn fresh<T>(
         &self,
@@ -113,7 +116,7 @@ impl<P: Port + ?Sized> PortArm<P> {
         })
     }
 
-    /// Waits until the tool is at rest; fails after `settle_s`. A pause request is ignored.
+    /// Waits until the tool is at rest; fails after [`SETTLE_S`]. A pause request is ignored.
     pub(super) fn wait_until_at_rest(
         &mut self,
         watch: &mut Watch<'_>,
@@ -125,7 +128,7 @@ impl<P: Port + ?Sized> PortArm<P> {
                 value,
             })
         };
-        self.settled(read, ArmState::rests_at, self.tolerance.settle_s, watch)
+        self.settled(read, ArmState::rests_at, SETTLE_S, watch)
     }
 
     /// Returns whether the tool stays in place, without a watch.

@@ -5,7 +5,7 @@
 //! any angle, because an arm may report one past its limit.
 
 use super::shape::Capsule;
-use nalgebra::{Isometry3, Matrix6xX, Point3, SMatrix, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{Isometry3, SMatrix, UnitQuaternion, Vector3, Vector6};
 use std::f64::consts::TAU;
 
 /// The fewest joints that bring a hand to any pose.
@@ -142,29 +142,6 @@ impl Chain {
         Ok(links.chain([tool]).collect())
     }
 
-    /// Returns the geometric Jacobian in the base frame: how the tool moves with each joint.
-    ///
-    /// Column `j` is the velocity of the tool's origin (m/s), then its angular velocity (rad/s), while joint `j` turns
-    /// at 1 rad/s.
-    pub fn jacobian(&self, joints_rad: &[f64]) -> Result<Matrix6xX<f64>, BadAngles> {
-        let (_, jacobian) = self.motion_at(&self.angles(joints_rad)?);
-        Ok(jacobian.columns(0, self.joints.len()).into_owned())
-    }
-
-    /// Returns the first joint, from 1 at the base, whose angle exceeds a limit.
-    pub fn joint_past_limit(&self, joints_rad: &[f64]) -> Option<usize> {
-        let past = |(joint, angle): (&Joint, &f64)| {
-            joint
-                .limits_rad
-                .is_some_and(|[least, most]| !(least..=most).contains(angle))
-        };
-        self.joints
-            .iter()
-            .zip(joints_rad)
-            .position(past)
-            .map(|index| index + 1)
-    }
-
     /// Returns the index of the last joint.
     pub(super) fn last(&self) -> usize {
         self.joints.len().saturating_sub(1)
@@ -209,7 +186,8 @@ impl Chain {
         frames
     }
 
-    /// Returns the tool's pose and the Jacobian.
+    /// Returns the tool's pose, and the geometric Jacobian in the base frame: column `j` is the velocity of the tool's origin
+    /// (m/s), then its angular velocity (rad/s), while joint `j` turns at 1 rad/s.
     pub(super) fn motion_at(&self, angles: &Angles) -> (Isometry3<f64>, Jacobian) {
         let links = self.links_at(angles);
         let tool = links[self.last()] * self.last_from_tool;
@@ -237,14 +215,6 @@ impl Chain {
     pub(super) fn first_turns(&self) -> f64 {
         let axis = self.joints[0].parent_from_joint_at_zero.rotation * Vector3::z();
         axis.z.signum()
-    }
-
-    /// Returns the point of the first joint's axis that is nearest to the second joint, base frame, metres.
-    pub(super) fn shoulder(&self) -> Point3<f64> {
-        let [first, second, ..] = self.links_at(&Angles::default());
-        let axis = first.rotation * Vector3::z();
-        let away = second.translation.vector - first.translation.vector;
-        Point3::from(first.translation.vector + axis * away.dot(&axis))
     }
 
     /// Returns whether the first joint turns the arm about a vertical, so that the first link cannot come down.

@@ -23,22 +23,17 @@ const ELBOW_OVER_POINT_M: f64 = 0.05;
 /// From how many starts postures are searched.
 const SEARCHES: usize = 25;
 
-/// The longest step of the path up, metres.
-const STEP_M: f64 = 0.02;
+/// The longest step of the path up, metres: that of the guard, so that it finds the same path.
+const STEP_M: f64 = 0.01;
 
 /// The largest coordinate or height considered, metres; no arm comes near it.
 const MAX_M: f64 = 10.0;
 
-/// Step of the search for the reachable range, metres, and its steps; both ends are bisected to 0.1 mm.
-const RANGE_STEP_M: f64 = 0.02;
-const RANGE_STEPS: u32 = 60;
-const RANGE_HALVINGS: usize = 8;
+/// The distances that are tried for the reachable range: centimetres, as messages print them.
+const RANGE_CM: std::ops::Range<u32> = 0..120;
 
 /// Ranges are cached for heights rounded to this, metres.
 const CACHE_STEP_M: f64 = 0.005;
-
-/// The most heights in the cache.
-const MAX_CACHED: usize = 4096;
 
 /// Distances from the first joint's axis, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,10 +87,7 @@ impl fmt::Display for OutOfReach {
         let Some(range) = self.range else {
             return write!(out, "it reaches nothing");
         };
-        // Rounded inwards, so that a point refused by a millimetre is not reported as within range.
-        let centimetre = |metres: f64, round: fn(f64) -> f64| round(metres * 100.0) / 100.0;
-        let nearest_m = centimetre(range.nearest_m, f64::ceil);
-        let farthest_m = centimetre(range.farthest_m, f64::floor);
+        let (nearest_m, farthest_m) = (range.nearest_m, range.farthest_m);
         write!(out, "it reaches {nearest_m:.2} to {farthest_m:.2} m")?;
         match self.why {
             WhyUnreachable::Gap => write!(out, ", but not there"),
@@ -164,48 +156,27 @@ impl Reach {
     /// Returns the range reached at a height above the base, contiguous up to the farthest; `None` if nothing is
     /// reached.
     ///
-    /// Exact to 1 mm for heights that are multiples of 5 mm; others are rounded to the nearest. A gap narrower than 20
-    /// mm may be missed.
+    /// In whole centimetres, for heights rounded to 5 mm. A gap that is narrower may be missed.
     pub fn range(&self, height_m: f64) -> Option<Range> {
         if height_m.is_nan() || height_m.abs() > 2.0 * MAX_M {
             return None;
         }
         let key = (height_m / CACHE_STEP_M).round();
         let mut ranges = self.ranges.lock().unwrap_or_else(PoisonError::into_inner);
-        if ranges.len() >= MAX_CACHED {
-            ranges.clear();
-        }
         *ranges
             .entry(key as i64)
             .or_insert_with(|| self.search_range(key * CACHE_STEP_M))
     }
 
     fn search_range(&self, height_m: f64) -> Option<Range> {
-        let reaches = |radius_m: f64| self.reaches(radius_m, height_m);
-        let radii: Vec<f64> = (0..RANGE_STEPS)
-            .rev()
-            .map(|step| f64::from(step) * RANGE_STEP_M)
-            .collect();
-        let outer = radii.iter().position(|radius_m| reaches(*radius_m))?;
-        let gap = radii[outer..]
-            .iter()
-            .position(|radius_m| !reaches(*radius_m));
-        let inner = gap.map_or(radii.len(), |gap| outer + gap);
-        let rim = |within_m: f64, beyond_m: f64| {
-            let (mut within_m, mut beyond_m) = (within_m, beyond_m);
-            for _ in 0..RANGE_HALVINGS {
-                let middle_m = (within_m + beyond_m) / 2.0;
-                if reaches(middle_m) {
-                    within_m = middle_m;
-                } else {
-                    beyond_m = middle_m;
-                }
-            }
-            within_m
-        };
+        let inwards = RANGE_CM.rev().map(|cm| f64::from(cm) / 100.0);
+        let mut reached = inwards
+            .skip_while(|radius_m| !self.reaches(*radius_m, height_m))
+            .take_while(|radius_m| self.reaches(*radius_m, height_m));
+        let farthest_m = reached.next()?;
         Some(Range {
-            nearest_m: rim(radii[inner - 1], radii.get(inner).copied().unwrap_or(0.0)),
-            farthest_m: rim(radii[outer], radii[outer] + RANGE_STEP_M),
+            nearest_m: reached.last().unwrap_or(farthest_m),
+            farthest_m,
         })
     }
 

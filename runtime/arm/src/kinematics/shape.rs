@@ -31,11 +31,6 @@ pub struct PlacedCapsule {
 }
 
 impl PlacedCapsule {
-    /// Returns the height of its lowest point, metres, base frame.
-    pub fn lowest_m(&self) -> f64 {
-        self.ends[0].z.min(self.ends[1].z) - self.radius_m
-    }
-
     /// Returns the distance to a box along the axes, metres; 0 or less if they overlap.
     ///
     /// - `min_m`, `max_m`: its corners, base frame.

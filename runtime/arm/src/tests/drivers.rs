@@ -370,7 +370,7 @@ fn a_correction_is_checked_like_the_motion_before() {
         at: tool_down(&settings.workspace.rest_m.into(), 0.0),
         n_motions: 0,
     };
-    let mut arm = Limited::new(Box::new(arm), guard(&settings), &settings.tolerance);
+    let mut arm = Limited::new(Box::new(arm), guard(&settings));
     // From where it is now the way back leads through the zone.
     let moved = arm.move_tool(&there(), SPEED_M_S, &mut nobody);
     assert!(

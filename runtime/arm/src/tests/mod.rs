@@ -139,7 +139,7 @@ impl Bench {
             &settings,
         );
         Bench {
-            arm: Limited::new(Box::new(arm), guard(&settings), &settings.tolerance),
+            arm: Limited::new(Box::new(arm), guard(&settings)),
             settings,
             cloth,
             folder: tempfile::tempdir().unwrap(),

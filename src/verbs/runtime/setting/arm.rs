@@ -13,7 +13,7 @@ use fab_arm::directory::PictureSelection;
 use fab_arm::journal;
 use fab_arm::settings::{DriverKind, Settings};
 use fab_arm::supervisor::{NoWatchdog, Supervisor, Unattended};
-use fab_arm::world::{self, ArmWorld, FlatPicture, Parts, PlanningWorld, WithinReach};
+use fab_arm::world::{self, ArmWorld, FlatPicture, Parts, WithinReach};
 use fab_program::{ClothStart, Program};
 use fab_world::start::Start;
 use fab_world::{World, WorldError};
@@ -149,11 +149,11 @@ pub fn world(
         camera.map_err(|why| WorldError::Camera { why })
     };
     Ok(match (mode, is_simulated) {
-        (ArmMode::PlanOnly, true) => Box::new(PlanningWorld::simulated(parts)?.with_flat(flat)),
+        (ArmMode::PlanOnly, true) => Box::new(ArmWorld::planning_simulated(parts)?.with_flat(flat)),
         (ArmMode::Execute, true) => Box::new(ArmWorld::simulated(parts)?.with_flat(flat)),
         (ArmMode::PlanOnly, false) => {
             let camera = camera(&parts.settings, PictureSelection::Last)?;
-            Box::new(PlanningWorld::new(parts, camera)?.with_flat(flat))
+            Box::new(ArmWorld::planning(parts, camera)?.with_flat(flat))
         }
         (ArmMode::Execute, false) => {
             preflight::check(robot).map_err(failed)?;

@@ -62,10 +62,6 @@ proptest! {
                 .fold(f64::INFINITY, f64::min);
             prop_assert!(nearest_m < 0.0, "{nearest_m} m outside");
         }
-        let lowest_m = placed.iter().map(|shape| shape.lowest_m()).fold(f64::INFINITY, f64::min);
-        for frame in chain.frames(&angles).unwrap() {
-            prop_assert!(lowest_m < frame.translation.z);
-        }
     }
 }
 
