@@ -3,21 +3,16 @@
 use super::{Arm, ArmError, ArmState, HandContents, Opening, Watch};
 use crate::guard::{Checked, Motion};
 use nalgebra::Isometry3;
-use std::time::{Duration, Instant};
 
 /// An arm that is parked at a pose. No hardware is connected, so nothing can move.
 pub struct ParkedArm {
     at: Isometry3<f64>,
-    since: Instant,
 }
 
 impl ParkedArm {
     /// Parks an arm at a pose, `base_from_tool`.
     pub fn at(at: Isometry3<f64>) -> ParkedArm {
-        ParkedArm {
-            at,
-            since: Instant::now(),
-        }
+        ParkedArm { at }
     }
 
     fn refusal() -> ArmError {
@@ -27,12 +22,10 @@ impl ParkedArm {
 
 impl Arm for ParkedArm {
     fn now_s(&self) -> f64 {
-        self.since.elapsed().as_secs_f64()
+        0.0
     }
 
-    fn wait(&mut self, seconds: f64) {
-        std::thread::sleep(Duration::from_secs_f64(seconds));
-    }
+    fn wait(&mut self, _: f64) {}
 
     fn state(&mut self) -> Result<ArmState, ArmError> {
         Ok(ArmState {
