@@ -65,13 +65,10 @@ fn peer_ros_an_arm_whose_program_was_killed_is_refused_until_a_person_has_seen_t
     }
     let stood = lab.truth();
     assert!(stood.is_stopped);
-    let recover = |how| {
-        let arguments = ["robot", "recover", "--robot", "robot.toml", "--how", how];
-        said(&lab, &arguments)
-    };
-    let (code, text) = recover(" ");
+    let recover = |how| ["robot", "recover", "--robot", "robot.toml", "--how", how];
+    let (code, text) = said(&lab, &recover(" "));
     assert_eq!((code, lab.truth().is_stopped), (Some(2), true), "{text}");
-    let (code, text) = recover("taken out, the way is free");
+    let (code, text) = said(&lab, &recover("taken out, the way is free"));
     assert_eq!(code, Some(0), "{text}");
     assert!(text.contains("the arm accepts motion again"), "{text}");
     let now = lab.truth();
