@@ -5,7 +5,7 @@
 
 use super::nodes::{Driver, PATIENCE_S, Ros};
 use fab_agent::record::RECORD_FILE;
-use fab_arm::log::ARM_FILE;
+use fab_arm::journal::ARM_FILE;
 use fab_arm::settings::Settings;
 use fab_arm::simulated::FaultKind;
 use fab_base::chance::Chance;

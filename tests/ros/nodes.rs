@@ -1,7 +1,6 @@
 //! A separate master and arm node for each test, both ended with it.
 
-use fab_arm::driver::PortArm;
-use fab_arm::guard::Guard;
+use fab_arm::driver::{Commands, PortArm};
 use fab_arm::port::{GoalId, GoalState, Port};
 use fab_arm::settings::{RosSettings, Settings};
 use fab_arm_ros::RosPort;
@@ -161,9 +160,9 @@ impl Ros {
 
     /// Drives the arm as its settings say.
     pub fn arm(&self, settings: &Settings) -> PortArm<RosPort> {
-        PortArm::by_poses(
-            self.connect(),
-            Guard::level(settings),
+        PortArm::new(
+            Box::new(self.connect()),
+            Commands::Poses,
             settings.fingers,
             settings.tolerance,
         )

@@ -3,9 +3,10 @@
 use super::lab::{Lab, Run};
 use super::nodes::Driver;
 use fab_arm::calibration::read_pairs;
-use fab_arm::driver::{Arm, PortArm};
+use fab_arm::driver::{Commands, PortArm};
 use fab_arm::guard::Guard;
 use fab_arm::kinematics::tool_down::tool_down;
+use fab_arm::limits::Limited;
 use fab_arm::port::Port;
 use nalgebra::{Point3, Vector3};
 use std::io::{BufRead, BufReader, Lines, Write};
@@ -56,52 +57,26 @@ fn peer_ros_an_arm_whose_program_was_killed_is_refused_until_a_person_has_seen_t
     let (code, text) = said(&lab, &again);
     assert_eq!(code, Some(2), "{text}");
     for words in [
-        "nothing is moved: the last run with the arm of `robot.toml` left it in the middle: `over` of action 1 was begun",
+        "nothing is moved, because of how the last run with the arm of `robot.toml` ended: `over` of action 1 was begun",
         "the hand may hold cloth",
-        "run`",
+        "`fabc robot recover --robot robot.toml`",
     ] {
         assert!(text.contains(words), "{words}: {text}");
     }
-    let recover = [
-        "robot",
-        "recover",
-        "--robot",
-        "robot.toml",
-        "--how",
-        "taken out",
-    ];
-    let (code, text) = said(&lab, &recover);
-    assert_eq!(code, Some(0), "{text}");
-    // Recording a recovery enables no arm.
     let stood = lab.truth();
     assert!(stood.is_stopped);
-    let (code, text) = said(
-        &lab,
-        &["robot", "enable", "--robot", "robot.toml", "--how", " "],
-    );
+    let recover = |how| ["robot", "recover", "--robot", "robot.toml", "--how", how];
+    let (code, text) = said(&lab, &recover(" "));
     assert_eq!((code, lab.truth().is_stopped), (Some(2), true), "{text}");
-    let (code, text) = said(
-        &lab,
-        &[
-            "robot",
-            "enable",
-            "--robot",
-            "robot.toml",
-            "--how",
-            "the way is free",
-        ],
-    );
+    let (code, text) = said(&lab, &recover("taken out, the way is free"));
     assert_eq!(code, Some(0), "{text}");
-    assert!(
-        text.contains("enabled: the arm accepts motion again"),
-        "{text}"
-    );
+    assert!(text.contains("the arm accepts motion again"), "{text}");
     let now = lab.truth();
     assert!(!now.is_stopped);
     let moved_m = (Vector3::from(now.tool_m) - Vector3::from(stood.tool_m)).norm();
     assert!(moved_m < 0.003, "to be let go moved it by {moved_m} m");
     let journal = std::fs::read_to_string(lab.folder().join("run/arm.jsonl")).unwrap();
-    let ends = "{\"type\":\"recovered\",\"how\":\"taken out\"}\n{\"type\":\"enabled\",\"how\":\"the way is free\"}\n";
+    let ends = "{\"type\":\"recovered\",\"how\":\"taken out, the way is free\"}\n";
     assert!(journal.ends_with(ends), "{journal}");
     // It stands over the cloth, and nobody has moved it away.
     let (code, text) = said(&lab, &again);
@@ -140,12 +115,10 @@ fn peer_ros_an_arm_that_is_guided_gives_its_places() {
     line_with(&mut lines, "type `u,v`");
     // Another client moves the arm, like a joystick.
     let port = lab.ros.connect();
-    let mut arm = PortArm::by_poses(
-        port,
-        Guard::level(&settings),
-        settings.fingers,
-        settings.tolerance,
-    );
+    let guard = Guard::level(&settings);
+    let (fingers, tolerance) = (settings.fingers, settings.tolerance);
+    let arm = PortArm::new(Box::new(port), Commands::Poses, fingers, tolerance);
+    let mut arm = Limited::new(Box::new(arm), guard);
     let mut places = Vec::new();
     for (at, pixel) in [
         ([0.40, -0.10, 0.02], "150,200"),
@@ -180,5 +153,5 @@ fn peer_ros_an_arm_that_is_guided_gives_its_places() {
         assert!(off_m < 0.001, "{pair:?}: {place:?}");
     }
     assert_eq!(kept[1].pixel, [300.5, 100.0]);
-    assert!(arm.port().state().tool.is_some());
+    assert!(arm.arm().port().state().tool.is_some());
 }

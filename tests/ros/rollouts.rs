@@ -280,7 +280,7 @@ fn recovers(lab: &Lab, segment: &str, may_hold: bool) {
     let recover = |more: &[&str]| {
         let output = lab
             .fabc()
-            .args(["robot", "recover", "run", "--json"])
+            .args(["robot", "recover", "--robot", "robot.toml", "--json"])
             .args(more)
             .output()
             .unwrap();
@@ -295,6 +295,7 @@ fn recovers(lab: &Lab, segment: &str, may_hold: bool) {
     assert_eq!(told["may_hold"], may_hold, "{told}");
     let (code, told) = recover(&[]);
     assert_eq!((code, told["left"].as_str()), (Some(0), Some("clear")));
+    assert_eq!(told["recovered"], Value::Null);
 }
 
 #[test]

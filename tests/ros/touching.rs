@@ -5,8 +5,9 @@
 //! of these errors.
 
 use super::lab::Lab;
-use fab_arm::driver::Arm;
+use fab_arm::guard::Guard;
 use fab_arm::kinematics::tool_down::tool_down;
+use fab_arm::limits::Limited;
 use fab_base::chance::Chance;
 use nalgebra::Point3;
 use serde_json::json;
@@ -66,7 +67,8 @@ const ABOVE_M: f64 = 0.003;
 /// Moves the tool above each position and returns what is below where it arrived; then moves it back to rest.
 fn drive(lab: &mut Lab, places: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let settings = lab.settings();
-    let mut arm = lab.ros.arm(&settings);
+    let arm = lab.ros.arm(&settings);
+    let mut arm = Limited::new(Box::new(arm), Guard::level(&settings));
     let mut go = |[x, y, z]: [f64; 3]| {
         let to = tool_down(&Point3::new(x, y, z), 0.0);
         let speed_m_s = settings.motion.speed_m_s;

@@ -1,7 +1,6 @@
 //! A node over Cyclone DDS for each test, in a DDS domain of its own, ended with it.
 
-use fab_arm::driver::PortArm;
-use fab_arm::guard::Guard;
+use fab_arm::driver::{Commands, PortArm};
 use fab_arm::kinematics::chain::Chain;
 use fab_arm::port::{GoalId, GoalState, Port};
 use fab_arm::settings::{GripperAction, Rmw, Ros2Settings, Settings};
@@ -120,9 +119,9 @@ impl Ros {
 
     /// Drives the arm as its settings say.
     pub fn arm(&self, settings: &Settings) -> PortArm<Ros2Port> {
-        PortArm::by_trajectories(
-            self.connect(),
-            Guard::level(settings),
+        PortArm::new(
+            Box::new(self.connect()),
+            Commands::Trajectories,
             settings.fingers,
             settings.tolerance,
         )

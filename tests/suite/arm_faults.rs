@@ -9,7 +9,7 @@ use fab_agent::policy::Prompted;
 use fab_agent::record::RECORD_FILE;
 use fab_agent::rollout::{self, Job};
 use fab_arm::calibration::{Calibration, Pair, Terms};
-use fab_arm::log::{ARM_FILE, Entry, RunState, run_state};
+use fab_arm::journal::{ARM_FILE, Begun, Entry, run_state};
 use fab_arm::port::Port;
 use fab_arm::route::SegmentName;
 use fab_arm::settings::Settings;
@@ -291,7 +291,7 @@ fn is_left_as_it_says(folder: &Path, outcome: Outcome, journal: &str, told: &str
     let (mut may_hold, mut is_verified, mut begun) = (false, true, None);
     for entry in &entries {
         match entry {
-            Entry::Begin { segment, .. } => {
+            Entry::Begin(Begun { segment, .. }) => {
                 // A paused motion is restarted; any other begins only after the previous one was verified.
                 assert!(is_verified || begun == Some(*segment), "{told}: {text}");
                 (begun, is_verified) = (Some(*segment), false);
@@ -301,17 +301,13 @@ fn is_left_as_it_says(folder: &Path, outcome: Outcome, journal: &str, told: &str
                 is_verified = true;
                 may_hold &= begun != Some(SegmentName::Release);
             }
-            Entry::Halted { .. } | Entry::Enabled { .. } | Entry::Recovered { .. } => {}
+            Entry::Halted { .. } | Entry::Recovered { .. } => {}
         }
     }
     let expected_clear = is_verified && !may_hold;
-    match run_state(folder).unwrap() {
-        RunState::Clear => assert!(expected_clear, "{told}: {text}"),
-        RunState::NeedsRecovery { may_hold: said, .. } => {
-            assert!(!expected_clear, "{told}: {text}");
-            assert_eq!(said, may_hold, "{told}: {text}");
-        }
-    }
+    let state = run_state(folder).unwrap();
+    assert_eq!(state.is_clear(), expected_clear, "{told}: {text}");
+    assert_eq!(state.may_hold, may_hold, "{told}: {text}");
     let was_halted = entries
         .iter()
         .any(|entry| matches!(entry, Entry::Halted { .. }));

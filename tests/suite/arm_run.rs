@@ -1,7 +1,7 @@
 //! `fabc run --world jaco` with the simulated arm: the whole loop, without a robot.
 
 use super::support::{Captured, bring_robot, fabc, finish, root};
-use fab_arm::log::{RunState, run_state};
+use fab_arm::journal::run_state;
 use serde_json::Value;
 
 #[test]
@@ -20,7 +20,7 @@ fn the_simulated_arm_folds_a_double_triangle() {
     assert_eq!(report["outcome"], "goal_reached", "{report}");
     assert_eq!(output.code, 0);
     // Every motion was recorded before it and verified after it, and the hand is empty.
-    assert_eq!(run_state(&run).unwrap(), RunState::Clear);
+    assert!(run_state(&run).unwrap().is_clear());
     let journal = std::fs::read_to_string(run.join("arm.jsonl")).unwrap();
     let count = |kind: &str| journal.matches(&format!("\"type\":\"{kind}\"")).count();
     assert_eq!(count("begin"), count("done"));

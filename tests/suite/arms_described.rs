@@ -1,7 +1,7 @@
 //! Arms that a URDF and settings describe, through the command: checked, planned for, and folding in simulation.
 
 use super::support::{Captured, fabc, finish, root};
-use fab_arm::log::{RunState, run_state};
+use fab_arm::journal::run_state;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -28,7 +28,7 @@ fn folds(robot: &Path) {
         .unwrap_or_else(|error| panic!("{error}: {}", output.stderr));
     assert_eq!(report["outcome"], "goal_reached", "{report}");
     let run = folder.path().join("run");
-    assert_eq!(run_state(&run).unwrap(), RunState::Clear);
+    assert!(run_state(&run).unwrap().is_clear());
     let journal = std::fs::read_to_string(run.join("arm.jsonl")).unwrap();
     let count = |kind: &str| journal.matches(&format!("\"type\":\"{kind}\"")).count();
     assert_eq!(count("begin"), count("done"));

@@ -5,7 +5,7 @@ use fab_agent::outcome::Outcome;
 use fab_agent::policy::{MakePolicy, Prompted, Random};
 use fab_agent::record::{Record, RehearsedStep, Step};
 use fab_agent::rollout::{Ended, Event};
-use fab_arm::log::ARM_FILE;
+use fab_arm::journal::ARM_FILE;
 use fab_arm::supervisor::Unattended;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::Calls;

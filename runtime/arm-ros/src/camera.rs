@@ -5,11 +5,11 @@
 use super::RosError;
 use super::link::Link;
 use super::messages::sensor_msgs;
-use fab_arm::port::goals::bounded_wait;
 use fab_arm::rgbd::topics::{CameraInfo, CameraTopics, Image, Inbox, TopicCamera};
 use fab_arm::settings::RosSettings;
 use roslibrust::RosMessageType;
 use roslibrust::ros1::{NodeError, NodeHandle};
+use std::time::Duration;
 
 /// Subscribes to the camera's topics of the settings; whether anything is published shows with the first picture.
 ///
@@ -19,7 +19,7 @@ pub fn subscribe(
     settings: &RosSettings,
     timeout_s: f64,
 ) -> Result<TopicCamera<impl Send + use<>>, RosError> {
-    let timeout = bounded_wait(timeout_s);
+    let timeout = Duration::from_secs_f64(timeout_s);
     let Some(color) = settings.color.clone() else {
         return Err(RosError::Setting(
             "`[ros]` names no topic `color`".to_owned(),

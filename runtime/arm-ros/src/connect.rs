@@ -7,7 +7,6 @@ use super::action::ActionClient;
 use super::link::Link;
 use super::port::{RosPort, SERVICE_TIMEOUT, Servers};
 use super::topics::{Names, Topics};
-use fab_arm::port::goals::bounded_wait;
 use fab_arm::settings::RosSettings;
 use roslibrust::ros1::{NodeError, NodeHandle};
 use std::time::{Duration, Instant};
@@ -25,7 +24,7 @@ const POLL: Duration = Duration::from_millis(20);
 /// server, and then `in/stop` may be missing. Gives up after `timeout_s` seconds, or two more if services do not
 /// answer, with a message that names what is missing.
 pub fn connect(settings: &RosSettings, model: &str, timeout_s: f64) -> Result<RosPort, RosError> {
-    let timeout = bounded_wait(timeout_s);
+    let timeout = Duration::from_secs_f64(timeout_s);
     let deadline = Instant::now() + timeout;
     let names = names(settings, model)?;
     let arm = settings.arm.trim_end_matches('/').to_owned();

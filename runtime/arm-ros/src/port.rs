@@ -170,8 +170,7 @@ impl Port for RosPort {
     }
 
     fn send_fingers(&mut self, positions: &[f64]) -> Result<GoalId, PortError> {
-        let message = servers::fingers(positions, self.names.n_fingers);
-        send(&self.servers.fingers, message)
+        send(&self.servers.fingers, servers::fingers(positions))
     }
 
     fn goal(&mut self, goal: &GoalId) -> GoalState {
@@ -254,12 +253,12 @@ impl Port for RosPort {
     }
 }
 
-/// Sends a goal whose message could be made, to a server that is there.
+/// Sends a goal to a server that is there.
 fn send<A: Action>(
     client: &ActionClient<A>,
-    message: Result<impl FnOnce(GoalID) -> A::Goal, String>,
+    message: impl FnOnce(GoalID) -> A::Goal,
 ) -> Result<GoalId, PortError> {
-    let sent = check_alive(client).and_then(|()| client.send(message?));
+    let sent = check_alive(client).and_then(|()| client.send(message));
     sent.map(GoalId).map_err(|why| PortError {
         what: format!("a goal for `{}`", client.name()),
         why,

@@ -5,10 +5,10 @@
 use super::Ros2Error;
 use super::link::{Link, Quality, topic_name};
 use super::messages::{CameraInfo, Image, Message};
-use fab_arm::port::goals::bounded_wait;
 use fab_arm::rgbd::topics::{self, CameraTopics, Inbox, TopicCamera};
 use fab_arm::settings::Ros2Settings;
 use serde::de::DeserializeOwned;
+use std::time::Duration;
 
 /// Subscribes to the camera's topics of the settings; whether anything is published shows with the first picture.
 ///
@@ -43,7 +43,7 @@ pub fn subscribe(
     }
     Ok(TopicCamera::new(
         names,
-        bounded_wait(timeout_s),
+        Duration::from_secs_f64(timeout_s),
         inbox,
         link,
     ))

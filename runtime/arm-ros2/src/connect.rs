@@ -10,7 +10,6 @@ use super::port::{GripperClient, Ros2Port, StopService};
 use super::readings::{JointStates, Names};
 use super::service::Client;
 use fab_arm::kinematics::chain::Chain;
-use fab_arm::port::goals::bounded_wait;
 use fab_arm::settings::{GripperAction, Rmw, Ros2Settings};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -30,7 +29,7 @@ pub fn connect(
     n_fingers: usize,
     timeout_s: f64,
 ) -> Result<Ros2Port, Ros2Error> {
-    let deadline = Instant::now() + bounded_wait(timeout_s);
+    let deadline = Instant::now() + Duration::from_secs_f64(timeout_s);
     let setting = |found: usize, key: &str, expected: String| {
         Err(Ros2Error::Setting(format!(
             "`ros2.{key}` has {found} names; expected {expected}"

@@ -1,7 +1,6 @@
 //! The actions of a controller and of a gripper, and the goal messages for them.
 //!
-//! In: goals in radians, seconds, and the gripper's own units. Out: messages. A goal that no message can represent is
-//! refused here, with a reason.
+//! In: goals in radians, seconds, and the gripper's own units. Out: messages.
 
 use super::action::Action;
 use super::messages::{
@@ -10,7 +9,6 @@ use super::messages::{
     ParallelGripperCommandGoal, ParallelGripperCommandResult,
 };
 use fab_arm::port::Waypoint;
-use fab_arm::port::goals::{check_finite, check_trajectory};
 
 /// Declares an action of `control_msgs`.
 macro_rules! action {
@@ -54,20 +52,16 @@ action!(
 /// Makes the goal of a trajectory through `points`, which starts on arrival.
 ///
 /// Each point has speeds and accelerations, so that the controller interpolates as the motion was planned.
-pub(crate) fn trajectory(
-    points: &[Waypoint],
-    joints: &[String],
-) -> Result<FollowJointTrajectoryGoal, String> {
-    check_trajectory(points, joints.len())?;
+pub(crate) fn trajectory(points: &[Waypoint], joints: &[String]) -> FollowJointTrajectoryGoal {
     let messages = points.iter().map(point_message);
-    Ok(FollowJointTrajectoryGoal {
+    FollowJointTrajectoryGoal {
         trajectory: JointTrajectory {
             joint_names: joints.to_vec(),
             points: messages.collect(),
             ..JointTrajectory::default()
         },
         ..FollowJointTrajectoryGoal::default()
-    })
+    }
 }
 
 fn point_message(point: &Waypoint) -> JointTrajectoryPoint {
@@ -81,44 +75,34 @@ fn point_message(point: &Waypoint) -> JointTrajectoryPoint {
     }
 }
 
-/// Makes the goal of a gripper at one position, in its own units; the fingers move together.
-pub(crate) fn gripper(positions: &[f64], max_effort: f64) -> Result<GripperCommandGoal, String> {
-    Ok(GripperCommandGoal {
+/// Makes the goal of a gripper at one position, in its own units.
+pub(crate) fn gripper(position: f64, max_effort: f64) -> GripperCommandGoal {
+    GripperCommandGoal {
         command: GripperCommand {
-            position: together(positions)?,
+            position,
             max_effort,
         },
-    })
+    }
 }
 
-/// Makes the goal of a gripper whose joints are named.
+/// Makes the goal of a gripper whose joints are named; they all go to one position.
 pub(crate) fn parallel_gripper(
-    positions: &[f64],
+    position: f64,
     joints: &[String],
     max_effort: f64,
-) -> Result<ParallelGripperCommandGoal, String> {
-    let position = together(positions)?;
-    Ok(ParallelGripperCommandGoal {
+) -> ParallelGripperCommandGoal {
+    // No effort means the controller's own.
+    let efforts = joints
+        .iter()
+        .map(|_| max_effort)
+        .filter(|effort| *effort > 0.0);
+    ParallelGripperCommandGoal {
         command: JointState {
             name: joints.to_vec(),
             position: vec![position; joints.len()],
-            // No effort means the controller's own.
-            effort: match max_effort > 0.0 {
-                true => vec![max_effort; joints.len()],
-                false => Vec::new(),
-            },
+            effort: efforts.collect(),
             ..JointState::default()
         },
-    })
-}
-
-fn together(positions: &[f64]) -> Result<f64, String> {
-    check_finite(positions)?;
-    match positions {
-        [first, rest @ ..] if rest.iter().all(|position| position == first) => Ok(*first),
-        other => Err(format!(
-            "it has the positions `{other:?}`, and a gripper's fingers move together"
-        )),
     }
 }
 

@@ -184,24 +184,22 @@ impl Port for Ros2Port {
     }
 
     fn send_trajectory(&mut self, points: &[Waypoint]) -> Result<GoalId, PortError> {
-        let sent = self.check_alive(&self.trajectory).and_then(|()| {
-            let goal = goals::trajectory(points, &self.names.joints)?;
-            self.trajectory.send(goal)
-        });
+        let goal = goals::trajectory(points, &self.names.joints);
+        let sent = self.check_alive(&self.trajectory);
+        let sent = sent.and_then(|()| self.trajectory.send(goal));
         named(sent, self.trajectory.name())
     }
 
     fn send_fingers(&mut self, positions: &[f64]) -> Result<GoalId, PortError> {
         let [_, server] = self.servers();
+        let (effort, joints) = (self.max_effort, &self.names.fingers);
+        // A gripper's fingers move together.
+        let position = positions.first().copied().unwrap_or_default();
         let sent = self.check_alive(server).and_then(|()| match &self.gripper {
-            GripperClient::Single(client) => {
-                client.send(goals::gripper(positions, self.max_effort)?)
+            GripperClient::Single(client) => client.send(goals::gripper(position, effort)),
+            GripperClient::Parallel(client) => {
+                client.send(goals::parallel_gripper(position, joints, effort))
             }
-            GripperClient::Parallel(client) => client.send(goals::parallel_gripper(
-                positions,
-                &self.names.fingers,
-                self.max_effort,
-            )?),
         });
         named(sent, server.name())
     }

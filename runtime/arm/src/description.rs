@@ -1,20 +1,25 @@
 //! An arm as data: a URDF file, and what a settings file says beside it.
 //!
-//! In: the section `[arm]` of the settings, and the URDF and mesh files that it names. Out: a [`Chain`] with shapes; else
+//! In: the section `[arm]` of the settings, and the URDF and mesh files that it names; or the name of a model that is shipped
+//! (`shipped`). Out: a [`Chain`] with shapes; else
 //! all faults. A URDF's numbers are doubted: a joint without limits, a link without a shape or a mesh that cannot be read
 //! would let an arm go where it must not, so each is refused. No program is run to find or expand a file.
 
 mod hull;
 mod mesh;
+mod shipped;
 mod urdf;
+
+pub use shipped::UnknownModel;
 
 use super::kinematics;
 use super::kinematics::chain::{Chain, Joint, MAX_JOINTS, MIN_JOINTS};
 use super::kinematics::shape::Capsule;
+use super::settings::ANGLE;
+use super::settings::declare::{above, from, section};
 use fab_base::files;
 use fab_program::nearest::nearest;
 use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
-use serde::Deserialize;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use urdf::{Robot, Shape};
@@ -29,71 +34,72 @@ const MAX_LIMIT_DEG: f64 = 720.0;
 /// The highest speed that a joint may have, deg/s; the fastest arms of a lab reach 430.
 const MAX_SPEED_DEG_S: f64 = 720.0;
 
+/// Joints that are no farther apart have nothing between them, metres.
+const FRAME_M: f64 = 1e-3;
+
 /// Slack of comparisons of angles, degrees: URDF files round pi.
 const EXACT_DEG: f64 = 1e-3;
 
-/// The section `[arm]`: an arm of another kind than the built-in ones.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ArmDescription {
-    /// The URDF file, relative to the settings.
-    pub urdf: PathBuf,
-    /// The link whose frame is the base frame; its z points up.
-    pub base_link: String,
-    /// The link that carries the hand.
-    pub tip_link: String,
-    /// The tool frame in the frame of `tip_link`, metres; its z points out of the hand.
-    pub tool_xyz_m: [f64; 3],
-    /// Likewise its roll, pitch and yaw, degrees.
-    pub tool_rpy_deg: [f64; 3],
-    /// The joints in a posture with the hand down over the table, degrees; postures near to it are preferred.
-    pub home_deg: Vec<f64>,
-    /// Limits of joints.
-    pub joint: Vec<JointLimits>,
-    /// Shapes of links, in place of those of the URDF.
-    pub shape: Vec<LinkShape>,
-    /// Shapes that contain hand and fingers in every opening, in place of those of the URDF.
-    pub hand: Vec<HandShape>,
-}
+section! {
+    /// The section `[arm]`: an arm of another kind than those that are shipped.
+    pub struct ArmDescription {
+        /// The URDF file, relative to the settings, with xacro expanded. Meshes are `.stl` or `.obj`; a package is a
+        /// folder of its name above the file.
+        urdf: PathBuf;
+        /// The link whose frame is the base frame; its z points up.
+        base_link: String;
+        /// The link that carries the hand; between the two turn six or seven joints, and no other moves.
+        tip_link: String;
+        /// The tool's place in the frame of `tip_link`: between the fingertips.
+        tool_xyz_m: [f64; 3] = [0.0, 0.0, 0.0], from(-1.0, 1.0);
+        /// Its rotation there about fixed x, y, z; the tool's z points out of the hand.
+        tool_rpy_deg: [f64; 3] = [0.0, 0.0, 0.0], ANGLE;
+        /// The joints' angles in a posture over the table with the hand down; of several postures the one nearest to it
+        /// is taken.
+        home_deg: Vec<f64>, from(-720.0, 720.0);
+        /// Limits of joints that the URDF lacks, or tighter ones; looser ones are refused.
+        joint: Vec<JointLimits> = [];
+        /// Capsules that contain a link, in place of its collision shapes in the URDF; a link that is
+        /// drawn or long and has none is refused, because nothing would keep it off the table.
+        shape: Vec<LinkShape> = [];
+        /// Capsules that contain hand and fingers in every opening, in place of the shapes that the URDF has behind the
+        /// last joint; needed if it has none there, or if fingers turn.
+        hand: Vec<HandShape> = [];
+    }
 
-/// Limits of a joint that the URDF lacks, or tighter ones.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct JointLimits {
-    /// The joint's name in the URDF.
-    pub name: String,
-    /// The least angle, degrees.
-    pub min_deg: Option<f64>,
-    /// The largest.
-    pub max_deg: Option<f64>,
-    /// The highest speed, deg/s.
-    pub max_speed_deg_s: Option<f64>,
-}
+    /// Limits of a joint that the URDF lacks, or tighter ones.
+    pub struct JointLimits {
+        /// The joint's name in the URDF.
+        name: String;
+        /// The least angle.
+        min_deg: Option<f64>, from(-720.0, 720.0);
+        /// The largest.
+        max_deg: Option<f64>, from(-720.0, 720.0);
+        /// The highest speed.
+        max_speed_deg_s: Option<f64>, above(0.0, 720.0);
+    }
 
-/// A capsule around a link.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LinkShape {
-    /// The link's name in the URDF.
-    pub link: String,
-    /// One end of the capsule's line, metres, in the link's frame.
-    pub from_m: [f64; 3],
-    /// The other.
-    pub to_m: [f64; 3],
-    /// Its radius, metres.
-    pub radius_m: f64,
-}
+    /// A capsule around a link.
+    pub struct LinkShape {
+        /// The link's name in the URDF.
+        link: String;
+        /// One end of the capsule's line, in the link's frame.
+        from_m: [f64; 3], from(-2.0, 2.0);
+        /// The other.
+        to_m: [f64; 3], from(-2.0, 2.0);
+        /// Its radius.
+        radius_m: f64, from(0.005, 0.5);
+    }
 
-/// A capsule around the hand.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct HandShape {
-    /// One end of the capsule's line, metres, in the tool frame.
-    pub from_m: [f64; 3],
-    /// The other.
-    pub to_m: [f64; 3],
-    /// Its radius, metres.
-    pub radius_m: f64,
+    /// A capsule around the hand.
+    pub struct HandShape {
+        /// One end of the capsule's line, in the tool frame.
+        from_m: [f64; 3], from(-1.0, 1.0);
+        /// The other.
+        to_m: [f64; 3], from(-1.0, 1.0);
+        /// Its radius.
+        radius_m: f64, from(0.005, 0.5);
+    }
 }
 
 /// A link that a joint of the chain carries.
@@ -114,6 +120,11 @@ impl ArmDescription {
     pub(crate) fn chain(&self, folder: &Path) -> Result<Chain, Vec<String>> {
         let file = folder.join(&self.urdf);
         let text = files::read_text(&file, MAX_URDF_BYTES);
+        self.chain_of(&file, text)
+    }
+
+    /// Builds the arm of a URDF file's text.
+    fn chain_of(&self, file: &Path, text: Result<String, String>) -> Result<Chain, Vec<String>> {
         let robot = text.and_then(|text| urdf::read(&text));
         let robot = robot.map_err(|why| {
             vec![format!(
@@ -124,7 +135,7 @@ impl ArmDescription {
         let mut builder = Builder {
             arm: self,
             robot: &robot,
-            file: &file,
+            file,
             faults: Vec::new(),
         };
         match builder.build() {
@@ -172,7 +183,8 @@ impl<'b> Builder<'b> {
             joint_from_link = at_joint;
             if joint.kind != "fixed" {
                 self.check_kind(joint);
-                let turned = z_to(&joint.axis);
+                self.check_axis(joint);
+                let turned = z_to(joint);
                 joints.push(Joint {
                     parent_from_joint_at_zero: at_joint * turned,
                     limits_rad: self.limits(joint),
@@ -184,8 +196,8 @@ impl<'b> Builder<'b> {
         let last_from_tool = joint_from_link * self.arm.tip_from_tool();
         self.check_names(&names);
         let home_rad = self.home(&joints, &names);
-        let shapes = self.shapes(&moving, &last_from_tool);
-        Some(Chain::described(
+        let shapes = self.shapes(&moving, &joints, &last_from_tool);
+        Some(Chain::new(
             &self.robot.name,
             names,
             joints,
@@ -268,6 +280,16 @@ impl<'b> Builder<'b> {
         if let Some(other) = &joint.mimics {
             self.faults.push(format!(
                 "the joint `{}` follows `{other}`; expected one that moves by itself",
+                joint.name
+            ));
+        }
+    }
+
+    /// Checks that a joint that moves has an axis.
+    fn check_axis(&mut self, joint: &urdf::Joint) {
+        if let Err(why) = &joint.axis {
+            self.faults.push(format!(
+                "the joint `{}` cannot be used: {why}; expected the direction about which it turns, or along which it slides",
                 joint.name
             ));
         }
@@ -393,32 +415,29 @@ impl<'b> Builder<'b> {
         home_deg.iter().map(|it| it.to_radians()).collect()
     }
 
-    /// Returns the shapes of the links that the joints move, and of the hand.
+    /// Returns the shapes of the links that the joints move, and of the hand. A link that is drawn must have one, and so
+    /// must whatever leads from one joint to another place; a frame, or a joint at the place of the next, needs none.
     fn shapes(
         &mut self,
         moving: &[&'b urdf::Joint],
+        joints: &[Joint],
         last_from_tool: &Isometry3<f64>,
     ) -> Vec<Capsule> {
-        let mut shapes = Vec::new();
+        let mut shapes: Vec<Capsule> = Vec::new();
         let mut named = Vec::new();
         for (index, joint) in moving.iter().enumerate() {
             let is_last = index + 1 == moving.len();
+            let (n_shapes, n_faults) = (shapes.len(), self.faults.len());
             for link in self.carried(joint, moving, is_last) {
                 named.push(link.name);
                 // Stated shapes of the hand are in place of all that the URDF has for it.
                 let is_hand = link.is_hand && self.arm.hand.is_empty();
                 let n_faults = self.faults.len();
                 let found = self.link_shapes(&link);
-                let must_have = match link.is_hand {
-                    true => is_hand && self.robot.links[link.name].is_visible,
-                    false => true,
-                };
+                let must_have =
+                    self.robot.links[link.name].is_visible && (is_hand || !link.is_hand);
                 if must_have && found.is_empty() && self.faults.len() == n_faults {
-                    let name = link.name;
-                    self.faults.push(format!(
-                        "the link `{name}` has no shape, so nothing would keep it off the table; expected a `<collision>` in \
-                         the URDF, or an `[[arm.shape]]` with `link = \"{name}\"`"
-                    ));
+                    self.has_no_shape(link.name);
                 }
                 for (from, to, radius_m) in found {
                     let to_frame = match is_hand {
@@ -432,6 +451,13 @@ impl<'b> Builder<'b> {
                         radius_m,
                     });
                 }
+            }
+            let way_m = joints.get(index + 1).map_or(0.0, |next| {
+                next.parent_from_joint_at_zero.translation.vector.norm()
+            });
+            let is_bare = shapes.len() == n_shapes && self.faults.len() == n_faults;
+            if is_bare && way_m > FRAME_M {
+                self.has_no_shape(&joint.child);
             }
         }
         shapes.extend(self.arm.hand.iter().map(|hand| Capsule {
@@ -460,6 +486,13 @@ impl<'b> Builder<'b> {
         shapes
     }
 
+    fn has_no_shape(&mut self, name: &str) {
+        self.faults.push(format!(
+            "the link `{name}` has no shape, so nothing would keep it off the table; expected a `<collision>` in the URDF, \
+             or an `[[arm.shape]]` with `link = \"{name}\"`"
+        ));
+    }
+
     /// Returns the links that hang from a joint of the chain and from no later one of it.
     fn carried(
         &mut self,
@@ -469,10 +502,7 @@ impl<'b> Builder<'b> {
     ) -> Vec<Carried<'b>> {
         let mut carried = vec![Carried {
             name: &joint.child,
-            joint_from_link: Isometry3::from_parts(
-                Translation3::identity(),
-                z_to(&joint.axis).inverse(),
-            ),
+            joint_from_link: Isometry3::from_parts(Translation3::identity(), z_to(joint).inverse()),
             is_hand: false,
             slides_m: vec![Vector3::zeros()],
         }];
@@ -499,7 +529,8 @@ impl<'b> Builder<'b> {
                     ("fixed", _) => {}
                     _ if is_last && !self.arm.hand.is_empty() => continue,
                     ("prismatic", Some([lower, upper])) if is_last && upper - lower < 1.0 => {
-                        let along = joint_from_below * below.axis.into_inner();
+                        let along = joint_from_below * axis(below).into_inner();
+                        self.check_axis(below);
                         ends_m = vec![along * lower, along * upper];
                     }
                     (kind, _) if is_last => {
@@ -545,11 +576,13 @@ impl<'b> Builder<'b> {
             .collect();
         if clouds.is_empty() {
             for collision in &self.robot.links[link.name].collisions {
-                match self.cloud(&collision.shape) {
-                    Ok((points, radius_m)) => {
-                        let placed = |point| collision.link_from_shape * point;
-                        clouds.push((points.into_iter().map(placed).collect(), radius_m));
-                    }
+                let cloud = collision.as_ref().map_err(Clone::clone).and_then(|it| {
+                    let (points, radius_m) = self.cloud(&it.shape)?;
+                    let placed = points.into_iter().map(|point| it.link_from_shape * point);
+                    Ok((placed.collect(), radius_m))
+                });
+                match cloud {
+                    Ok(cloud) => clouds.push(cloud),
                     Err(why) => self.faults.push(format!(
                         "the link `{name}` has a shape that cannot be used: {why}; expected another, or an `[[arm.shape]]` \
                          with `link = \"{name}\"`",
@@ -616,8 +649,9 @@ impl<'b> Builder<'b> {
                 false => Ok(beside.join(path)),
             };
         };
-        let beside = std::path::absolute(beside).map_err(|why| why.to_string())?;
-        let mut paths = beside.ancestors().map(|folder| folder.join(rest));
+        // The folder of a bare name is empty, which has no absolute path.
+        let file = std::path::absolute(self.file).map_err(|why| why.to_string())?;
+        let mut paths = file.ancestors().skip(1).map(|folder| folder.join(rest));
         paths.find(|path| path.is_file()).ok_or_else(|| {
             format!(
                 "there is no `{rest}` in any folder above `{}`",
@@ -627,9 +661,14 @@ impl<'b> Builder<'b> {
     }
 }
 
-/// Returns the rotation that brings z to an axis.
-fn z_to(axis: &Unit<Vector3<f64>>) -> UnitQuaternion<f64> {
-    UnitQuaternion::rotation_between_axis(&Vector3::z_axis(), axis)
+/// Returns a joint's axis; z if it has none, which is a fault.
+fn axis(joint: &urdf::Joint) -> Unit<Vector3<f64>> {
+    joint.axis.as_ref().copied().unwrap_or(Vector3::z_axis())
+}
+
+/// Returns the rotation that brings z to a joint's axis.
+fn z_to(joint: &urdf::Joint) -> UnitQuaternion<f64> {
+    UnitQuaternion::rotation_between_axis(&Vector3::z_axis(), &axis(joint))
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI))
 }
 

@@ -6,7 +6,8 @@
 
 use super::driver::{Arm, ArmError, ArmState, Halt, HandContents};
 use super::guard::Checked;
-use super::log::{ArmLog, Entry, LogError};
+use super::journal::{Entry, Journal, JournalError};
+use super::limits::Limited;
 use super::route::{Act, Route, Segment, SegmentName};
 use super::supervisor::{MotionRequest, Supervisor, Watchdog};
 use fab_base::interrupt::Interrupt;
@@ -18,11 +19,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 const ALLOWED_POLL_S: f64 = 0.05;
 
 /// Everything that is needed to execute one pick and place.
-pub struct Execution<'e> {
+pub struct Execution<'e, A: Arm + ?Sized> {
     /// The arm, within its limits.
-    pub arm: &'e mut dyn Arm,
+    pub arm: &'e mut Limited<A>,
     /// Its journal.
-    pub log: &'e mut ArmLog,
+    pub log: &'e mut Journal,
     /// Who confirms motion.
     pub supervisor: &'e mut dyn Supervisor,
     /// Stops the arm if this program hangs.
@@ -77,7 +78,7 @@ impl std::fmt::Display for FailedAction {
     }
 }
 
-impl Execution<'_> {
+impl<A: Arm + ?Sized> Execution<'_, A> {
     /// Executes the segments.
     ///
     /// - `points`: pick and place, metres, base frame, for the supervisor's question.
@@ -156,11 +157,10 @@ impl Execution<'_> {
                 if self.interrupt.is_raised() {
                     return Err(ArmError::Interrupted);
                 }
-                self.arm.wait(ALLOWED_POLL_S);
+                self.arm.arm().wait(ALLOWED_POLL_S);
             }
-            let from = self.arm.state()?;
-            let journal = |error: LogError| ArmError::JournalBeforeMotion(error.to_string());
-            let begun = self.log.begin(self.number, segment, &from.tool);
+            let journal = |error: JournalError| ArmError::JournalBeforeMotion(error.to_string());
+            let begun = self.log.begin(self.number, segment);
             begun.map_err(journal)?;
             match self.motion(segment) {
                 Err(ArmError::Paused) => continue,
@@ -168,7 +168,7 @@ impl Execution<'_> {
                 Ok((tool, contents)) => {
                     let at_m: [f64; 3] = tool.translation.vector.into();
                     let unwritten =
-                        |error: LogError| ArmError::JournalAfterMotion(error.to_string());
+                        |error: JournalError| ArmError::JournalAfterMotion(error.to_string());
                     self.log.write(&Entry::Done { at_m }).map_err(unwritten)?;
                     return Ok(CompletedSegment {
                         at: Point3::from(at_m),
@@ -238,7 +238,7 @@ impl Execution<'_> {
             why,
             ArmError::Refused(_) | ArmError::NotConfirmed | ArmError::JournalBeforeMotion(_)
         );
-        let mut stopped = moved.then(|| self.arm.stop());
+        let mut stopped = moved.then(|| self.arm.arm().stop());
         match &mut stopped {
             // The watchdog goes on watching until a stop is verified, and has a connection of its own to try.
             Some(Err(ArmError::StopNotAcknowledged { why } | ArmError::NotStopped { why })) => {

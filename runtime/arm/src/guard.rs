@@ -2,13 +2,14 @@
 //!
 //! In: the settings' limits, the table's surface, the arm's shapes, and motions: planned ones, those that are about to
 //! be sent, corrections, and trajectories point by point. Out: [`Checked`], or why a motion is not allowed. The tool
-//! stays in its box. No part of hand and links goes below the table or into a keep-out zone.
+//! stays in its box. No part of hand and links goes below the table, into a keep-out zone, or into another part.
 //!
 //! Where the arm's node finds the joint angles itself, the path of the links is the one that this crate's kinematics
 //! would take; the measured angles are checked while it moves. Without measured angles only the hand is checked.
 
 use super::driver::ArmState;
 use super::kinematics::chain::Chain;
+use super::kinematics::reach::Reach;
 use super::kinematics::shape::{Capsule, PlacedCapsule};
 use super::kinematics::tool_down::tool_down;
 use super::port::Waypoint;
@@ -17,6 +18,9 @@ use super::settings::{KeepOut, Settings, Workspace};
 use super::timing::JointLimits;
 use crate::calibration::Calibration;
 use nalgebra::{Isometry3, Point3, Vector3};
+
+/// The longest motion at once, metres; a longer one is a mistake in a place.
+const MAX_WAY_M: f64 = 0.9;
 
 /// The longest step between two checked points of a path, metres.
 pub const STEP_M: f64 = 0.01;
@@ -30,11 +34,11 @@ const READING_M: f64 = 0.001;
 /// Slack of comparisons, metres: the inverse kinematics ends this near to its target.
 const EXACT_M: f64 = 1e-5;
 
+/// How far apart parts of the arm must be along a path, metres: between two points of it they come nearer.
+const APART_M: f64 = STEP_M / 2.0;
+
 /// How far the joint angles that an arm reports may be from those of its tool's pose, radians.
 const ASIDE_RAD: f64 = 0.05;
-
-/// Halvings in the search for the point of a capsule that is nearest to a box: a metre to 0.01 mm.
-const HALVINGS: usize = 30;
 
 /// Something that passed the checks of a [`Guard`]. Motions of the tool are made of nothing else, and only this module
 /// makes one.
@@ -170,6 +174,10 @@ pub struct Guard {
     touch_m: f64,
     /// How far below the table a measured hand may seem to be, metres.
     slack_m: f64,
+    /// Pairs of shapes that must not touch, as indices.
+    apart: Vec<[usize; 2]>,
+    /// Pairs of parts that touch in the rest pose, as their shapes are wider than they are, and that are left out.
+    touching: Vec<[String; 2]>,
 }
 
 impl Guard {
@@ -194,7 +202,7 @@ impl Guard {
         let hands: Vec<&Capsule> = chain.shapes().iter().filter(hand).collect();
         let aside_m = hands.iter().map(|shape| aside(shape)).fold(0.0, f64::max);
         let touch_m = hands.iter().map(|shape| below(shape)).fold(0.0, f64::max);
-        Guard {
+        let mut guard = Guard {
             joint_limits: JointLimits::of(settings, &chain),
             workspace: settings.workspace.clone(),
             surface,
@@ -205,7 +213,39 @@ impl Guard {
             slack_m: margin_m
                 + READING_M
                 + aside_m * settings.tolerance.angle_deg.to_radians().sin(),
+            apart: Vec::new(),
+            touching: Vec::new(),
             chain,
+        };
+        guard.pair_shapes(settings);
+        guard
+    }
+
+    /// Finds the pairs of shapes that must not touch: those of links that do not hang from each other, and do not touch
+    /// while the arm rests.
+    fn pair_shapes(&mut self, settings: &Settings) {
+        let turn_rad = settings.motion.hand_turn_deg.to_radians();
+        let rest = Reach::tool_down(&self.chain, turn_rad);
+        // An arm that cannot be at rest moves nowhere, and is refused by that.
+        let rest_rad = rest.check(&settings.workspace.rest_m.into(), &[]);
+        let placed = rest_rad.map(|rest_rad| self.chain.placed_shapes(&rest_rad));
+        let Ok(Ok(placed)) = placed else { return };
+        // The hand is fixed to the last joint's link.
+        let link = |shape: &PlacedCapsule| shape.link.min(self.chain.joints().len() - 1);
+        for (second, other) in placed.iter().enumerate() {
+            for (first, shape) in placed[..second].iter().enumerate() {
+                if link(shape).abs_diff(link(other)) <= 1 {
+                    continue;
+                }
+                if shape.gap_m(other) > APART_M {
+                    self.apart.push([first, second]);
+                    continue;
+                }
+                let parts = [shape, other].map(|shape| self.part(shape));
+                if !self.touching.contains(&parts) {
+                    self.touching.push(parts);
+                }
+            }
         }
     }
 
@@ -222,6 +262,11 @@ impl Guard {
     /// Returns the table's surface.
     pub fn surface(&self) -> &Surface {
         &self.surface
+    }
+
+    /// Returns the pairs of parts that touch in the rest pose, so that they are not kept apart.
+    pub fn touching(&self) -> &[[String; 2]] {
+        &self.touching
     }
 
     /// Returns the highest speed of the tool, m/s.
@@ -355,6 +400,16 @@ impl Guard {
             Ok(shapes) => shapes,
             Err(_) => self.hand_at(&state.tool),
         };
+        if let Some((gap_m, [one, other])) = self.nearest_pair(&shapes)
+            && gap_m <= 0.0
+        {
+            return Err(format!(
+                "{} touches {}, with the tool at {}",
+                self.part(one),
+                self.part(other),
+                place(&at)
+            ));
+        }
         for shape in &shapes {
             let below_m = -self.above_table_m(shape);
             if below_m > self.slack_m {
@@ -365,7 +420,7 @@ impl Guard {
                 ));
             }
             let zones = self.workspace.keep_out.iter();
-            if let Some(zone) = zones.into_iter().find(|zone| gap_m(shape, zone) <= 0.0) {
+            if let Some(zone) = zones.into_iter().find(|zone| zone.gap_m(shape) <= 0.0) {
                 return Err(format!(
                     "{}, with the tool at {}, is within `{}`, which is kept out",
                     self.part(shape),
@@ -396,10 +451,9 @@ impl Guard {
             ));
         }
         let way_m = (ends[1] - ends[0]).norm();
-        if way_m > self.workspace.max_step_m {
+        if way_m > MAX_WAY_M {
             return Err(format!(
-                "a way of {way_m:.3} m is longer than `{}` m, the longest that is allowed at once",
-                self.workspace.max_step_m
+                "a way of {way_m:.3} m is longer than `{MAX_WAY_M}` m, the longest that is allowed at once"
             ));
         }
         // Rotation speed is not limited, and every motion here keeps the rotation. NaN must fail these checks.
@@ -478,7 +532,7 @@ impl Guard {
         .collect()
     }
 
-    /// Checks that shapes are above the table and outside of every zone.
+    /// Checks that shapes are above the table, outside of every zone, and apart from each other.
     fn clear(&self, shapes: &[PlacedCapsule], path: &mut Path) -> Result<(), String> {
         let part = |found: &Nearest| self.part(found.shape);
         let table = Nearest::of(shapes, |shape| self.above_table_m(shape));
@@ -488,13 +542,23 @@ impl Guard {
                 format!("{} would be {below_mm:.0} mm below the table", part(&found))
             })?;
         }
+        if let Some((gap_m, [one, other])) = self.nearest_pair(shapes) {
+            path.next(1, gap_m, APART_M, 0.0, || {
+                format!(
+                    "{} would come within {:.0} mm of {}",
+                    self.part(one),
+                    gap_m.max(0.0) * 1000.0,
+                    self.part(other)
+                )
+            })?;
+        }
         for (index, zone) in self.workspace.keep_out.iter().enumerate() {
             // Between two points of a path a shape comes nearer by at most half a step.
             let least_m = self.margin_m + STEP_M / 2.0;
-            let Some(found) = Nearest::of(shapes, |shape| gap_m(shape, zone)) else {
+            let Some(found) = Nearest::of(shapes, |shape| zone.gap_m(shape)) else {
                 continue;
             };
-            path.next(index + 1, found.gap_m, least_m, 0.0, || {
+            path.next(index + 2, found.gap_m, least_m, 0.0, || {
                 let mm = |metres: f64| metres.max(0.0) * 1000.0;
                 format!(
                     "{} would come within {:.0} mm of `{}`, which is kept out by {:.0} mm",
@@ -508,12 +572,27 @@ impl Guard {
         Ok(())
     }
 
+    /// Returns the two parts of the arm that are nearest to each other, and their distance, metres; `None` for the hand's
+    /// shapes alone.
+    fn nearest_pair<'s>(
+        &self,
+        shapes: &'s [PlacedCapsule],
+    ) -> Option<(f64, [&'s PlacedCapsule; 2])> {
+        let is_whole = shapes.len() == self.chain.shapes().len();
+        let pairs = self.apart.iter().filter(|_| is_whole).map(|pair| {
+            let pair = pair.map(|index| &shapes[index]);
+            (pair[0].gap_m(pair[1]), pair)
+        });
+        pairs.min_by(|one, other| one.0.total_cmp(&other.0))
+    }
+
     /// Returns the height of a shape above the table, metres.
     ///
     /// The settings state the table by the tool's place when the fingertips touch it, so the hand's shapes end where
     /// that is. Links are held to the tool's place itself, which is higher.
     fn above_table_m(&self, shape: &PlacedCapsule) -> f64 {
-        if shape.link == 0 && self.chain.is_first_link_level() {
+        // The table's plane, which has no edge, would pass through the foot.
+        if shape.link == 0 && self.chain.is_upright() {
             return f64::INFINITY;
         }
         let ends = shape.ends.map(|end| self.surface.distance_m(&end));
@@ -530,6 +609,13 @@ impl Guard {
             true => "the hand".to_owned(),
             false => format!("the arm behind joint {}", shape.link + 1),
         }
+    }
+}
+
+impl KeepOut {
+    /// Returns the distance of a shape, metres; 0 or less if they overlap.
+    fn gap_m(&self, shape: &PlacedCapsule) -> f64 {
+        shape.gap_to_box_m(&self.min_m, &self.max_m)
     }
 }
 
@@ -625,27 +711,6 @@ fn begin_at(points: &mut [Vec<f64>], joints_rad: &[f64]) {
             *angle += left * aside;
         }
     }
-}
-
-/// Returns the distance between a shape and a zone, metres; 0 or less if they overlap.
-fn gap_m(shape: &PlacedCapsule, zone: &KeepOut) -> f64 {
-    let from_axis_m = |part: f64| {
-        let point = shape.ends[0] + (shape.ends[1] - shape.ends[0]) * part;
-        let away = Vector3::from_fn(|axis, _| {
-            point[axis] - point[axis].clamp(zone.min_m[axis], zone.max_m[axis])
-        });
-        away.norm()
-    };
-    // The distance to a box is convex along a line, so thirds without the least can be dropped.
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..2 * HALVINGS {
-        let third = (high - low) / 3.0;
-        match from_axis_m(low + third) <= from_axis_m(high - third) {
-            true => high -= third,
-            false => low += third,
-        }
-    }
-    from_axis_m((low + high) / 2.0) - shape.radius_m
 }
 
 /// Interpolates between two poses, at a fraction from 0 to 1; the rotation is at most [`MAX_TILT_RAD`].

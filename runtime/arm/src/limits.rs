@@ -1,13 +1,15 @@
 //! Stops an arm that violates its limits while it moves, and sends a motion again that ended short of its goal.
 //!
-//! In: motions. Out: the same motions, if the [`Guard`] allows them from where the arm is, and a stop if measured
+//! In: places for the tool. Out: motions to them that the [`Guard`] allows from where the arm is, and a stop if measured
 //! positions, angles or speeds leave its limits. It wraps any arm.
 
 use super::driver::{Arm, ArmError, ArmState, Deviation, Halt, HandContents, Opening, Watch};
 use super::guard::Guard;
-use super::settings::Tolerance;
 use nalgebra::Isometry3;
 use std::collections::VecDeque;
+
+/// How often a motion that ended short of its goal is sent again: after two the arm is not where it says.
+const CORRECTIONS: u32 = 2;
 
 /// Factor by which the measured speed may exceed the limit before the arm is stopped: positions have 1 mm resolution.
 const SPEED_SLACK: f64 = 1.5;
@@ -19,26 +21,79 @@ const FINGERS_STAY_M: f64 = 0.010;
 const SPEED_OVER_S: f64 = 0.4;
 
 /// An arm that is checked against its limits while it moves.
-pub struct Limited<A: Arm> {
-    arm: A,
+pub struct Limited<A: Arm + ?Sized> {
+    arm: Box<A>,
     guard: Guard,
-    /// How often a motion that ended short of its goal is sent again.
-    corrections: u32,
 }
 
-impl<A: Arm> Limited<A> {
-    /// Wraps an arm whose tool reaches its goals to within the tolerance.
-    pub fn new(arm: A, guard: Guard, tolerance: &Tolerance) -> Limited<A> {
-        Limited {
-            arm,
-            guard,
-            corrections: tolerance.corrections,
-        }
+impl<A: Arm + ?Sized> Limited<A> {
+    /// Wraps an arm.
+    pub fn new(arm: Box<A>, guard: Guard) -> Limited<A> {
+        Limited { arm, guard }
     }
 
     /// Returns the wrapped arm.
     pub fn arm(&mut self) -> &mut A {
         &mut self.arm
+    }
+
+    /// Returns the time of the arm's clock, seconds.
+    pub fn now_s(&self) -> f64 {
+        self.arm.now_s()
+    }
+
+    /// Returns the arm's state; fails if its readings are stale.
+    pub fn state(&mut self) -> Result<ArmState, ArmError> {
+        self.arm.state()
+    }
+
+    /// Moves the tool straight to a pose, `base_from_tool`, if the guard allows it from where the arm is.
+    ///
+    /// - `speed_m_s`: the highest speed.
+    pub fn move_tool(
+        &mut self,
+        to: &Isometry3<f64>,
+        speed_m_s: f64,
+        watch: &mut Watch<'_>,
+    ) -> Result<ArmState, ArmError> {
+        let mut corrections = 0;
+        loop {
+            let from = self.arm.state()?;
+            let motion = self.guard.motion(&from, to, speed_m_s);
+            let motion = motion.map_err(ArmError::Refused)?;
+            let mut monitor = LimitMonitor::new(&self.guard);
+            let moved = self.arm.move_tool(&motion, &mut |state| {
+                monitor.check(state)?;
+                watch(state)
+            });
+            match moved {
+                Err(ArmError::Short { .. }) if corrections < CORRECTIONS => corrections += 1,
+                moved => return moved,
+            }
+        }
+    }
+
+    /// Opens or closes the hand, and returns what is between the fingers.
+    pub fn move_fingers(
+        &mut self,
+        opening: Opening,
+        watch: &mut Watch<'_>,
+    ) -> Result<HandContents, ArmError> {
+        let mut monitor = LimitMonitor::new(&self.guard);
+        let begun_at = self.arm.state()?.tool;
+        self.arm.move_fingers(opening, &mut |state| {
+            monitor.check(state)?;
+            let carried_m = Deviation::between(&begun_at, &state.tool).position_m;
+            // NaN must stop the arm too.
+            let stays = carried_m <= FINGERS_STAY_M;
+            if !stays {
+                return Err(Halt::Stop(ArmError::OutOfLimits(format!(
+                    "the tool moved by {:.0} mm while only the fingers should",
+                    carried_m * 1000.0
+                ))));
+            }
+            watch(state)
+        })
     }
 }
 
@@ -90,76 +145,5 @@ impl LimitMonitor<'_> {
             )));
         }
         Ok(())
-    }
-}
-
-impl<A: Arm> Arm for Limited<A> {
-    fn name(&self) -> String {
-        self.arm.name()
-    }
-
-    fn now_s(&self) -> f64 {
-        self.arm.now_s()
-    }
-
-    fn wait(&mut self, seconds: f64) {
-        self.arm.wait(seconds);
-    }
-
-    fn state(&mut self) -> Result<ArmState, ArmError> {
-        self.arm.state()
-    }
-
-    fn move_tool(
-        &mut self,
-        to: &Isometry3<f64>,
-        speed_m_s: f64,
-        watch: &mut Watch<'_>,
-    ) -> Result<ArmState, ArmError> {
-        let mut corrections = 0;
-        loop {
-            let from = self.arm.state()?;
-            let motion = self.guard.motion(&from, to, speed_m_s);
-            motion.map_err(ArmError::Refused)?;
-            let mut monitor = LimitMonitor::new(&self.guard);
-            let moved = self.arm.move_tool(to, speed_m_s, &mut |state| {
-                monitor.check(state)?;
-                watch(state)
-            });
-            match moved {
-                Err(ArmError::Short { .. }) if corrections < self.corrections => corrections += 1,
-                moved => return moved,
-            }
-        }
-    }
-
-    fn move_fingers(
-        &mut self,
-        opening: Opening,
-        watch: &mut Watch<'_>,
-    ) -> Result<HandContents, ArmError> {
-        let mut monitor = LimitMonitor::new(&self.guard);
-        let begun_at = self.arm.state()?.tool;
-        self.arm.move_fingers(opening, &mut |state| {
-            monitor.check(state)?;
-            let carried_m = Deviation::between(&begun_at, &state.tool).position_m;
-            // NaN must stop the arm too.
-            let stays = carried_m <= FINGERS_STAY_M;
-            if !stays {
-                return Err(Halt::Stop(ArmError::OutOfLimits(format!(
-                    "the tool moved by {:.0} mm while only the fingers should",
-                    carried_m * 1000.0
-                ))));
-            }
-            watch(state)
-        })
-    }
-
-    fn stop(&mut self) -> Result<(), ArmError> {
-        self.arm.stop()
-    }
-
-    fn enable(&mut self) -> Result<(), ArmError> {
-        self.arm.enable()
     }
 }

@@ -3,7 +3,6 @@
 //! In: goals, cancellations, stops. Out: the state of each goal, and the arm's last readings. A port only sends and
 //! receives: the driver decides what a lost message or an aborted goal means.
 
-pub mod goals;
 mod stamps;
 
 pub use stamps::Stamps;
@@ -61,6 +60,16 @@ impl Waypoint {
         });
         angles.collect()
     }
+
+    /// Returns the time since the start as whole seconds and the nanoseconds that are left, below 1,000,000,000.
+    pub fn time_from_start(&self) -> (i32, u32) {
+        // Rounded as a whole, so that the nanoseconds never reach a full second.
+        let nanoseconds = (self.at_s * 1e9).round() as i64;
+        (
+            (nanoseconds / 1_000_000_000) as i32,
+            (nanoseconds % 1_000_000_000) as u32,
+        )
+    }
 }
 
 /// Identifies a goal that was sent.
@@ -103,11 +112,11 @@ pub struct Reading<T> {
 /// The last readings of an arm; `None` if nothing was received yet.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Readings {
-    /// Pose of the tool (`out/tool_pose`), `base_from_tool`.
+    /// Pose of the tool, `base_from_tool`.
     pub tool: Option<Reading<Isometry3<f64>>>,
-    /// Angles of the joints from the base to the hand (`out/joint_state`), radians.
+    /// Angles of the joints from the base to the hand, radians.
     pub joints_rad: Option<Reading<Vec<f64>>>,
-    /// Positions of the fingers (`out/finger_position`), in the node's own units.
+    /// Positions of the fingers, in the node's own units.
     pub fingers: Option<Reading<Vec<f64>>>,
 }
 
@@ -144,8 +153,7 @@ pub trait Port {
     /// Moves the joints through these points, which preempts the trajectory before (`FollowJointTrajectory`).
     fn send_trajectory(&mut self, points: &[Waypoint]) -> Result<GoalId, PortError>;
 
-    /// Moves the tool to a pose, `base_from_tool`. Only the node of kinova-ros takes poses
-    /// (`pose_action/tool_pose`); it solves the inverse kinematics, and chooses speed and joint path.
+    /// Moves the tool to a pose, `base_from_tool`. An arm that refuses goals after a stop takes its own pose at any time.
     fn send_pose(&mut self, _tool: &Isometry3<f64>) -> Result<GoalId, PortError> {
         Err(PortError {
             what: "a pose of the tool".to_owned(),
@@ -173,50 +181,4 @@ pub trait Port {
 
     /// Returns the arm's state, which is its last readings.
     fn state(&mut self) -> Readings;
-}
-
-impl<P: Port + ?Sized> Port for Box<P> {
-    fn now_s(&self) -> f64 {
-        (**self).now_s()
-    }
-
-    fn wait(&mut self, seconds: f64) {
-        (**self).wait(seconds);
-    }
-
-    fn send_trajectory(&mut self, points: &[Waypoint]) -> Result<GoalId, PortError> {
-        (**self).send_trajectory(points)
-    }
-
-    fn send_pose(&mut self, tool: &Isometry3<f64>) -> Result<GoalId, PortError> {
-        (**self).send_pose(tool)
-    }
-
-    fn send_fingers(&mut self, positions: &[f64]) -> Result<GoalId, PortError> {
-        (**self).send_fingers(positions)
-    }
-
-    fn goal(&mut self, goal: &GoalId) -> GoalState {
-        (**self).goal(goal)
-    }
-
-    fn cancel(&mut self, goal: &GoalId) -> Result<(), PortError> {
-        (**self).cancel(goal)
-    }
-
-    fn stop(&mut self) -> Result<(), PortError> {
-        (**self).stop()
-    }
-
-    fn after_stop(&self) -> AfterStop {
-        (**self).after_stop()
-    }
-
-    fn start(&mut self) -> Result<(), PortError> {
-        (**self).start()
-    }
-
-    fn state(&mut self) -> Readings {
-        (**self).state()
-    }
 }

@@ -6,9 +6,11 @@ mod pairs;
 mod picture;
 pub mod topics;
 
+use crate::settings::MAX_SIDE_PX;
+use crate::settings::declare::{above, from, section};
 use fab_picture::DepthImage;
 use image::RgbImage;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// One picture with depth.
 #[derive(Clone, Debug)]
@@ -21,19 +23,19 @@ pub struct Shot {
     pub intrinsics: Option<Intrinsics>,
 }
 
-/// A camera's projection, in the terms of `sensor_msgs/CameraInfo`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Intrinsics {
-    /// Width and height of the picture, pixels.
-    pub size_px: [u32; 2],
-    /// Focal lengths along columns and rows, pixels.
-    pub focal_px: [f64; 2],
-    /// Where the optical axis meets the picture, pixels: the middle of the pixel in column 3 is at 3.5.
-    pub middle_px: [f64; 2],
-    /// Distortion coefficients (`plumb_bob`: k1, k2, t1, t2, k3); empty for none.
-    #[serde(default)]
-    pub distortion: Vec<f64>,
+section! {
+    /// A camera's projection, in the terms of `sensor_msgs/CameraInfo`.
+    #[derive(Serialize)]
+    pub struct Intrinsics {
+        /// Width and height of its picture; the window lies inside.
+        size_px: [u32; 2], from(1.0, MAX_SIDE_PX);
+        /// Focal lengths along columns and rows.
+        focal_px: [f64; 2], above(0.0, 1e6);
+        /// Where the optical axis meets the picture; the middle of the pixel in column 3 is at 3.5.
+        middle_px: [f64; 2], from(0.0, MAX_SIDE_PX);
+        /// Coefficients of the model `plumb_bob`: k1, k2, t1, t2, k3.
+        distortion: Vec<f64> = [], from(-1e6, 1e6);
+    }
 }
 
 /// Why there is no picture.

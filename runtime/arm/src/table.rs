@@ -21,6 +21,9 @@ use std::rc::Rc;
 const REACH_ASIDE_M: f64 = 0.012;
 const REACH_UP_M: f64 = 0.015;
 
+/// Cloth less than this below the uppermost belongs to the same layer, metres: half of the least gap between layers.
+const LAYER_M: f64 = 0.0005;
+
 /// Everything up to this height above the table counts as the table, metres: cloth lies higher.
 const TABLE_M: f64 = 0.001;
 
@@ -144,18 +147,31 @@ impl ClothTable {
         }
     }
 
-    /// Returns the particle that the fingers would grasp: the uppermost within reach, ties going to the nearest.
+    /// Returns the particle that the fingers would grasp, as the simulated world's picker does: of the uppermost layer
+    /// within reach, the nearest.
     fn between(&self, tip: [f32; 3]) -> Option<usize> {
-        let positions = self.particles()?;
-        let aside_m =
-            |point: &[f32; 3]| f64::from(point[0] - tip[0]).hypot(f64::from(point[1] - tip[1]));
-        let within = positions.iter().enumerate().filter(|(_, point)| {
-            aside_m(point) <= REACH_ASIDE_M && f64::from(point[2] - tip[2]).abs() <= REACH_UP_M
-        });
-        within
-            .min_by(|(_, a), (_, b)| aside_m(a).total_cmp(&aside_m(b)))
-            .map(|(particle, _)| particle)
+        grasped(&self.particles()?, tip)
     }
+}
+
+/// Returns the nearest particle of the uppermost layer within the fingers' reach.
+fn grasped(positions: &[[f32; 3]], tip: [f32; 3]) -> Option<usize> {
+    let aside_m =
+        |point: &[f32; 3]| f64::from(point[0] - tip[0]).hypot(f64::from(point[1] - tip[1]));
+    let up_m = |point: &[f32; 3]| f64::from(point[2] - tip[2]);
+    let within = || {
+        positions
+            .iter()
+            .enumerate()
+            .filter(|(_, point)| aside_m(point) <= REACH_ASIDE_M && up_m(point).abs() <= REACH_UP_M)
+    };
+    let top_m = within()
+        .map(|(_, point)| up_m(point))
+        .fold(f64::MIN, f64::max);
+    within()
+        .filter(|(_, point)| up_m(point) >= top_m - LAYER_M)
+        .min_by(|(_, a), (_, b)| aside_m(a).total_cmp(&aside_m(b)))
+        .map(|(particle, _)| particle)
 }
 
 /// Returns what is printed on the table in each pixel of a picture, row by row.
@@ -245,3 +261,6 @@ impl RgbdSource for TableCamera {
         Ok(table.shot_of(cloth.grid(), &cloth.positions()))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -12,7 +12,7 @@ mod rehearsal;
 
 pub use parts::{Parts, about, base_from_world, guard, load};
 pub use picture::{FlatPicture, simulated_table};
-pub use planning::{PLAN_FILE, PLAN_PICTURE, PlanningWorld, read_plan};
+pub use planning::{PLAN_FILE, PLAN_PICTURE, read_plan};
 pub use reach::WithinReach;
 pub use rehearsal::Rehearsal;
 
@@ -20,9 +20,9 @@ use crate::calibration::Moved;
 use crate::driver::{Arm, ArmError, ArmState, HandContents};
 use crate::execute::{Execution, FailedAction};
 use crate::guard::Checked;
+use crate::journal::Journal;
 use crate::kinematics::tool_down::tool_down;
 use crate::limits::Limited;
-use crate::log::ArmLog;
 use crate::plan::Plan;
 use crate::rgbd::{RgbdSource, Shot};
 use crate::route::Route;
@@ -33,7 +33,9 @@ use fab_world::start::Start;
 use fab_world::{Executed, ExecutedGrip, Grasp, Grip, Motion, World, WorldError, WorldPoint};
 use nalgebra::{Isometry3, Point3, Vector3};
 use reach::{ArmReach, base_point};
+use rehearsal::laid_table;
 use std::cell::RefCell;
+use std::path::PathBuf;
 use std::rc::Rc;
 
 /// How far from `rest_m` the tool may be when a picture is taken, metres.
@@ -42,17 +44,26 @@ const AT_REST_M: f64 = 0.02;
 /// How far the hand may be rotated then, radians: 10 degrees.
 const TURNED_AT_REST_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
 
+/// What becomes of an action.
+enum Acts {
+    /// It is executed.
+    Execute,
+    /// It is planned, and the plan is written into this folder.
+    PlanIn(Option<PathBuf>),
+}
+
 /// An arm over a table.
 pub struct ArmWorld {
     parts: Parts,
     base_from_world: Isometry3<f64>,
-    arm: Limited<Box<dyn Arm>>,
+    arm: Limited<dyn Arm>,
     camera: Box<dyn RgbdSource>,
     /// The simulated table, if there is one.
     table: Option<Rc<RefCell<ClothTable>>>,
     flat: Option<FlatPicture>,
     reach: ArmReach,
-    log: Option<ArmLog>,
+    log: Option<Journal>,
+    acts: Acts,
     is_laid: bool,
     is_camera_checked: bool,
     /// The last full picture of the camera.
@@ -74,15 +85,16 @@ impl ArmWorld {
             .check_settings(settings)
             .map_err(|why| motion(format!("the calibration does not fit the settings: {why}")))?;
         let guard = parts.guard();
-        let log = parts.folder.as_deref().map(ArmLog::open).transpose();
+        let log = parts.folder.as_deref().map(Journal::open).transpose();
         Ok(ArmWorld {
             base_from_world: base_from_world(settings),
-            arm: Limited::new(arm, guard.clone(), &settings.tolerance),
+            arm: Limited::new(arm, guard.clone()),
             camera,
             table: None,
             flat: None,
             reach: ArmReach::new(settings, guard),
             log: log.map_err(|error| motion(error.to_string()))?,
+            acts: Acts::Execute,
             is_laid: false,
             is_camera_checked: false,
             last_shot: None,
@@ -233,6 +245,10 @@ impl World for ArmWorld {
         let from = self.arm.state();
         let from = from.map_err(|error| motion(error.to_string()))?;
         let (plan, route) = self.plan(&from, &asked);
+        if let Acts::PlanIn(folder) = &self.acts {
+            self.save_plan(folder.as_deref(), &plan)?;
+            return Err(plan.refusal().map_or(WorldError::PlannedOnly, motion));
+        }
         let Some(route) = route else {
             return Err(motion(plan.refusal().unwrap_or_default()));
         };

@@ -54,7 +54,8 @@ fn neighbour(path: &Path) -> PathBuf {
 /// A new name is durable only once its folder is synced; not every system allows opening a folder.
 fn sync_folder(path: &Path) {
     if let Some(folder) = path.parent() {
-        let _ = File::open(folder).and_then(|folder| folder.sync_all());
+        // The folder of a bare name is empty.
+        let _ = File::open(Path::new(".").join(folder)).and_then(|folder| folder.sync_all());
     }
 }
 

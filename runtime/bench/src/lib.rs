@@ -31,7 +31,7 @@ use fab_agent::judgement::Operator;
 use fab_agent::policy::{self, MakePolicy};
 use fab_agent::rollout::{Event, RunError};
 use fab_agent::subgoals::SubgoalSet;
-use fab_arm::log::LogError;
+use fab_arm::journal::JournalError;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_model::Models;
@@ -184,15 +184,9 @@ pub enum BenchError {
          and the same `--out` continues from there", .1, .0.display()
     )]
     Refused(PathBuf, fab_model::calls::Fault),
-    /// An earlier part of the suite left the arm in the middle of a motion.
-    #[error(
-        "the rollout in `{}` left the arm in the middle of a motion: nothing more starts until a person has \
-         recovered it; `fabc robot recover {}` shows the state in which it was left", .0.display(), .0.display()
-    )]
-    LeftUnclear(PathBuf),
     /// An arm's journal cannot be read.
     #[error("the state in which the arm was left is unknown: {0}")]
-    ArmLog(#[from] LogError),
+    ArmJournal(#[from] JournalError),
     /// The suite measures something that is unknown for a real cloth.
     #[error(
         "the suite measures `{0}`, which needs particle positions, and those of a real cloth are unknown: run \

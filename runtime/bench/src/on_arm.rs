@@ -10,7 +10,7 @@ use super::starts::StartPoint;
 use super::suite::Suite;
 use super::{Bench, BenchError, MakeRolloutWorld, record};
 use fab_agent::outcome::Outcome;
-use fab_arm::log::{self, ARM_FILE, RunState};
+use fab_arm::journal::{self, ARM_FILE};
 use fab_program::Program;
 use fab_world::start::Start;
 use fab_world::{About, World, WorldError};
@@ -94,12 +94,6 @@ pub(super) fn play(
     jobs: &[Which],
     progress: &Progress<'_>,
 ) -> Result<Done, BenchError> {
-    for which in jobs {
-        let folder = play::folder_of(bench, *which);
-        if is_unclear(&folder)? {
-            return Err(BenchError::LeftUnclear(folder));
-        }
-    }
     let mut done = Done::default();
     for (number, which) in jobs.iter().enumerate() {
         let folder = play::folder_of(bench, *which);
@@ -112,7 +106,7 @@ pub(super) fn play(
             JobEnd::CutOff => done.cut_off.push(folder.clone()),
             JobEnd::Stopped(stop) => done.stop = Some(stop),
         }
-        let is_clear = !is_unclear(&folder)?;
+        let is_clear = journal::run_state(&folder)?.is_clear();
         // A moved camera or an unresponsive arm would make the next rollout fail as well.
         if has_failed || !is_clear {
             let why = record::last_words(&folder);
@@ -136,8 +130,4 @@ pub(super) fn play(
 pub(super) fn has_begun(folder: &Path) -> bool {
     let has_moved = std::fs::metadata(folder.join(ARM_FILE)).is_ok_and(|file| file.len() > 0);
     has_moved || record::has_steps(folder)
-}
-
-fn is_unclear(folder: &Path) -> Result<bool, BenchError> {
-    Ok(log::run_state(folder)? != RunState::Clear)
 }

@@ -49,7 +49,7 @@ pub fn run(arguments: &ResumeArguments, io: &Io) -> Result<Exit, Failure> {
     }
     if wanted.world == WorldChoice::Arm {
         return Err(Failure::environment(format!(
-            "the rollout in `{}` was carried out by an arm, which cannot do it again: see how it was left with `fabc robot recover`, and begin a new run",
+            "the rollout in `{}` was carried out by an arm, which cannot do it again: see how it was left with `fabc robot recover --robot FILE`, and begin a new run",
             arguments.run.display()
         )));
     }

@@ -256,8 +256,8 @@ pub fn play(arguments: &RunArguments, resumed: Option<&Path>, io: &Io) -> Result
         progress.show(&event);
         events.write(&run, event);
     });
-    if let (Some(_), Some(run)) = (&arm, journal.get()) {
-        preflight::report_run_state(run, io);
+    if let (Some(settings), Some(run)) = (&arm, journal.get()) {
+        preflight::report_run_state(run, arguments.arm.robot(), settings, io);
     }
     let video = film.get().map(|recorder| video::finish(recorder, io));
     let report = done.map_err(|error| match error {

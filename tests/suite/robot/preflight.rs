@@ -1,9 +1,8 @@
 //! An arm that must not be moved: left in mid-motion by its last run, used by another program, or missing.
 
 use super::super::support::{Captured, fabc, finish, project, root};
-use super::{GRASP, ROBOT, journal, left, robot};
-use fab_arm::last_run;
-use serde_json::Value;
+use super::{GRASP, ROBOT, left, robot};
+use fab_arm::journal::{record_recovery, record_run};
 use std::fs;
 use std::path::Path;
 
@@ -41,56 +40,32 @@ fn an_arm_that_a_run_left_in_the_middle_is_not_moved_again_before_a_person_has_l
     fs::write(folder.path().join("robot.toml"), real()).unwrap();
     let run = fs::canonicalize(folder.path().join("run")).unwrap();
     bring_calibration(folder.path());
-    last_run::record(&folder.path().join("robot.toml"), &run).unwrap();
-    let again = || run_of(folder.path());
-    let said = again();
-    assert_eq!(said.code, 2);
-    for words in [
-        "nothing is moved: the last run with the arm of `robot.toml` left it in the middle: `grasp` of action 2 was begun",
-        &format!("`fabc robot recover {}`", run.display()),
-    ] {
-        assert!(said.stderr.contains(words), "{words}: {}", said.stderr);
-    }
-    let said = robot(
-        folder.path(),
-        &["recover", "--robot", "robot.toml"],
-        "taken out\n",
-    );
-    assert_eq!((said.code, said.stdout.as_str()), (0, "noted: taken out\n"));
-    assert!(journal(&folder).ends_with("\"how\":\"taken out\"}\n"));
-    let said = again();
-    assert!(!said.stderr.contains("the last run"), "{}", said.stderr);
+    let settings = folder.path().join("robot.toml");
+    record_run(&settings, &run).unwrap();
+    let refused = |why: &str| {
+        let said = run_of(folder.path());
+        assert_eq!(said.code, 2);
+        for words in [
+            "nothing is moved, because of how the last run with the arm of `robot.toml` ended: ",
+            why,
+            "`fabc robot recover --robot robot.toml`",
+        ] {
+            assert!(said.stderr.contains(words), "{words}: {}", said.stderr);
+        }
+    };
+    let passes = || {
+        record_recovery(&settings, "taken out").unwrap();
+        let said = run_of(folder.path());
+        assert!(!said.stderr.contains("the last run"), "{}", said.stderr);
+    };
+    refused("`grasp` of action 2 was begun and not verified");
+    passes();
 
     // The next run was cut off, and its folder was deleted.
     fs::write(run.join("arm.jsonl"), GRASP).unwrap();
     fs::rename(&run, folder.path().join("elsewhere")).unwrap();
-    let said = again();
-    assert_eq!(said.code, 2);
-    for words in [
-        "arm.jsonl` is gone",
-        "`fabc robot recover --robot robot.toml`",
-    ] {
-        assert!(said.stderr.contains(words), "{words}: {}", said.stderr);
-    }
-    let said = robot(folder.path(), &["recover", "--robot", "robot.toml"], "\n");
-    assert_eq!(said.code, 2, "{}", said.stderr);
-    let arguments = [
-        "recover",
-        "--robot",
-        "robot.toml",
-        "--how",
-        "by hand",
-        "--json",
-    ];
-    let said = robot(folder.path(), &arguments, "");
-    let read: Value = serde_json::from_str(&said.stdout).unwrap();
-    assert_eq!((said.code, &read["left"]), (0, &Value::from("unknown")));
-    assert_eq!(
-        robot(folder.path(), &["recover", "--robot", "robot.toml"], "").code,
-        0
-    );
-    let said = again();
-    assert!(!said.stderr.contains("the last run"), "{}", said.stderr);
+    refused("arm.jsonl` is gone");
+    passes();
 }
 
 /// A second name for the settings file is a name for the same arm.
@@ -99,23 +74,18 @@ fn an_arm_that_a_run_left_in_the_middle_is_not_moved_again_before_a_person_has_l
 fn a_symbolic_link_does_not_hide_how_a_run_left_the_arm() {
     let folder = left();
     fs::write(folder.path().join("lab.toml"), real()).unwrap();
-    last_run::record(&folder.path().join("lab.toml"), &folder.path().join("run")).unwrap();
-    std::os::unix::fs::symlink("lab.toml", folder.path().join("robot.toml")).unwrap();
+    record_run(&folder.path().join("lab.toml"), &folder.path().join("run")).unwrap();
+    let link = folder.path().join("robot.toml");
+    std::os::unix::fs::symlink("lab.toml", &link).unwrap();
     let said = run_of(folder.path());
-    let words = "nothing is moved: the last run with the arm of `robot.toml` left it in the middle: `grasp` of action 2";
     assert_eq!(said.code, 2);
-    assert!(said.stderr.contains(words), "{}", said.stderr);
-    let said = robot(
-        folder.path(),
-        &["recover", "--robot", "robot.toml", "--how", "by hand"],
-        "",
-    );
-    assert_eq!(said.code, 0, "{}", said.stderr);
     assert!(
-        !run_of(folder.path())
-            .stderr
-            .contains("left it in the middle")
+        said.stderr.contains("`grasp` of action 2"),
+        "{}",
+        said.stderr
     );
+    record_recovery(&link, "by hand").unwrap();
+    assert!(!run_of(folder.path()).stderr.contains("`grasp` of action 2"));
 }
 
 #[test]
@@ -140,25 +110,21 @@ fn a_wrong_name_is_not_clear() {
     let folder = tempfile::tempdir().unwrap();
     let said = robot(folder.path(), &["recover", "--robot", "robto.toml"], "x\n");
     assert_eq!(said.code, 2);
-    assert!(
-        said.stderr.contains("there are no settings `robto.toml`"),
-        "{}",
-        said.stderr
-    );
+    assert!(said.stderr.contains("`robto.toml`"), "{}", said.stderr);
     assert_eq!(robot(folder.path(), &["recover"], "").code, 64);
 }
 
 #[test]
-fn a_simulated_arm_is_neither_let_go_nor_guided() {
+fn a_simulated_arm_is_neither_recovered_nor_guided() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("robot.toml"), ROBOT).unwrap();
     let said = robot(
         folder.path(),
-        &["enable", "--robot", "robot.toml", "--how", "x"],
+        &["recover", "--robot", "robot.toml", "--how", "x"],
         "",
     );
     assert_eq!((said.code, said.stdout.as_str()), (2, ""));
-    let words = "the arm of `robot.toml` is simulated: it ends with the program that moves it, and is never left stopped";
+    let words = "the arm of `robot.toml` is simulated: it ends with the program that moves it, so there is nothing to recover";
     assert!(said.stderr.contains(words), "{}", said.stderr);
     let mut command = fabc(folder.path());
     let said = finish(command.args(["calibrate", "--robot", "robot.toml", "--jog"]));
@@ -185,16 +151,9 @@ fn a_build_without_ros_says_so() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("robot.toml"), real()).unwrap();
     for arguments in [
-        &["robot", "enable", "--robot", "robot.toml", "--how", "x"][..],
+        &["robot", "recover", "--robot", "robot.toml", "--how", "x"][..],
         &["calibrate", "--robot", "robot.toml", "--jog"],
-        &[
-            "robot",
-            "watchdog",
-            "--robot",
-            "robot.toml",
-            "--timeout",
-            "1",
-        ],
+        &["robot", "watchdog", "--robot", "robot.toml"],
     ] {
         let mut command = fabc(folder.path());
         let said = finish(command.args(arguments));

@@ -5,11 +5,8 @@
 
 use crate::kinematics;
 use nalgebra::{Isometry3, Unit, Vector3};
-use roxmltree::{Document, Node, ParsingOptions};
+use roxmltree::{Document, Node};
 use std::collections::BTreeMap;
-
-/// The most XML nodes of a description; the largest robots have some thousands.
-const MAX_NODES: u32 = 200_000;
 
 /// The largest coordinate of a frame or a shape, metres.
 pub(super) const MAX_M: f64 = 10.0;
@@ -28,7 +25,8 @@ pub(super) struct Robot {
 /// A link.
 #[derive(Debug, Default)]
 pub(super) struct Link {
-    pub collisions: Vec<Collision>,
+    /// Its collision shapes; of one that cannot be read the reason, because a link that nobody uses may have one.
+    pub collisions: Vec<Result<Collision, String>>,
     /// Whether something of it is drawn.
     pub is_visible: bool,
 }
@@ -69,7 +67,8 @@ pub(super) struct Joint {
     pub parent: String,
     pub child: String,
     pub parent_from_joint: Isometry3<f64>,
-    pub axis: Unit<Vector3<f64>>,
+    /// The axis about which it turns or along which it slides, or why it has none. That of a fixed joint means nothing.
+    pub axis: Result<Unit<Vector3<f64>>, String>,
     /// The least and the largest position, radians or metres.
     pub limits: Option<[f64; 2]>,
     /// rad/s or m/s; none if it is not stated or 0.
@@ -80,11 +79,7 @@ pub(super) struct Joint {
 
 /// Reads a description.
 pub(super) fn read(text: &str) -> Result<Robot, String> {
-    let options = ParsingOptions {
-        nodes_limit: MAX_NODES,
-        ..ParsingOptions::default()
-    };
-    let document = Document::parse_with_options(text, options).map_err(|why| why.to_string())?;
+    let document = Document::parse(text).map_err(|why| why.to_string())?;
     let root = document.root_element();
     if root.tag_name().name() != "robot" {
         return Err(format!(
@@ -112,7 +107,7 @@ pub(super) fn read(text: &str) -> Result<Robot, String> {
         match node.tag_name().name() {
             "link" => {
                 let name = attribute(&node, "name")?.to_owned();
-                let link = read_link(&node)?;
+                let link = read_link(&node);
                 if robot.links.insert(name.clone(), link).is_some() {
                     return Err(format!("{}: there are two links `{name}`", line(&node)));
                 }
@@ -124,19 +119,23 @@ pub(super) fn read(text: &str) -> Result<Robot, String> {
     Ok(robot)
 }
 
-fn read_link(node: &Node) -> Result<Link, String> {
+fn read_link(node: &Node) -> Link {
     let mut link = Link::default();
     for part in node.children() {
         match part.tag_name().name() {
             "visual" => link.is_visible = true,
-            "collision" => link.collisions.push(Collision {
-                link_from_shape: origin(&part)?,
-                shape: read_shape(&part)?,
-            }),
+            "collision" => link.collisions.push(read_collision(&part)),
             _ => {}
         }
     }
-    Ok(link)
+    link
+}
+
+fn read_collision(node: &Node) -> Result<Collision, String> {
+    Ok(Collision {
+        link_from_shape: origin(node)?,
+        shape: read_shape(node)?,
+    })
 }
 
 fn read_shape(collision: &Node) -> Result<Shape, String> {
@@ -194,12 +193,14 @@ fn read_joint(node: &Node) -> Result<Joint, String> {
         Ok::<_, String>(attribute(&part, "link")?.to_owned())
     };
     let axis = match child(node, "axis") {
-        Some(axis) => numbers(&axis, "xyz", attribute(&axis, "xyz")?)?.into(),
+        Some(axis) => attribute(&axis, "xyz").and_then(|text| numbers(&axis, "xyz", text)),
         // The format's default.
-        None => Vector3::x(),
+        None => Ok([1.0, 0.0, 0.0]),
     };
-    let axis = Unit::try_new(axis, 1e-6)
-        .ok_or_else(|| format!("{}: the axis of a joint has no direction", line(node)))?;
+    let axis = axis.and_then(|axis| {
+        Unit::try_new(Vector3::from(axis), 1e-6)
+            .ok_or_else(|| format!("{}: its axis has no direction", line(node)))
+    });
     let (mut limits, mut max_speed) = (None, None);
     if let Some(limit) = child(node, "limit") {
         let number = |name: &str| match limit.attribute(name) {

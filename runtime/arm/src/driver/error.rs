@@ -49,14 +49,14 @@ pub enum ArmError {
     },
     /// The arm is stopped.
     #[error(
-        "the arm is stopped and refuses motion; find out why, then enable it with `fabc robot enable`"
+        "the arm is stopped and refuses motion; find out why, then let it go with `fabc robot recover --robot FILE`"
     )]
     Stopped,
     /// The tool came to rest away from its target.
     #[error("the arm reported `{reported}`, but its tool is {deviation} from its target")]
     NotReached {
         /// The outcome that the arm's node reported.
-        reported: String,
+        reported: &'static str,
         /// How far the tool is from the target.
         deviation: Deviation,
     },
@@ -65,7 +65,7 @@ pub enum ArmError {
     #[error("the arm reported `{reported}`, but its tool is {deviation} from its target")]
     Short {
         /// The outcome that the arm's node reported.
-        reported: String,
+        reported: &'static str,
         /// How far the tool is from the target.
         deviation: Deviation,
     },

@@ -4,48 +4,75 @@
 //! stopped is not. The server may report both alike, so finger positions decide. The caller checks whether the arm is
 //! stopped.
 
-use super::goal::{Goal, Outcome, execute};
-use super::state::{fingers, watched_wait};
-use super::{ArmError, HandContents, Opening, Watch};
-use crate::port::{Ending, Port, Reading};
-use crate::settings::{FingerSettings, Tolerance};
+use super::goal::{Goal, Outcome};
+use super::{ArmError, HandContents, Opening, PortArm, Watch};
+use crate::phase::Event;
+use crate::port::{Port, Reading};
+use crate::settings::FingerSettings;
 
 /// Time limit of a finger goal, seconds.
 const LIMIT_S: f64 = 8.0;
 
-/// Two finger readings this far apart must agree before the fingers count as at rest, seconds.
-const REST_S: f64 = 0.25;
+/// How long the fingers may take to come to rest afterwards, seconds.
+const SETTLE_S: f64 = 3.0;
 
-/// How many readings are compared before giving up.
-const LOOKS: u32 = 12;
+impl<P: Port + ?Sized> PortArm<P> {
+    /// Opens or closes the hand and returns what is between the fingers.
+    pub(super) fn try_move_fingers(
+        &mut self,
+        opening: Opening,
+        watch: &mut Watch<'_>,
+    ) -> Result<HandContents, ArmError> {
+        self.check_enabled(watch)?;
+        self.phase = self.phase.after(Event::Begin);
+        let settings = self.fingers;
+        let goal = Goal::Fingers(vec![target(&settings, opening); settings.count]);
+        let outcome = self.execute(&goal, LIMIT_S, watch)?;
+        let found = self.resting_positions(watch);
+        let contents = found.and_then(|found| classify(&settings, opening, outcome, &found));
+        // Probe only when no goal is in progress: the probe would preempt it, and the node then enables a stopped arm.
+        let may_be_stopped = match &contents {
+            Ok(_) => outcome.is_refusal(),
+            Err(error) => matches!(error, ArmError::Fingers { .. }),
+        };
+        if may_be_stopped {
+            // If the arm was stopped meanwhile, report that and not the finger positions.
+            self.check_enabled(watch)?;
+        }
+        contents
+    }
 
-/// Opens or closes a hand and returns what is between the fingers.
-pub(super) fn move_fingers<P: Port>(
-    port: &mut P,
-    settings: &FingerSettings,
-    tolerance: &Tolerance,
-    opening: Opening,
-    watch: &mut Watch<'_>,
-) -> Result<FingerResult, ArmError> {
-    let target = match opening {
-        Opening::Open => settings.open,
-        Opening::Closed => settings.closed,
-    };
-    let goal = Goal::Fingers(vec![target; settings.count]);
-    let outcome = execute(port, &goal, LIMIT_S, tolerance, &mut None, watch)?;
-    let found = resting_positions(port, settings, tolerance, watch)?;
-    Ok(FingerResult {
-        contents: classify(settings, opening, outcome, &found)?,
-        was_aborted: matches!(outcome, Outcome::Ended(Ending::Aborted | Ending::Rejected)),
-    })
+    /// Waits until the fingers are at rest, and returns their positions.
+    fn resting_positions(&mut self, watch: &mut Watch<'_>) -> Result<Vec<f64>, ArmError> {
+        let most = 0.2 * self.fingers.tolerance;
+        let agree = |now: &Vec<f64>, before: &Vec<f64>| {
+            let moved = now.iter().zip(before);
+            let moved = moved.map(|(now, before)| (now - before).abs());
+            moved.fold(0.0, f64::max) <= most
+        };
+        self.settled(PortArm::positions, agree, SETTLE_S, watch)
+    }
+
+    /// Returns one position per finger; a node may report three for a hand with two.
+    fn positions(&mut self) -> Result<Reading<Vec<f64>>, ArmError> {
+        let mut fingers = self.fingers()?;
+        fingers.value.truncate(self.fingers.count);
+        let are_numbers = fingers.value.iter().all(|position| position.is_finite());
+        if fingers.value.len() == self.fingers.count && are_numbers {
+            return Ok(fingers);
+        }
+        Err(ArmError::Fingers {
+            found: format!("{} positions", fingers.value.len()),
+            target: self.fingers.count as f64,
+        })
+    }
 }
 
-/// The result of a finger goal.
-pub(super) struct FingerResult {
-    /// What is between the fingers, judged by their positions.
-    pub contents: HandContents,
-    /// Whether the node aborted or rejected the goal, as it also does when the arm is stopped.
-    pub was_aborted: bool,
+fn target(settings: &FingerSettings, opening: Opening) -> f64 {
+    match opening {
+        Opening::Open => settings.open,
+        Opening::Closed => settings.closed,
+    }
 }
 
 /// Classifies the positions at which the fingers came to rest.
@@ -55,10 +82,7 @@ fn classify(
     outcome: Outcome,
     found: &[f64],
 ) -> Result<HandContents, ArmError> {
-    let target = match opening {
-        Opening::Open => settings.open,
-        Opening::Closed => settings.closed,
-    };
+    let target = target(settings, opening);
     let wrong = || ArmError::Fingers {
         found: found
             .iter()
@@ -89,111 +113,5 @@ fn classify(
     }
 }
 
-/// Waits until the fingers are at rest, and returns their positions.
-fn resting_positions<P: Port>(
-    port: &mut P,
-    settings: &FingerSettings,
-    tolerance: &Tolerance,
-    watch: &mut Watch<'_>,
-) -> Result<Vec<f64>, ArmError> {
-    let mut before = positions(port, settings, tolerance)?;
-    for _ in 0..LOOKS {
-        watched_wait(port, REST_S, tolerance, watch)?;
-        let now = positions(port, settings, tolerance)?;
-        // Only a new reading can show rest.
-        if now.at_s > before.at_s {
-            let moved = now.value.iter().zip(&before.value);
-            let moved = moved.map(|(now, before)| (now - before).abs());
-            if moved.fold(0.0, f64::max) <= 0.2 * settings.tolerance {
-                return Ok(now.value);
-            }
-            before = now;
-        }
-    }
-    Err(ArmError::TimedOut {
-        after_s: f64::from(LOOKS) * REST_S,
-    })
-}
-
-/// Returns one position per finger; a node may report three for a hand with two.
-fn positions<P: Port>(
-    port: &mut P,
-    settings: &FingerSettings,
-    tolerance: &Tolerance,
-) -> Result<Reading<Vec<f64>>, ArmError> {
-    let mut fingers = fingers(port, tolerance)?;
-    fingers.value.truncate(settings.count);
-    let are_numbers = fingers.value.iter().all(|position| position.is_finite());
-    if fingers.value.len() == settings.count && are_numbers {
-        return Ok(fingers);
-    }
-    Err(ArmError::Fingers {
-        found: format!("{} positions", fingers.value.len()),
-        target: settings.count as f64,
-    })
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const SETTINGS: FingerSettings = FingerSettings {
-        count: 2,
-        open: 0.0,
-        closed: 6400.0,
-        cloth: Some(200.0),
-        tolerance: 100.0,
-    };
-
-    #[test]
-    fn finger_positions_decide_what_the_hand_holds() {
-        let without = FingerSettings {
-            cloth: None,
-            ..SETTINGS
-        };
-        let aborted = Outcome::Ended(Ending::Aborted);
-        let done = Outcome::Ended(Ending::Succeeded);
-        for (settings, outcome, found, expected) in [
-            (
-                SETTINGS,
-                done,
-                [6390.0, 6350.0],
-                Some(HandContents::Nothing),
-            ),
-            (
-                SETTINGS,
-                done,
-                [6100.0, 6150.0],
-                Some(HandContents::Something),
-            ),
-            (
-                SETTINGS,
-                aborted,
-                [5000.0, 5200.0],
-                Some(HandContents::Something),
-            ),
-            (
-                SETTINGS,
-                Outcome::TimedOut,
-                [5000.0, 5200.0],
-                Some(HandContents::Something),
-            ),
-            // One finger stuck open means that nothing is held, whatever the other does.
-            (SETTINGS, done, [0.0, 6400.0], None),
-            (SETTINGS, done, [6100.0, 40.0], None),
-            (SETTINGS, aborted, [0.0, 0.0], None),
-            (SETTINGS, done, [6250.0, 6250.0], None),
-            (without, done, [6390.0, 6350.0], Some(HandContents::Unknown)),
-            (
-                without,
-                aborted,
-                [5000.0, 5200.0],
-                Some(HandContents::Unknown),
-            ),
-            (without, Outcome::TimedOut, [5000.0, 5200.0], None),
-        ] {
-            let judged = classify(&settings, Opening::Closed, outcome, &found);
-            assert_eq!(judged.ok(), expected, "{outcome:?} at {found:?}");
-        }
-    }
-}
+mod tests;

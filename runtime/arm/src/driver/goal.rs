@@ -1,21 +1,48 @@
-//! Executes one goal: sends it, watches the arm, and returns how the goal ended.
+//! Executes one goal: sends it, watches the arm, pauses it on request, and returns how the goal ended.
 //!
 //! In: a goal, a time limit, a watch callback. Out: the server's terminal status, or a timeout. A goal that no server
 //! acknowledges may have been lost, so it is sent again, but only while the arm rests where the goal begins.
+//!
+//! A pause must not release a stop that somebody pressed. kinova-ros handles a cancellation by stopping the arm and
+//! starting it again, and it checks for a cancellation before it checks for a stop. A stop pressed up to 0.1 s before the
+//! cancellation is therefore released, and nothing reports it. So a goal that is almost done runs to its end. Any other
+//! goal is cancelled, and the tool must have kept moving until the cancellation was sent; if it came to rest earlier,
+//! the arm counts as stopped. A stop that is pressed while the cancellation is in transit looks the same as the
+//! cancellation; the arm then rests until a person resumes the motion.
 
-use super::pause::{Track, pause};
-use super::state::{POLL_S, REST_M, state};
-use super::{ArmError, Deviation, Halt, Watch};
+use super::readings::{POLL_S, REST_M};
+use super::{ArmError, ArmState, Deviation, Halt, PortArm, Watch};
 use crate::guard::Checked;
-use crate::port::{Ending, GoalId, GoalState, Port, PortError, Waypoint};
-use crate::settings::Tolerance;
-use nalgebra::Isometry3;
+use crate::port::{Ending, GoalId, GoalState, Port, Waypoint};
+use nalgebra::{Isometry3, Vector3};
 
 /// How long a server may take to accept a goal before it counts as lost, seconds.
 const ACCEPT_S: f64 = 1.0;
 
 /// How often an unacknowledged goal is sent again.
 const RESENDS: u32 = 2;
+
+/// A tool this close to its target is left to arrive, metres: a few cycles of the node at the allowed speeds.
+const NEAR_M: f64 = 0.02;
+
+/// The same for the joints of a trajectory, radians.
+const NEAR_RAD: f64 = 0.04;
+
+/// How long a goal may take to end by itself, seconds: a hand closes in one or two.
+const LET_END_S: f64 = 3.0;
+
+/// How long to wait for steady motion, seconds: a goal takes effect within 0.15 s, and then three readings are needed.
+const EVEN_S: f64 = 0.6;
+
+/// How long a cancellation may take before it counts as lost, seconds, and how often it is sent.
+const CANCEL_S: f64 = 0.5;
+const CANCELS: u32 = 3;
+
+/// A tool slower than this counts as not moving, m/s.
+const SLOW_M_S: f64 = 0.01;
+
+/// How long before the cancellation the tool may appear to have come to rest, seconds: readings have 1 mm resolution.
+const SLACK_S: f64 = 0.012;
 
 /// A goal for one of the arm's servers. Only checked motions can be one.
 #[derive(Debug, PartialEq)]
@@ -26,27 +53,6 @@ pub(crate) enum Goal {
     Trajectory(Checked<Vec<Waypoint>>),
     /// Move the fingers to these positions, in the arm's own units.
     Fingers(Vec<f64>),
-}
-
-impl Goal {
-    /// Sends the goal. Nothing else in this program makes an arm move.
-    pub(super) fn send<P: Port>(&self, port: &mut P) -> Result<GoalId, PortError> {
-        match self {
-            Goal::Pose(tool) => port.send_pose(tool.get()),
-            Goal::Trajectory(points) => port.send_trajectory(points.get()),
-            Goal::Fingers(positions) => port.send_fingers(positions),
-        }
-    }
-
-    /// Sends the goal once more, in place of one that was not acknowledged. A trajectory that arrives late would be
-    /// under way when the second one arrives and leads back to its start, so it is cancelled first. Poses and fingers
-    /// go to their target from anywhere, and a cancellation would make kinova-ros enable a stopped arm.
-    fn send_again<P: Port>(&self, port: &mut P, before: &GoalId) -> Result<GoalId, PortError> {
-        if let Goal::Trajectory(_) = self {
-            port.cancel(before)?;
-        }
-        self.send(port)
-    }
 }
 
 /// How a goal ended, as far as the server reported.
@@ -71,57 +77,197 @@ impl Outcome {
             Outcome::Unreported | Outcome::TimedOut => "nothing",
         }
     }
+
+    /// Returns whether the server aborted or refused the goal, as it also does when the arm is stopped.
+    pub(super) fn is_refusal(self) -> bool {
+        matches!(self, Outcome::Ended(Ending::Aborted | Ending::Rejected))
+    }
 }
 
-/// Sends a goal and waits for its end, at most `limit_s` seconds.
-///
-/// Returns [`Outcome::TimedOut`] if no end was reported by then. After [`ArmError::Paused`] the arm is at rest.
-///
-/// - `sent`: set to the id that was sent last.
-pub(super) fn execute<P: Port>(
-    port: &mut P,
-    goal: &Goal,
-    limit_s: f64,
-    tolerance: &Tolerance,
-    sent: &mut Option<GoalId>,
-    watch: &mut Watch<'_>,
-) -> Result<Outcome, ArmError> {
-    let begun_s = port.now_s();
-    let mut sent_s = begun_s;
-    let mut resends = 0;
-    let mut track = Track::default();
-    let begun_at = state(port, tolerance)?.tool;
-    let mut id = goal.send(port)?;
-    *sent = Some(id.clone());
-    loop {
-        port.wait(POLL_S);
-        let now_s = port.now_s();
-        let state = state(port, tolerance)?;
-        track.record(&state);
-        match watch(&state) {
-            Ok(()) => {}
-            Err(Halt::Pause) => return Err(pause(port, goal, &id, track, tolerance, watch)),
-            Err(Halt::Stop(why)) => return Err(why),
+impl<P: Port + ?Sized> PortArm<P> {
+    /// Sends a goal. Nothing else in this program makes an arm move.
+    pub(super) fn send(&mut self, goal: &Goal) -> Result<GoalId, ArmError> {
+        let id = match goal {
+            Goal::Pose(tool) => self.port.send_pose(tool.get())?,
+            Goal::Trajectory(points) => self.port.send_trajectory(points.get())?,
+            Goal::Fingers(positions) => self.port.send_fingers(positions)?,
+        };
+        if let Goal::Trajectory(_) = goal {
+            self.trajectory = Some(id.clone());
         }
-        match port.goal(&id) {
-            GoalState::Ended(ending) => return Ok(Outcome::Ended(ending)),
-            GoalState::Sent if now_s - sent_s > ACCEPT_S => {
-                // An arm that has moved has taken the goal: only its status was lost.
-                let has_moved = Deviation::between(&begun_at, &state.tool).position_m > REST_M;
-                if has_moved && track.is_at_rest() {
-                    return Ok(Outcome::Unreported);
+        Ok(id)
+    }
+
+    /// Sends a goal and waits for its end, at most `limit_s` seconds.
+    ///
+    /// Returns [`Outcome::TimedOut`] if no end was reported by then. After [`ArmError::Paused`] the arm is at rest.
+    pub(super) fn execute(
+        &mut self,
+        goal: &Goal,
+        limit_s: f64,
+        watch: &mut Watch<'_>,
+    ) -> Result<Outcome, ArmError> {
+        let begun_s = self.port.now_s();
+        let mut sent_s = begun_s;
+        let mut resends = 0;
+        let mut track = Track::default();
+        let begun_at = self.current()?.tool;
+        let mut id = self.send(goal)?;
+        loop {
+            self.port.wait(POLL_S);
+            let now_s = self.port.now_s();
+            let state = self.current()?;
+            track.record(&state);
+            match watch(&state) {
+                Ok(()) => {}
+                Err(Halt::Pause) => {
+                    self.pause(goal, &id, track, watch)?;
+                    return Err(ArmError::Paused);
                 }
-                if !has_moved && resends < RESENDS {
-                    resends += 1;
-                    sent_s = now_s;
-                    id = goal.send_again(port, &id)?;
-                    *sent = Some(id.clone());
+                Err(Halt::Stop(why)) => return Err(why),
+            }
+            match self.port.goal(&id) {
+                GoalState::Ended(ending) => return Ok(Outcome::Ended(ending)),
+                GoalState::Sent if now_s - sent_s > ACCEPT_S => {
+                    // An arm that has moved has taken the goal: only its status was lost.
+                    let has_moved = Deviation::between(&begun_at, &state.tool).position_m > REST_M;
+                    if has_moved && track.is_at_rest() {
+                        return Ok(Outcome::Unreported);
+                    }
+                    if !has_moved && resends < RESENDS {
+                        resends += 1;
+                        sent_s = now_s;
+                        // A late trajectory would be under way when the second one leads back to its start. Poses and
+                        // fingers go to their target from anywhere, and a cancellation would enable a stopped arm.
+                        if let Goal::Trajectory(_) = goal {
+                            self.port.cancel(&id)?;
+                        }
+                        id = self.send(goal)?;
+                    }
+                }
+                GoalState::Sent | GoalState::Active => {}
+            }
+            if now_s - begun_s > limit_s {
+                return Ok(Outcome::TimedOut);
+            }
+        }
+    }
+
+    /// Ends a running goal; afterwards the arm is verified to be at rest, and its stop state is unchanged.
+    fn pause(
+        &mut self,
+        goal: &Goal,
+        id: &GoalId,
+        mut track: Track,
+        watch: &mut Watch<'_>,
+    ) -> Result<(), ArmError> {
+        let asked_s = self.port.now_s();
+        loop {
+            let state = self.watched(watch)?;
+            track.record(&state);
+            let for_s = self.port.now_s() - asked_s;
+            let keep_waiting = if goal.ends_soon(&state) {
+                for_s < LET_END_S
+            } else {
+                for_s < EVEN_S && !track.is_even()
+            };
+            if let GoalState::Ended(_) = self.port.goal(id) {
+                return self.wait_until_at_rest(watch).map(drop);
+            }
+            if !keep_waiting {
+                break;
+            }
+            self.port.wait(POLL_S);
+        }
+        let cancelled_s = self.port.now_s();
+        let ending = self.cancel(id, watch)?;
+        let rest = self.wait_until_at_rest(watch)?;
+        let moved_until_s = track.moved_until_s(&rest.tool.translation.vector);
+        let kept_moving = moved_until_s.is_some_and(|until_s| until_s >= cancelled_s - SLACK_S);
+        // Only with this ending does the node start a stopped arm.
+        if ending == Ending::Preempted && !kept_moving {
+            // The caller stops the arm and verifies it; stopping here loses no time.
+            let _ = self.port.stop();
+            return Err(ArmError::Stopped);
+        }
+        Ok(())
+    }
+
+    /// Cancels a goal until its server reports an end.
+    fn cancel(&mut self, id: &GoalId, watch: &mut Watch<'_>) -> Result<Ending, ArmError> {
+        for _ in 0..CANCELS {
+            self.port.cancel(id)?;
+            let sent_s = self.port.now_s();
+            while self.port.now_s() - sent_s < CANCEL_S {
+                self.port.wait(POLL_S);
+                self.watched(watch)?;
+                if let GoalState::Ended(ending) = self.port.goal(id) {
+                    return Ok(ending);
                 }
             }
-            GoalState::Sent | GoalState::Active => {}
         }
-        if now_s - begun_s > limit_s {
-            return Ok(Outcome::TimedOut);
+        Err(ArmError::TimedOut {
+            after_s: f64::from(CANCELS) * CANCEL_S,
+        })
+    }
+}
+
+impl Goal {
+    /// Returns whether the goal is about to end by itself.
+    fn ends_soon(&self, state: &ArmState) -> bool {
+        match self {
+            Goal::Fingers(_) => true,
+            Goal::Pose(pose) => Deviation::between(pose.get(), &state.tool).position_m < NEAR_M,
+            Goal::Trajectory(points) => points.get().last().is_some_and(|last| {
+                // There may be no recent reading of the joints.
+                let pairs = last.joints_rad.iter().zip(&state.joints_rad);
+                state.joints_rad.len() == last.joints_rad.len()
+                    && pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < NEAR_RAD
+            }),
         }
+    }
+}
+
+/// The last readings of the tool's position during a goal.
+#[derive(Clone, Debug, Default)]
+struct Track(Vec<(f64, Vector3<f64>)>);
+
+impl Track {
+    fn record(&mut self, state: &ArmState) {
+        if self.0.last().is_none_or(|(at_s, _)| state.at_s > *at_s) {
+            self.0.push((state.at_s, state.tool.translation.vector));
+        }
+        if self.0.len() > 3 {
+            self.0.remove(0);
+        }
+    }
+
+    /// Returns the time until which the tool moved if it came to rest at `rest`, seconds. `None` without steady motion:
+    /// the first of three readings may be from before the motion.
+    fn moved_until_s(&self, rest: &Vector3<f64>) -> Option<f64> {
+        let [first, second, third] = self.0.as_slice() else {
+            return None;
+        };
+        let speed_m_s = |from: &(f64, Vector3<f64>), to: &(f64, Vector3<f64>)| {
+            (to.1 - from.1).norm() / (to.0 - from.0)
+        };
+        let lately_m_s = speed_m_s(second, third);
+        if speed_m_s(first, second) < SLOW_M_S || lately_m_s < SLOW_M_S {
+            return None;
+        }
+        Some(third.0 + (rest - third.1).norm() / lately_m_s)
+    }
+
+    /// Returns whether the last three readings agree.
+    fn is_at_rest(&self) -> bool {
+        let [first, .., last] = self.0.as_slice() else {
+            return false;
+        };
+        self.0.len() == 3 && (last.1 - first.1).norm() < REST_M
+    }
+
+    fn is_even(&self) -> bool {
+        let last = self.0.last().map(|(_, place)| *place);
+        last.is_some_and(|place| self.moved_until_s(&place).is_some())
     }
 }

@@ -1,22 +1,21 @@
 //! The driver of an arm with a hand. It verifies every motion by measurement.
 //!
-//! In: tool poses and hand openings. Out: the verified state of the arm, else an [`ArmError`]. A driver trusts no
+//! In: checked motions of the tool and hand openings. Out: the verified state of the arm, else an [`ArmError`]. A driver trusts no
 //! action server: it measures where the arm is. [`PortArm`] drives an arm through a [`Port`](super::port::Port);
-//! [`Limited`](super::limits::Limited) wraps any arm in safety limits.
+//! [`Limited`](super::limits::Limited) checks motions for any arm.
 
-mod command;
 mod error;
 mod fingers;
 mod goal;
 pub mod parked;
-mod pause;
 mod port_arm;
-mod state;
+mod readings;
 
 pub use error::{ArmError, Deviation};
 
-pub use port_arm::PortArm;
+pub use port_arm::{Commands, PortArm};
 
+use crate::guard::{Checked, Motion};
 use nalgebra::Isometry3;
 
 /// The state of an arm, from recent readings.
@@ -67,13 +66,10 @@ pub type Watch<'w> = dyn FnMut(&ArmState) -> Result<(), Halt> + 'w;
 
 /// An arm with a hand.
 ///
-/// A stopped arm does not move again until [`Arm::enable`], which a driver never calls by itself. After an error of
+/// A stopped arm does not move again until [`PortArm::recover`], which no driver calls by itself. After an error of
 /// [`Arm::move_tool`] or [`Arm::move_fingers`] other than [`ArmError::Paused`] the arm may still be moving: the caller
 /// must stop it.
 pub trait Arm {
-    /// Returns its name, e.g. `j2n6s200`.
-    fn name(&self) -> String;
-
     /// Returns the time of a monotonic clock, seconds.
     fn now_s(&self) -> f64;
 
@@ -83,16 +79,14 @@ pub trait Arm {
     /// Returns the arm's state; fails if its readings are stale.
     fn state(&mut self) -> Result<ArmState, ArmError>;
 
-    /// Moves the tool to a pose in a straight line, and verifies that it arrived and is at rest.
+    /// Makes a straight motion of the tool, and verifies that it arrived and is at rest.
     ///
     /// One call sends one motion. After [`ArmError::Short`] the caller may check the rest of the way and call again.
     ///
-    /// - `to`: `base_from_tool`.
-    /// - `speed_m_s`: the highest speed. A node that takes no speed is only monitored.
+    /// - `motion`: from where the arm is. A node that takes no speed is only monitored.
     fn move_tool(
         &mut self,
-        to: &Isometry3<f64>,
-        speed_m_s: f64,
+        motion: &Checked<Motion>,
         watch: &mut Watch<'_>,
     ) -> Result<ArmState, ArmError>;
 
@@ -105,50 +99,4 @@ pub trait Arm {
 
     /// Stops the arm and verifies that it refuses motion.
     fn stop(&mut self) -> Result<(), ArmError>;
-
-    /// Enables a stopped arm. Call it only at a person's request.
-    fn enable(&mut self) -> Result<(), ArmError>;
-}
-
-impl<A: Arm + ?Sized> Arm for Box<A> {
-    fn name(&self) -> String {
-        (**self).name()
-    }
-
-    fn now_s(&self) -> f64 {
-        (**self).now_s()
-    }
-
-    fn wait(&mut self, seconds: f64) {
-        (**self).wait(seconds);
-    }
-
-    fn state(&mut self) -> Result<ArmState, ArmError> {
-        (**self).state()
-    }
-
-    fn move_tool(
-        &mut self,
-        to: &Isometry3<f64>,
-        speed_m_s: f64,
-        watch: &mut Watch<'_>,
-    ) -> Result<ArmState, ArmError> {
-        (**self).move_tool(to, speed_m_s, watch)
-    }
-
-    fn move_fingers(
-        &mut self,
-        opening: Opening,
-        watch: &mut Watch<'_>,
-    ) -> Result<HandContents, ArmError> {
-        (**self).move_fingers(opening, watch)
-    }
-
-    fn stop(&mut self) -> Result<(), ArmError> {
-        (**self).stop()
-    }
-
-    fn enable(&mut self) -> Result<(), ArmError> {
-        (**self).enable()
-    }
 }

@@ -1,24 +1,18 @@
 //! An arm that stays in one pose and refuses motion. Plans are made for it.
 
 use super::{Arm, ArmError, ArmState, HandContents, Opening, Watch};
+use crate::guard::{Checked, Motion};
 use nalgebra::Isometry3;
-use std::time::{Duration, Instant};
 
 /// An arm that is parked at a pose. No hardware is connected, so nothing can move.
 pub struct ParkedArm {
-    model: String,
     at: Isometry3<f64>,
-    since: Instant,
 }
 
 impl ParkedArm {
-    /// Parks an arm of a model at a pose, `base_from_tool`.
-    pub fn at(model: &str, at: Isometry3<f64>) -> ParkedArm {
-        ParkedArm {
-            model: model.to_owned(),
-            at,
-            since: Instant::now(),
-        }
+    /// Parks an arm at a pose, `base_from_tool`.
+    pub fn at(at: Isometry3<f64>) -> ParkedArm {
+        ParkedArm { at }
     }
 
     fn refusal() -> ArmError {
@@ -27,19 +21,11 @@ impl ParkedArm {
 }
 
 impl Arm for ParkedArm {
-    fn name(&self) -> String {
-        self.model.clone()
-    }
-
     fn now_s(&self) -> f64 {
-        self.since.elapsed().as_secs_f64()
+        0.0
     }
 
-    fn wait(&mut self, seconds: f64) {
-        if let Ok(time) = Duration::try_from_secs_f64(seconds) {
-            std::thread::sleep(time);
-        }
-    }
+    fn wait(&mut self, _: f64) {}
 
     fn state(&mut self) -> Result<ArmState, ArmError> {
         Ok(ArmState {
@@ -50,12 +36,7 @@ impl Arm for ParkedArm {
         })
     }
 
-    fn move_tool(
-        &mut self,
-        _: &Isometry3<f64>,
-        _: f64,
-        _: &mut Watch<'_>,
-    ) -> Result<ArmState, ArmError> {
+    fn move_tool(&mut self, _: &Checked<Motion>, _: &mut Watch<'_>) -> Result<ArmState, ArmError> {
         Err(ParkedArm::refusal())
     }
 
@@ -65,9 +46,5 @@ impl Arm for ParkedArm {
 
     fn stop(&mut self) -> Result<(), ArmError> {
         Ok(())
-    }
-
-    fn enable(&mut self) -> Result<(), ArmError> {
-        Err(ParkedArm::refusal())
     }
 }

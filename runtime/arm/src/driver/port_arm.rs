@@ -10,15 +10,13 @@
 //! An arm that takes goals after a stop ([`AfterStop::Accepts`]) needs no probe: its stop is verified when it was
 //! acknowledged, its trajectory has ended, and the tool is at rest.
 
-use super::command::{CommandMode, hold_position};
-use super::fingers::move_fingers;
-use super::goal::{Goal, Outcome, execute};
-use super::state::{is_at_rest, state, state_with_joints, wait_until_at_rest, watched_wait};
+use super::goal::{Goal, Outcome};
+use super::readings::{POLL_S, SETTLE_S};
 use super::{Arm, ArmError, ArmState, Deviation, Halt, HandContents, Opening, Watch};
-use crate::guard::{Checked, Guard};
+use crate::guard::{Checked, Motion};
+use crate::phase::{Event, Phase};
 use crate::port::{AfterStop, Ending, GoalId, GoalState, Port};
 use crate::settings::{FingerSettings, Tolerance};
-use nalgebra::Isometry3;
 
 /// How long a probe may take, seconds, and how often it is sent if its end is not reported.
 const PROBE_S: f64 = 3.0;
@@ -31,72 +29,59 @@ const STOPS: u32 = 3;
 const CANCEL_S: f64 = 0.5;
 const CANCEL_LOOK_S: f64 = 0.02;
 
-/// An arm behind a port.
-pub struct PortArm<P: Port> {
-    port: P,
-    mode: CommandMode,
-    guard: Guard,
-    fingers: FingerSettings,
-    tolerance: Tolerance,
-    /// The speed of tool poses, m/s, if the arm follows trajectories at every other speed.
-    pose_speed_m_s: Option<f64>,
-    /// Whether this driver stopped the arm, or found it stopped, and it was not enabled since.
-    is_stopped: bool,
-    /// The last trajectory that was sent to the controller.
-    trajectory: Option<GoalId>,
+/// How far from the joints' angles a trajectory may begin, radians: it begins where they were when it was checked, and
+/// the readings of an arm at rest differ by less.
+const BEGIN_RAD: f64 = 5e-3;
+
+/// How an arm is told to move its tool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Commands {
+    /// By trajectories of its joints, which are what was checked.
+    Trajectories,
+    /// By poses of the tool. The node solves the inverse kinematics and chooses speed and joint path, so the path of
+    /// elbow and wrist may be another than the one that was checked: a person has to watch them.
+    Poses,
+    /// By poses at this speed, m/s, which poses cannot change, and by trajectories at every other speed.
+    PosesAt(f64),
 }
 
-impl<P: Port> PortArm<P> {
-    /// Drives the node of kinova-ros with tool poses.
-    ///
-    /// The node solves the inverse kinematics and does not report the joint path, so the path of elbow and wrist that
-    /// was checked may be another one. A person has to watch them.
-    pub fn by_poses(
-        port: P,
-        guard: Guard,
+impl Commands {
+    /// Returns whether a motion of this speed is commanded by a pose.
+    fn is_pose_at(self, speed_m_s: f64) -> bool {
+        match self {
+            Commands::Trajectories => false,
+            Commands::Poses => true,
+            Commands::PosesAt(own_m_s) => speed_m_s == own_m_s,
+        }
+    }
+}
+
+/// An arm behind a port.
+pub struct PortArm<P: Port + ?Sized> {
+    pub(super) port: Box<P>,
+    commands: Commands,
+    pub(super) fingers: FingerSettings,
+    pub(super) tolerance: Tolerance,
+    pub(super) phase: Phase,
+    /// The last trajectory that was sent to the controller.
+    pub(super) trajectory: Option<GoalId>,
+}
+
+impl<P: Port + ?Sized> PortArm<P> {
+    /// Drives the arm behind a port.
+    pub fn new(
+        port: Box<P>,
+        commands: Commands,
         fingers: FingerSettings,
         tolerance: Tolerance,
     ) -> PortArm<P> {
         PortArm {
             port,
-            mode: CommandMode::Poses,
-            guard,
+            commands,
             fingers,
             tolerance,
-            pose_speed_m_s: None,
-            is_stopped: false,
+            phase: Phase::default(),
             trajectory: None,
-        }
-    }
-
-    /// Drives an arm that takes both: tool poses at its own speed, which poses cannot change, and joint trajectories at
-    /// every other speed.
-    pub fn by_poses_at(
-        pose_speed_m_s: f64,
-        port: P,
-        guard: Guard,
-        fingers: FingerSettings,
-        tolerance: Tolerance,
-    ) -> PortArm<P> {
-        PortArm {
-            pose_speed_m_s: Some(pose_speed_m_s),
-            ..PortArm::by_poses(port, guard, fingers, tolerance)
-        }
-    }
-
-    /// Drives a `FollowJointTrajectory` controller with joint trajectories.
-    ///
-    /// The node of kinova-ros must run as well: its pose server reveals a stop, while the controller accepts
-    /// trajectories even when the arm is stopped.
-    pub fn by_trajectories(
-        port: P,
-        guard: Guard,
-        fingers: FingerSettings,
-        tolerance: Tolerance,
-    ) -> PortArm<P> {
-        PortArm {
-            mode: CommandMode::Trajectories,
-            ..PortArm::by_poses(port, guard, fingers, tolerance)
         }
     }
 
@@ -105,56 +90,50 @@ impl<P: Port> PortArm<P> {
         &mut self.port
     }
 
-    /// Returns which kind of goal commands a motion of this speed.
-    fn mode_at(&self, speed_m_s: f64) -> CommandMode {
-        match self.pose_speed_m_s {
-            Some(pose_speed_m_s) if speed_m_s != pose_speed_m_s => CommandMode::Trajectories,
-            _ => self.mode,
+    /// Returns whether the arm is stopped, by whomever.
+    pub fn is_stopped(&mut self) -> Result<bool, ArmError> {
+        match self.check_enabled(&mut unwatched) {
+            Err(ArmError::Stopped) => Ok(true),
+            other => other.map(|()| false),
         }
     }
 
-    /// Returns the arm's state, with joint angles if the command mode needs them.
-    fn current_state(&mut self, mode: CommandMode) -> Result<ArmState, ArmError> {
-        match mode {
-            CommandMode::Poses => state(&mut self.port, &self.tolerance),
-            CommandMode::Trajectories => state_with_joints(&mut self.port, &self.tolerance),
+    /// Lets a stopped arm move again, and verifies that it takes motions. Call it only at a person's request.
+    pub fn recover(&mut self) -> Result<(), ArmError> {
+        if self.commands != Commands::Poses || self.trajectory.is_some() {
+            // Replace whatever trajectory the controller still has, whoever sent it.
+            let here = self.current_with_joints()?;
+            let outcome = self.execute(&hold_position(&here), PROBE_S, &mut unwatched)?;
+            // Acceptance is enough: servers differ in whether a held arm counts as arrived.
+            let is_accepted = match (outcome, &self.trajectory) {
+                (Outcome::Ended(ending), _) => ending != Ending::Rejected,
+                (_, Some(id)) => self.port.goal(id) == GoalState::Active,
+                (_, None) => false,
+            };
+            if !is_accepted {
+                return Err(ArmError::TimedOut { after_s: PROBE_S });
+            }
         }
-    }
-
-    /// Executes a goal, and remembers a trajectory that was sent and a stop that was found.
-    fn execute(
-        &mut self,
-        goal: &Goal,
-        limit_s: f64,
-        watch: &mut Watch<'_>,
-    ) -> Result<Outcome, ArmError> {
-        let mut sent = None;
-        let outcome = execute(
-            &mut self.port,
-            goal,
-            limit_s,
-            &self.tolerance,
-            &mut sent,
-            watch,
-        );
-        if let (Goal::Trajectory(_), Some(id)) = (goal, sent) {
-            self.trajectory = Some(id);
+        self.port.start()?;
+        if !self.is_at_rest()? {
+            self.stop()?;
+            return Err(ArmError::OutOfLimits(
+                "the arm moved by itself when it was enabled".to_owned(),
+            ));
         }
-        if outcome == Err(ArmError::Stopped) {
-            self.is_stopped = true;
-        }
-        outcome
+        self.phase = self.phase.after(Event::Recover);
+        self.check_enabled(&mut unwatched)
     }
 
     /// Re-sends the current pose; a stopped arm aborts it, which reveals the stop.
     fn probe(&mut self, watch: &mut Watch<'_>) -> Result<Outcome, ArmError> {
-        let here = state(&mut self.port, &self.tolerance)?;
+        let here = self.current()?;
         self.execute(&Goal::Pose(Checked::here(&here)), PROBE_S, watch)
     }
 
     /// Fails if the arm is stopped.
-    fn check_enabled(&mut self, watch: &mut Watch<'_>) -> Result<(), ArmError> {
-        if self.is_stopped {
+    pub(super) fn check_enabled(&mut self, watch: &mut Watch<'_>) -> Result<(), ArmError> {
+        if !self.phase.takes_motions() {
             return Err(ArmError::Stopped);
         }
         if self.port.after_stop() == AfterStop::Accepts {
@@ -164,7 +143,7 @@ impl<P: Port> PortArm<P> {
             match self.probe(watch)? {
                 Outcome::Ended(Ending::Succeeded) => return Ok(()),
                 Outcome::Ended(Ending::Aborted | Ending::Rejected) => {
-                    self.is_stopped = true;
+                    self.phase = self.phase.after(Event::Stop);
                     return Err(ArmError::Stopped);
                 }
                 Outcome::Ended(Ending::Preempted) => break,
@@ -175,43 +154,91 @@ impl<P: Port> PortArm<P> {
         Err(ArmError::TimedOut { after_s: PROBE_S })
     }
 
-    /// Returns the arm's state if the watch callback allows motion.
-    fn check_motion_allowed(
-        &mut self,
-        mode: CommandMode,
-        watch: &mut Watch<'_>,
-    ) -> Result<ArmState, ArmError> {
-        let here = self.current_state(mode)?;
-        match watch(&here) {
-            Ok(()) => Ok(here),
-            Err(Halt::Pause) => Err(ArmError::Paused),
-            Err(Halt::Stop(why)) => Err(why),
-        }
+    /// Notes how a motion ended. After any other error the arm may still be moving.
+    fn ended<T>(&mut self, result: Result<T, ArmError>) -> Result<T, ArmError> {
+        let event = match &result {
+            Ok(_) | Err(ArmError::Short { .. }) => Event::Verify,
+            Err(ArmError::Paused) => Event::Pause,
+            Err(ArmError::Stopped) => Event::Stop,
+            Err(_) => return result,
+        };
+        self.phase = self.phase.after(event);
+        result
     }
 
-    fn is_reached(&self, deviation: Deviation) -> bool {
-        deviation.position_m <= self.tolerance.position_m
+    fn try_move_tool(
+        &mut self,
+        motion: &Checked<Motion>,
+        watch: &mut Watch<'_>,
+    ) -> Result<ArmState, ArmError> {
+        let by_pose = self.commands.is_pose_at(motion.get().speed_m_s);
+        self.check_enabled(watch)?;
+        let from = if by_pose {
+            self.current()?
+        } else {
+            self.current_with_joints()?
+        };
+        match watch(&from) {
+            Ok(()) => {}
+            Err(Halt::Pause) => return Err(ArmError::Paused),
+            Err(Halt::Stop(why)) => return Err(why),
+        }
+        let goal = if by_pose {
+            Goal::Pose(motion.pose())
+        } else {
+            trajectory(&from, motion)?
+        };
+        self.phase = self.phase.after(Event::Begin);
+        let takes_s = motion.get().takes_s(&from.tool);
+        let limit_s = 2.0 * takes_s + SETTLE_S;
+        let begun_s = self.port.now_s();
+        let outcome = self.execute(&goal, limit_s, watch)?;
+        if !by_pose && outcome == Outcome::Ended(Ending::Succeeded) {
+            // A controller may report a goal as reached before its time, while the arm begins to move.
+            let left_s = begun_s + takes_s - self.port.now_s();
+            self.watched_wait(left_s, watch)?;
+        }
+        let now = self.wait_until_at_rest(watch)?;
+        let deviation = Deviation::between(&now.tool, &motion.get().to);
+        if deviation.position_m <= self.tolerance.position_m
             && deviation.angle_rad <= self.tolerance.angle_deg.to_radians()
+        {
+            return Ok(now);
+        }
+        // A refused goal may mean that the arm was stopped. A stop does not end a trajectory; a pose in progress would be
+        // preempted by the probe.
+        if outcome.is_refusal() || outcome == Outcome::TimedOut && !by_pose {
+            self.check_enabled(watch)?;
+        }
+        let reported = outcome.name();
+        Err(match outcome {
+            Outcome::Ended(Ending::Succeeded) | Outcome::Unreported => ArmError::Short {
+                reported,
+                deviation,
+            },
+            Outcome::Ended(Ending::Preempted) => ArmError::Stalled { deviation },
+            Outcome::Ended(Ending::Aborted | Ending::Rejected) => ArmError::NotReached {
+                reported,
+                deviation,
+            },
+            Outcome::TimedOut => ArmError::TimedOut { after_s: limit_s },
+        })
     }
 
     /// Returns whether a stop is verified: the arm is at rest, and refuses a probe or has no trajectory left.
     fn is_stop_verified(&mut self) -> Result<bool, ArmError> {
-        if !is_at_rest(&mut self.port, &self.tolerance)? {
+        if !self.is_at_rest()? {
             return Ok(false);
         }
         if self.port.after_stop() == AfterStop::Accepts {
             return Ok(self.trajectory.is_none());
         }
-        let outcome = self.probe(&mut |_: &ArmState| Ok(()))?;
-        Ok(matches!(
-            outcome,
-            Outcome::Ended(Ending::Aborted | Ending::Rejected)
-        ))
+        Ok(self.probe(&mut unwatched)?.is_refusal())
     }
 
     /// Ends the controller's last trajectory, so that it does not resume once the arm is enabled.
     fn end_trajectory(&mut self) -> Result<(), ArmError> {
-        let Some(id) = self.trajectory.clone() else {
+        let Some(mut id) = self.trajectory.clone() else {
             return Ok(());
         };
         match self.port.goal(&id) {
@@ -221,8 +248,8 @@ impl<P: Port> PortArm<P> {
             }
             // The server is done with it, but the controller may not be: only another trajectory replaces it.
             GoalState::Ended(Ending::Aborted) => {
-                let here = state_with_joints(&mut self.port, &self.tolerance)?;
-                self.trajectory = Some(hold_position(&here).send(&mut self.port)?);
+                let here = self.current_with_joints()?;
+                id = self.send(&hold_position(&here))?;
             }
             GoalState::Sent | GoalState::Active => self.port.cancel(&id)?,
         }
@@ -230,10 +257,7 @@ impl<P: Port> PortArm<P> {
         let mut last = GoalState::Sent;
         while self.port.now_s() - begun_s < CANCEL_S && !matches!(last, GoalState::Ended(_)) {
             self.port.wait(CANCEL_LOOK_S);
-            last = match &self.trajectory {
-                Some(id) => self.port.goal(id),
-                None => return Ok(()),
-            };
+            last = self.port.goal(&id);
         }
         match last {
             GoalState::Ended(_) => self.trajectory = None,
@@ -265,11 +289,7 @@ impl<P: Port> PortArm<P> {
     }
 }
 
-impl<P: Port> Arm for PortArm<P> {
-    fn name(&self) -> String {
-        self.guard.chain().model().to_owned()
-    }
-
+impl<P: Port + ?Sized> Arm for PortArm<P> {
     fn now_s(&self) -> f64 {
         self.port.now_s()
     }
@@ -279,58 +299,16 @@ impl<P: Port> Arm for PortArm<P> {
     }
 
     fn state(&mut self) -> Result<ArmState, ArmError> {
-        state(&mut self.port, &self.tolerance)
+        self.current()
     }
 
     fn move_tool(
         &mut self,
-        to: &Isometry3<f64>,
-        speed_m_s: f64,
+        motion: &Checked<Motion>,
         watch: &mut Watch<'_>,
     ) -> Result<ArmState, ArmError> {
-        let mode = self.mode_at(speed_m_s);
-        self.check_enabled(watch)?;
-        let from = self.check_motion_allowed(mode, watch)?;
-        let motion = self.guard.motion(&from, to, speed_m_s);
-        let motion = motion.map_err(ArmError::Refused)?;
-        let goal = mode.goal(&from, &motion)?;
-        let takes_s = motion.get().takes_s(&from.tool);
-        let limit_s = 2.0 * takes_s + self.tolerance.settle_s;
-        let begun_s = self.port.now_s();
-        let outcome = self.execute(&goal, limit_s, watch)?;
-        if let (Goal::Trajectory(_), Outcome::Ended(Ending::Succeeded)) = (&goal, outcome) {
-            // A controller may report a goal as reached before its time, while the arm begins to move.
-            let left_s = begun_s + takes_s - self.port.now_s();
-            watched_wait(&mut self.port, left_s, &self.tolerance, watch)?;
-        }
-        let now = wait_until_at_rest(&mut self.port, &self.tolerance, watch)?;
-        let deviation = Deviation::between(&now.tool, to);
-        if self.is_reached(deviation) {
-            return Ok(now);
-        }
-        let reported = outcome.name().to_owned();
-        match outcome {
-            Outcome::Ended(Ending::Succeeded) | Outcome::Unreported => Err(ArmError::Short {
-                reported,
-                deviation,
-            }),
-            Outcome::Ended(Ending::Preempted) => Err(ArmError::Stalled { deviation }),
-            Outcome::Ended(Ending::Aborted | Ending::Rejected) => {
-                // Refused because the arm is stopped, or for another reason.
-                self.check_enabled(watch)?;
-                Err(ArmError::NotReached {
-                    reported,
-                    deviation,
-                })
-            }
-            Outcome::TimedOut => {
-                // A stop does not end a trajectory. A pose goal in progress would be preempted by the probe.
-                if let CommandMode::Trajectories = mode {
-                    self.check_enabled(watch)?;
-                }
-                Err(ArmError::TimedOut { after_s: limit_s })
-            }
-        }
+        let moved = self.try_move_tool(motion, watch);
+        self.ended(moved)
     }
 
     fn move_fingers(
@@ -338,23 +316,12 @@ impl<P: Port> Arm for PortArm<P> {
         opening: Opening,
         watch: &mut Watch<'_>,
     ) -> Result<HandContents, ArmError> {
-        self.check_enabled(watch)?;
-        let (fingers, tolerance) = (self.fingers, self.tolerance);
-        let result = move_fingers(&mut self.port, &fingers, &tolerance, opening, watch);
-        // Probe only when no goal is in progress: the probe would preempt it, and the node then enables a stopped arm.
-        let may_be_stopped = match &result {
-            Ok(result) => result.was_aborted,
-            Err(error) => matches!(error, ArmError::Fingers { .. }),
-        };
-        if may_be_stopped {
-            // If the arm was stopped meanwhile, report that and not the finger positions.
-            self.check_enabled(watch)?;
-        }
-        result.map(|result| result.contents)
+        let moved = self.try_move_fingers(opening, watch);
+        self.ended(moved)
     }
 
     fn stop(&mut self) -> Result<(), ArmError> {
-        self.is_stopped = true;
+        self.phase = self.phase.after(Event::Stop);
         let mut stopped = self.try_stop();
         for _ in 1..STOPS {
             if stopped.is_ok() {
@@ -364,31 +331,41 @@ impl<P: Port> Arm for PortArm<P> {
         }
         stopped
     }
+}
 
-    fn enable(&mut self) -> Result<(), ArmError> {
-        let unwatched = &mut |_: &ArmState| Ok(());
-        if self.mode == CommandMode::Trajectories || self.trajectory.is_some() {
-            // Replace whatever trajectory the controller still has, whoever sent it.
-            let here = state_with_joints(&mut self.port, &self.tolerance)?;
-            let outcome = self.execute(&hold_position(&here), PROBE_S, unwatched)?;
-            // Acceptance is enough: servers differ in whether a held arm counts as arrived.
-            let is_accepted = match (outcome, &self.trajectory) {
-                (Outcome::Ended(ending), _) => ending != Ending::Rejected,
-                (_, Some(id)) => self.port.goal(id) == GoalState::Active,
-                (_, None) => false,
-            };
-            if !is_accepted {
-                return Err(ArmError::TimedOut { after_s: PROBE_S });
-            }
+fn unwatched(_: &ArmState) -> Result<(), Halt> {
+    Ok(())
+}
+
+/// Returns the trajectory of a motion that begins where the joints are.
+fn trajectory(from: &ArmState, motion: &Checked<Motion>) -> Result<Goal, ArmError> {
+    let first = match motion.get().waypoints.as_slice() {
+        [] => {
+            let why = "the arm did not report its joints when this motion was checked";
+            return Err(ArmError::Refused(why.to_owned()));
         }
-        self.port.start()?;
-        self.is_stopped = false;
-        if !is_at_rest(&mut self.port, &self.tolerance)? {
-            self.stop()?;
-            return Err(ArmError::OutOfLimits(
-                "the arm moved by itself when it was enabled".to_owned(),
-            ));
+        [_] => return Ok(hold_position(from)),
+        [first, ..] => first,
+    };
+    let pairs = first.joints_rad.iter().zip(&from.joints_rad).enumerate();
+    for (joint, (begins_at, is_at)) in pairs {
+        // NaN must be refused.
+        let fits = (begins_at - is_at).abs() < BEGIN_RAD;
+        if !fits {
+            return Err(ArmError::Refused(format!(
+                "the arm reports joint {} at {:.1} degrees, and its tool where that joint would be at {:.1}: the \
+                 readings do not fit, or `model` names another arm",
+                joint + 1,
+                is_at.to_degrees(),
+                begins_at.to_degrees()
+            )));
         }
-        self.check_enabled(unwatched)
     }
+    Ok(Goal::Trajectory(motion.trajectory()))
+}
+
+/// Returns a trajectory that holds the joints where they are. It has two points because kinova-ros's controller needs
+/// two.
+fn hold_position(state: &ArmState) -> Goal {
+    Goal::Trajectory(Checked::hold(state, &[POLL_S, 2.0 * POLL_S]))
 }

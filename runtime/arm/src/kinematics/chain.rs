@@ -5,7 +5,7 @@
 //! any angle, because an arm may report one past its limit.
 
 use super::shape::Capsule;
-use nalgebra::{Isometry3, Matrix6xX, Point3, SMatrix, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{Isometry3, SMatrix, UnitQuaternion, Vector3, Vector6};
 use std::f64::consts::TAU;
 
 /// The fewest joints that bring a hand to any pose.
@@ -46,11 +46,9 @@ pub struct Joint {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chain {
     model: String,
-    /// The joints' names; none for a built-in model, whose node has names of its own.
     names: Vec<String>,
     joints: Vec<Joint>,
-    /// A posture with the hand down, to which others should be near; none for a built-in model.
-    home: Option<Angles>,
+    home: Angles,
     last_from_tool: Isometry3<f64>,
     pub(super) shapes: Vec<Capsule>,
 }
@@ -77,26 +75,10 @@ pub enum BadAngles {
 }
 
 impl Chain {
-    pub(super) fn new(
-        model: &str,
-        joints: Vec<Joint>,
-        last_from_tool: Isometry3<f64>,
-        shapes: Vec<Capsule>,
-    ) -> Chain {
-        debug_assert!((MIN_JOINTS..=MAX_JOINTS).contains(&joints.len()));
-        Chain {
-            model: model.to_owned(),
-            joints,
-            last_from_tool,
-            shapes,
-            ..Chain::default()
-        }
-    }
-
-    /// Makes the chain of an arm that a file describes.
+    /// Makes the chain of an arm.
     ///
     /// - `home_rad`: one angle for each joint; missing ones are 0.
-    pub(crate) fn described(
+    pub(crate) fn new(
         model: &str,
         names: Vec<String>,
         joints: Vec<Joint>,
@@ -104,14 +86,18 @@ impl Chain {
         shapes: Vec<Capsule>,
         home_rad: &[f64],
     ) -> Chain {
+        debug_assert!((MIN_JOINTS..=MAX_JOINTS).contains(&joints.len()));
         let mut home = Angles::default();
         for (angle, home_rad) in home.iter_mut().zip(home_rad).take(joints.len()) {
             *angle = *home_rad;
         }
         Chain {
+            model: model.to_owned(),
             names,
-            home: Some(home),
-            ..Chain::new(model, joints, last_from_tool, shapes)
+            joints,
+            home,
+            last_from_tool,
+            shapes,
         }
     }
 
@@ -120,13 +106,14 @@ impl Chain {
         &self.model
     }
 
-    /// Returns the joints' names, from the base to the hand; none for a built-in model.
+    /// Returns the joints' names, from the base to the hand.
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    pub(super) fn home(&self) -> Option<&Angles> {
-        self.home.as_ref()
+    /// Returns a posture with the hand down over the table, to which others should be near.
+    pub(super) fn home(&self) -> &Angles {
+        &self.home
     }
 
     /// Returns the joints, from the base to the hand.
@@ -153,29 +140,6 @@ impl Chain {
         let tool = links[self.last()] * self.last_from_tool;
         let links = links.into_iter().take(self.joints.len());
         Ok(links.chain([tool]).collect())
-    }
-
-    /// Returns the geometric Jacobian in the base frame: how the tool moves with each joint.
-    ///
-    /// Column `j` is the velocity of the tool's origin (m/s), then its angular velocity (rad/s), while joint `j` turns
-    /// at 1 rad/s.
-    pub fn jacobian(&self, joints_rad: &[f64]) -> Result<Matrix6xX<f64>, BadAngles> {
-        let (_, jacobian) = self.motion_at(&self.angles(joints_rad)?);
-        Ok(jacobian.columns(0, self.joints.len()).into_owned())
-    }
-
-    /// Returns the first joint, from 1 at the base, whose angle exceeds a limit.
-    pub fn joint_past_limit(&self, joints_rad: &[f64]) -> Option<usize> {
-        let past = |(joint, angle): (&Joint, &f64)| {
-            joint
-                .limits_rad
-                .is_some_and(|[least, most]| !(least..=most).contains(angle))
-        };
-        self.joints
-            .iter()
-            .zip(joints_rad)
-            .position(past)
-            .map(|index| index + 1)
     }
 
     /// Returns the index of the last joint.
@@ -222,7 +186,8 @@ impl Chain {
         frames
     }
 
-    /// Returns the tool's pose and the Jacobian.
+    /// Returns the tool's pose, and the geometric Jacobian in the base frame: column `j` is the velocity of the tool's origin
+    /// (m/s), then its angular velocity (rad/s), while joint `j` turns at 1 rad/s.
     pub(super) fn motion_at(&self, angles: &Angles) -> (Isometry3<f64>, Jacobian) {
         let links = self.links_at(angles);
         let tool = links[self.last()] * self.last_from_tool;
@@ -252,23 +217,8 @@ impl Chain {
         axis.z.signum()
     }
 
-    /// Returns the point of the first joint's axis that is nearest to the second joint, base frame, metres.
-    pub(super) fn shoulder(&self) -> Point3<f64> {
-        let [first, second, ..] = self.links_at(&Angles::default());
-        let axis = first.rotation * Vector3::z();
-        let away = second.translation.vector - first.translation.vector;
-        Point3::from(first.translation.vector + axis * away.dot(&axis))
-    }
-
-    /// Returns whether the first link's height is not to be checked. It cannot come down if the arm stands upright, and the
-    /// table's plane, which has no edge, would pass through a capsule around the foot of most described arms. The built-in
-    /// models' capsules are tight there.
-    pub(crate) fn is_first_link_level(&self) -> bool {
-        self.home.is_some() && self.is_upright()
-    }
-
-    /// Returns whether the first joint turns the arm about a vertical.
-    pub(super) fn is_upright(&self) -> bool {
+    /// Returns whether the first joint turns the arm about a vertical, so that the first link cannot come down.
+    pub(crate) fn is_upright(&self) -> bool {
         let axis = self.joints[0].parent_from_joint_at_zero.rotation * Vector3::z();
         axis.xy().norm() < UPRIGHT
     }

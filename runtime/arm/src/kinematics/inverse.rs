@@ -1,13 +1,15 @@
 //! Inverse kinematics: joint angles that move the tool to a pose.
 //!
 //! In: a tool pose in the base frame, and angles to stay near. Out: angles within the limits, otherwise how close the
-//! best attempt came and what blocked it. Damped least squares runs from each of a fixed list of starts, with the
+//! best attempt came and which joint blocked it. Damped least squares runs from each of a fixed list of starts, with the
 //! damping of Sugihara ("Solvability-Unconcerned Inverse Kinematics by the Levenberg-Marquardt Method", 2011): it grows
 //! with the remaining error, so no step has to be undone. Equal input gives equal angles. Collisions are not checked.
 
-use super::chain::{Angles, BadAngles, Chain, Jacobian, MAX_JOINTS, METRES_PER_RAD, nearest_turn};
+use super::chain::{
+    Angles, BadAngles, Chain, Jacobian, Joint, MAX_JOINTS, METRES_PER_RAD, nearest_turn,
+};
 use super::starts;
-use nalgebra::{Isometry3, Matrix6, SVector, Vector6};
+use nalgebra::{Isometry3, Matrix6, SVector, Translation3, Vector3, Vector6};
 
 /// How far the tool may be from the requested pose, metres.
 pub const POSITION_TOLERANCE_M: f64 = 1e-4;
@@ -42,39 +44,20 @@ pub enum NoSolution {
     #[error("the requested pose holds a number that is not finite")]
     NotAPose,
     /// No attempt reached the pose.
-    #[error("the arm came to `{:.1}` mm and `{:.2}` degrees of the pose: {obstacle}", .distance_m * 1e3, .angle_rad.to_degrees())]
+    #[error(
+        "the arm came to `{:.1}` mm and `{:.2}` degrees of the pose{}",
+        .distance_m * 1e3,
+        .angle_rad.to_degrees(),
+        .at_limit.map_or(String::new(), |joint| format!(": joint `{joint}` is at its limit"))
+    )]
     NotReached {
         /// The tool's distance from it in the best attempt, metres.
         distance_m: f64,
         /// The tool's rotation from it in that attempt, radians.
         angle_rad: f64,
-        /// What blocked the attempt.
-        obstacle: Obstacle,
+        /// A joint, from 1 at the base, that the attempt brought to its limit.
+        at_limit: Option<usize>,
     },
-}
-
-/// What keeps the arm from a pose, judged by the best attempt.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum Obstacle {
-    /// The pose is beyond the arm's reach: its distance from the shoulder, and how far the arm reaches from there, metres.
-    #[error(
-        "it is too far from the base: `{away_m:.3}` m from the shoulder, and the arm reaches at most `{reach_m:.3}` m"
-    )]
-    TooFar {
-        /// The pose's distance.
-        away_m: f64,
-        /// The largest one.
-        reach_m: f64,
-    },
-    /// It is closer to the base than the arm can reach.
-    #[error("it is too close to the base")]
-    TooNear,
-    /// The arm reaches the point, but not with this rotation of the hand.
-    #[error("the hand cannot be turned this way at that point")]
-    Turn,
-    /// A joint, from 1 at the base, is at its limit.
-    #[error("joint `{0}` is at its limit")]
-    Limit(usize),
 }
 
 /// Where an attempt ended.
@@ -112,27 +95,25 @@ impl Chain {
         if !is_pose(base_from_tool) {
             return Err(NoSolution::NotAPose);
         }
-        let beyond_m = self.beyond_m(base_from_tool);
-        if beyond_m > POSITION_TOLERANCE_M {
-            return Err(NoSolution::NotReached {
-                distance_m: beyond_m,
-                angle_rad: 0.0,
-                obstacle: self.too_far(base_from_tool),
-            });
-        }
         let best = self.best_attempt(base_from_tool, &near);
-        Ok(self.of_joints(&self.judged(base_from_tool, &near, &best)?))
+        Ok(self.of_joints(&self.judged(&near, &best)?))
     }
 
-    /// Returns by how much a pose is farther than the stretched arm reaches, metres.
-    fn beyond_m(&self, base_from_tool: &Isometry3<f64>) -> f64 {
-        let wrist = base_from_tool * self.last_from_tool().inverse();
-        (wrist.translation.vector - self.shoulder().coords).norm() - self.stretched_m()
-    }
-
-    /// Returns whether a pose is farther than the stretched arm reaches.
+    /// Returns whether a pose is farther from the shoulder than the stretched arm reaches, with all links in one line.
     pub(super) fn is_beyond(&self, base_from_tool: &Isometry3<f64>) -> bool {
-        self.beyond_m(base_from_tool) > POSITION_TOLERANCE_M
+        let links = self.links_at(&Angles::default());
+        let links = &links[..self.joints().len()];
+        let away_m = |from: &Isometry3<f64>, to: &Isometry3<f64>| {
+            (to.translation.vector - from.translation.vector).norm()
+        };
+        // The point of the first joint's axis that is nearest to the second joint.
+        let axis = links[0].rotation * Vector3::z();
+        let up_m = (links[1].translation.vector - links[0].translation.vector).dot(&axis);
+        let shoulder = Translation3::from(axis * up_m) * links[0];
+        let links_m = links[1..].windows(2).map(|pair| away_m(&pair[0], &pair[1]));
+        let stretched_m = away_m(&shoulder, &links[1]) + links_m.sum::<f64>();
+        let wrist = base_from_tool * self.last_from_tool().inverse();
+        away_m(&shoulder, &wrist) > stretched_m + POSITION_TOLERANCE_M
     }
 
     /// Returns joint angles for a pose close to the tool's pose at the given angles, in one attempt.
@@ -141,22 +122,24 @@ impl Chain {
         base_from_tool: &Isometry3<f64>,
         near: &Angles,
     ) -> Result<Angles, NoSolution> {
-        self.judged(base_from_tool, near, &self.approach(base_from_tool, near))
+        self.judged(near, &self.approach(base_from_tool, near))
     }
 
-    fn judged(
-        &self,
-        base_from_tool: &Isometry3<f64>,
-        near: &Angles,
-        best: &Attempt,
-    ) -> Result<Angles, NoSolution> {
+    /// Returns the angles of an attempt that reached its pose, on the turns nearest to others.
+    fn judged(&self, near: &Angles, best: &Attempt) -> Result<Angles, NoSolution> {
         if best.reached() {
             return Ok(self.turns_nearest(&best.angles, near));
         }
+        let is_at_limit = |(joint, angle): (&Joint, &f64)| {
+            joint
+                .limits_rad
+                .is_some_and(|limits| limits.contains(angle))
+        };
+        let at_limit = self.joints().iter().zip(&best.angles).position(is_at_limit);
         Err(NoSolution::NotReached {
             distance_m: best.distance_m,
             angle_rad: best.angle_rad,
-            obstacle: self.obstacle(base_from_tool, best),
+            at_limit: at_limit.map(|index| index + 1),
         })
     }
 
@@ -165,14 +148,11 @@ impl Chain {
         let mut turned = *near;
         turned[self.last()] += self.last_joint_between(&self.tool_at(near), base_from_tool);
         let mut best = self.approach(base_from_tool, &turned);
-        if best.reached() {
+        if best.reached() || self.is_beyond(base_from_tool) {
             return best;
         }
-        for start in starts::towards(self, base_from_tool)
-            .iter()
-            .take(MAX_ATTEMPTS - 1)
-        {
-            let attempt = self.approach(base_from_tool, start);
+        for start in starts::towards(self, *base_from_tool).take(MAX_ATTEMPTS - 1) {
+            let attempt = self.approach(base_from_tool, &start);
             if attempt.cost() < best.cost() {
                 best = attempt;
             }
@@ -265,42 +245,6 @@ impl Chain {
             }
         }
         nearest
-    }
-
-    /// Returns the greatest distance between the last joint and the shoulder, metres: all links in one line.
-    fn stretched_m(&self) -> f64 {
-        let links = self.links_at(&Angles::default());
-        let ways = links[1..self.joints().len()]
-            .windows(2)
-            .map(|pair| (pair[1].translation.vector - pair[0].translation.vector).norm());
-        (links[1].translation.vector - self.shoulder().coords).norm() + ways.sum::<f64>()
-    }
-
-    fn too_far(&self, base_from_tool: &Isometry3<f64>) -> Obstacle {
-        Obstacle::TooFar {
-            away_m: (base_from_tool.translation.vector - self.shoulder().coords).norm(),
-            reach_m: self.stretched_m() + self.last_from_tool().translation.vector.norm(),
-        }
-    }
-
-    fn obstacle(&self, base_from_tool: &Isometry3<f64>, best: &Attempt) -> Obstacle {
-        let at_limit = |index: &usize| {
-            let limits = self.joints()[*index].limits_rad;
-            limits.is_some_and(|limits| limits.contains(&best.angles[*index]))
-        };
-        if let Some(index) = (0..self.joints().len()).find(at_limit) {
-            return Obstacle::Limit(index + 1);
-        }
-        if best.distance_m <= POSITION_TOLERANCE_M {
-            return Obstacle::Turn;
-        }
-        let from_shoulder_m =
-            |pose: &Isometry3<f64>| (pose.translation.vector - self.shoulder().coords).norm();
-        if from_shoulder_m(base_from_tool) > from_shoulder_m(&self.tool_at(&best.angles)) {
-            self.too_far(base_from_tool)
-        } else {
-            Obstacle::TooNear
-        }
     }
 }
 

@@ -1,12 +1,13 @@
 //! Initial guesses for inverse kinematics, used when the arm's own posture does not lead to a pose.
 //!
-//! In: a chain and a pose. Out: postures within the limits, nearest to the pose first. A Kronecker sequence spreads
-//! them evenly over the joint angles, so the list is the same each time. The last joint, and the first one of an arm that
+//! In: a chain and a pose. Out: the arm's home, then other postures within the limits, nearest to the pose first. A Kronecker
+//! sequence spreads them evenly over the joint angles, so the list is the same each time. The last joint, and the first one of an arm that
 //! stands upright, turn about known axes and are chosen for the pose.
 
 use super::chain::{Angles, Chain, METRES_PER_RAD, about_z, nearest_turn};
 use nalgebra::Isometry3;
 use std::f64::consts::TAU;
+use std::iter;
 
 /// Number of postures in the sequence.
 const SPREAD: usize = 256;
@@ -20,12 +21,20 @@ const STRIDES: [f64; 3] = [
 ];
 
 /// Returns initial postures, most promising first.
-pub(super) fn towards(chain: &Chain, base_from_tool: &Isometry3<f64>) -> Vec<Angles> {
-    let mut starts: Vec<(f64, Angles)> = (0..SPREAD)
-        .map(|index| facing(chain, base_from_tool, spread(chain, index)))
-        .collect();
-    starts.sort_by(|one, other| one.0.total_cmp(&other.0));
-    starts.into_iter().map(|(_, start)| start).collect()
+pub(super) fn towards(
+    chain: &Chain,
+    base_from_tool: Isometry3<f64>,
+) -> impl Iterator<Item = Angles> {
+    let (_, home) = facing(chain, &base_from_tool, *chain.home());
+    let spread = iter::once_with(move || {
+        let spread = (0..SPREAD).map(|index| spread(chain, index));
+        let mut starts: Vec<(f64, Angles)> = spread
+            .map(|angles| facing(chain, &base_from_tool, angles))
+            .collect();
+        starts.sort_by(|one, other| one.0.total_cmp(&other.0));
+        starts.into_iter().map(|(_, start)| start)
+    });
+    iter::once(home).chain(spread.flatten())
 }
 
 fn spread(chain: &Chain, index: usize) -> Angles {

@@ -29,8 +29,10 @@ pub(super) fn check(settings: &Settings, folder: &Path) -> Result<Chain, String>
     heights(settings, &mut faults);
     fingers(settings, &mut faults);
     camera(settings, &mut faults);
-    ros(settings, chain.as_ref(), &mut faults);
-    ros2(settings, chain.as_ref(), &mut faults);
+    connections(settings, &mut faults);
+    if let Some(chain) = &chain {
+        joint_names(settings, chain, &mut faults);
+    }
     match chain {
         Some(chain) if faults.0.is_empty() => Ok(chain),
         _ => Err(faults.0.join("\n")),
@@ -41,62 +43,47 @@ pub(super) fn check(settings: &Settings, folder: &Path) -> Result<Chain, String>
 struct Faults(Vec<String>);
 
 impl Faults {
-    /// Notes a value that another key does not allow.
-    fn wrong(&mut self, key: &str, value: &dyn Debug, expected: &str) {
-        self.0
-            .push(format!("`{key}` is `{value:?}`; expected {expected}"));
+    /// Notes a value that another key does not allow, unless it holds.
+    fn unless(&mut self, holds: bool, key: &str, value: &dyn Debug, expected: String) {
+        if !holds {
+            self.0
+                .push(format!("`{key}` is `{value:?}`; expected {expected}"));
+        }
     }
 
-    /// Notes a key that another one needs.
-    fn missing(&mut self, who: &str, needs: &str) {
-        self.0.push(format!("{who}, which needs {needs}"));
+    /// Notes a key that another one needs, unless it is there.
+    fn needs(&mut self, is_there: bool, who: &str, needs: &str) {
+        if !is_there {
+            self.0.push(format!("{who}, which needs {needs}"));
+        }
     }
 }
 
-/// Finds the arm: a built-in model, or one that a URDF describes.
+/// Finds the arm: a shipped model, or one that the settings describe.
 fn arm(settings: &Settings, folder: &Path, faults: &mut Faults) -> Option<Chain> {
+    let (model, models) = (&settings.model, Chain::models().join("`, `"));
     let Some(arm) = &settings.arm else {
-        return model(settings, faults);
+        let chain = Chain::of_model(model).ok();
+        let expected = format!("one of `{models}`, or a section `[arm]` for another arm");
+        faults.unless(chain.is_some(), "model", model, expected);
+        // Model names contain the number of fingers: `j2n6s200` has two.
+        let stated = model.chars().nth(5).and_then(|it| it.to_digit(10));
+        let (stated, count) = (stated.unwrap_or_default(), settings.fingers.count);
+        let holds = chain.is_none() || stated as usize == count;
+        let expected = format!("{stated}, as many as `{model}` has");
+        faults.unless(holds, "fingers.count", &count, expected);
+        return chain;
     };
-    if !settings.model.is_empty() {
-        let expected = "no `model` beside a section `[arm]`: one of the two describes the arm";
-        faults.wrong("model", &settings.model, expected);
-    }
+    let expected = "no `model` beside a section `[arm]`: one of the two describes the arm";
+    faults.unless(model.is_empty(), "model", model, expected.to_owned());
     if settings.driver == DriverKind::Kinova {
-        let built_in = Chain::models().join("`, `");
         faults.0.push(format!(
-            "`driver` is `kinova`, whose node moves `{built_in}` alone; expected another driver beside a section `[arm]`"
+            "`driver` is `kinova`, whose node moves `{models}` alone; expected another driver beside a section `[arm]`"
         ));
     }
-    match arm.chain(folder) {
-        Ok(chain) => Some(chain),
-        Err(found) => {
-            faults.0.extend(found);
-            None
-        }
-    }
-}
-
-fn model(settings: &Settings, faults: &mut Faults) -> Option<Chain> {
-    let chain = match Chain::of_model(&settings.model) {
-        Ok(chain) => chain,
-        Err(unknown) => {
-            let models = unknown.available.join("`, `");
-            let expected = format!("one of `{models}`, or a section `[arm]` for another arm");
-            faults.wrong("model", &settings.model, &expected);
-            return None;
-        }
-    };
-    // Model names contain the number of fingers: `j2n6s200` has two.
-    let stated = settings.model.chars().nth(5).and_then(|it| it.to_digit(10));
-    let count = settings.fingers.count;
-    if let Some(stated) = stated
-        && stated as usize != count
-    {
-        let expected = format!("{stated}, as many as `{}` has", settings.model);
-        faults.wrong("fingers.count", &count, &expected);
-    }
-    Some(chain)
+    arm.chain(folder)
+        .map_err(|found| faults.0.extend(found))
+        .ok()
 }
 
 /// Checks the workspace against the table, and the rest position against both.
@@ -110,74 +97,67 @@ fn workspace(settings: &Settings, faults: &mut Faults) {
         return;
     }
     let floor_m = [table_m - BELOW_TABLE_M, table_m - margin_m];
-    if !(floor_m[0] - EXACT_M..=floor_m[1] + EXACT_M).contains(&min_m[2]) {
-        let expected = format!(
-            "a z of {:.3} to {:.3} m: the table is at {table_m:.3} m (`table.center_m`); a lower floor would let the hand \
-             go below the table, a higher one would keep it from touching (`tolerance.position_m`)",
-            floor_m[0], floor_m[1]
-        );
-        faults.wrong("workspace.min_m", &min_m, &expected);
-    }
+    let holds = (floor_m[0] - EXACT_M..=floor_m[1] + EXACT_M).contains(&min_m[2]);
+    let expected = format!(
+        "a z of {:.3} to {:.3} m: the table is at {table_m:.3} m (`table.center_m`); a lower floor would let the hand go \
+         below the table, a higher one would keep it from touching (`tolerance.position_m`)",
+        floor_m[0], floor_m[1]
+    );
+    faults.unless(holds, "workspace.min_m", &min_m, expected);
     let top_m = table_m + motion.travel_m + margin_m;
-    if max_m[2] < top_m - EXACT_M {
-        let expected = format!(
-            "a z of {top_m:.3} m or more: the hand travels {} m (`motion.travel_m`) above the table",
-            motion.travel_m
-        );
-        faults.wrong("workspace.max_m", &max_m, &expected);
-    }
-    let [least, most] = [
-        min_m.map(|it| it + margin_m - EXACT_M),
-        max_m.map(|it| it - margin_m + EXACT_M),
-    ];
+    let expected = format!(
+        "a z of {top_m:.3} m or more: the hand travels {} m (`motion.travel_m`) above the table",
+        motion.travel_m
+    );
+    faults.unless(
+        max_m[2] >= top_m - EXACT_M,
+        "workspace.max_m",
+        &max_m,
+        expected,
+    );
+    let least = min_m.map(|it| it + margin_m - EXACT_M);
+    let most = max_m.map(|it| it - margin_m + EXACT_M);
     let within = "the workspace, with a margin of `tolerance.position_m`";
-    if !holds(&least[..2], &most[..2], &middle_m[..2]) {
-        let expected = format!(
-            "an x and y of `{min_m:?}` to `{max_m:?}`: the table's middle is inside of {within}"
-        );
-        faults.wrong("table.center_m", &middle_m, &expected);
-    }
+    let holds = contains(&least[..2], &most[..2], &middle_m[..2]);
+    let expected = format!(
+        "an x and y of `{min_m:?}` to `{max_m:?}`: the table's middle is inside of {within}"
+    );
+    faults.unless(holds, "table.center_m", &middle_m, expected);
     let rest_m = workspace.rest_m;
-    if !holds(&least, &most, &rest_m) {
-        let expected = format!("a place of `{min_m:?}` to `{max_m:?}`, inside of {within}");
-        faults.wrong("workspace.rest_m", &rest_m, &expected);
-    }
+    let holds = contains(&least, &most, &rest_m);
+    let expected = format!("a place of `{min_m:?}` to `{max_m:?}`, inside of {within}");
+    faults.unless(holds, "workspace.rest_m", &rest_m, expected);
     let rest_floor_m = table_m + motion.retreat_m;
-    if rest_m[2] < rest_floor_m - EXACT_M {
-        let expected = format!(
-            "a z of {rest_floor_m:.3} m or more: `motion.retreat_m` above the table, so that the hand does not drag the cloth"
-        );
-        faults.wrong("workspace.rest_m", &rest_m, &expected);
-    }
+    let expected = format!(
+        "a z of {rest_floor_m:.3} m or more: `motion.retreat_m` above the table, so that the hand does not drag the cloth"
+    );
+    let holds = rest_m[2] >= rest_floor_m - EXACT_M;
+    faults.unless(holds, "workspace.rest_m", &rest_m, expected);
 }
 
 fn keep_out(settings: &Settings, zone: &KeepOut, faults: &mut Faults) {
     let (workspace, margin_m) = (&settings.workspace, settings.tolerance.position_m);
-    let key = format!("keep_out `{}`", zone.name);
-    if !is_box(&format!("{key}.min_m"), &zone.min_m, &zone.max_m, faults) {
+    let (key, [min_m, max_m]) = (
+        format!("keep_out `{}`", zone.name),
+        [zone.min_m, zone.max_m],
+    );
+    if !is_box(&format!("{key}.min_m"), &min_m, &max_m, faults) {
         return;
     }
-    let overlaps = (0..3).all(|axis| {
-        zone.min_m[axis] < workspace.max_m[axis] && zone.max_m[axis] > workspace.min_m[axis]
-    });
-    if !overlaps {
-        let expected = format!(
-            "a box that reaches into the workspace, `{:?}` to `{:?}`: outside of it, it keeps the tool from nothing",
-            workspace.min_m, workspace.max_m
-        );
-        faults.wrong(&key, &[zone.min_m, zone.max_m], &expected);
-    }
-    let grown = [
-        zone.min_m.map(|it| it - margin_m),
-        zone.max_m.map(|it| it + margin_m),
-    ];
-    if holds(&grown[0], &grown[1], &workspace.rest_m) {
-        let expected = format!(
-            "a place outside of `{}`, which is kept out, by `tolerance.position_m` or more",
-            zone.name
-        );
-        faults.wrong("workspace.rest_m", &workspace.rest_m, &expected);
-    }
+    let overlaps = (0..3)
+        .all(|axis| min_m[axis] < workspace.max_m[axis] && max_m[axis] > workspace.min_m[axis]);
+    let expected = format!(
+        "a box that reaches into the workspace, `{:?}` to `{:?}`: outside of it, it keeps the tool from nothing",
+        workspace.min_m, workspace.max_m
+    );
+    faults.unless(overlaps, &key, &[min_m, max_m], expected);
+    let (least, most) = (min_m.map(|it| it - margin_m), max_m.map(|it| it + margin_m));
+    let holds = !contains(&least, &most, &workspace.rest_m);
+    let expected = format!(
+        "a place outside of `{}`, which is kept out, by `tolerance.position_m` or more",
+        zone.name
+    );
+    faults.unless(holds, "workspace.rest_m", &workspace.rest_m, expected);
 }
 
 /// Checks the order of heights, and that a miss by the tolerance shows in each difference.
@@ -189,195 +169,159 @@ fn heights(settings: &Settings, faults: &mut Faults) {
         ("lift_m", motion.lift_m, "grasp_m", motion.grasp_m),
         ("retreat_m", motion.retreat_m, "release_m", motion.release_m),
     ] {
-        if height_m <= below_m + margin_m + EXACT_M {
-            let expected = format!(
-                "above {:.4}: `motion.{other}`, {below_m}, and `tolerance.position_m`, {margin_m}; else a motion between \
-                 the two that never happened would count as done",
-                below_m + margin_m
-            );
-            faults.wrong(&format!("motion.{key}"), &height_m, &expected);
-        }
-    }
-    if motion.lift_m < motion.release_m {
         let expected = format!(
-            "{} or more, `motion.release_m`: the hand comes down to the place",
-            motion.release_m
+            "above {:.4}: `motion.{other}`, {below_m}, and `tolerance.position_m`, {margin_m}; else a motion between the \
+             two that never happened would count as done",
+            below_m + margin_m
         );
-        faults.wrong("motion.lift_m", &motion.lift_m, &expected);
+        let holds = height_m > below_m + margin_m + EXACT_M;
+        faults.unless(holds, &format!("motion.{key}"), &height_m, expected);
     }
+    let (lift_m, release_m) = (motion.lift_m, motion.release_m);
+    let expected =
+        format!("{release_m} or more, `motion.release_m`: the hand comes down to the place");
+    faults.unless(lift_m >= release_m, "motion.lift_m", &lift_m, expected);
     for (key, height_m) in [
         ("pre_pick_m", motion.pre_pick_m),
         ("lift_m", motion.lift_m),
         ("retreat_m", motion.retreat_m),
     ] {
-        if motion.travel_m < height_m {
-            let expected =
-                format!("{height_m} or more, `motion.{key}`: the hand travels above the cloth");
-            faults.wrong("motion.travel_m", &motion.travel_m, &expected);
-        }
+        let holds = motion.travel_m >= height_m;
+        let expected =
+            format!("{height_m} or more, `motion.{key}`: the hand travels above the cloth");
+        faults.unless(holds, "motion.travel_m", &motion.travel_m, expected);
     }
-    let most_m_s = settings.workspace.max_speed_m_s;
-    if motion.speed_m_s > most_m_s {
-        let expected = format!("at most {most_m_s}, `workspace.max_speed_m_s`");
-        faults.wrong("motion.speed_m_s", &motion.speed_m_s, &expected);
-    }
+    let (speed_m_s, most_m_s) = (motion.speed_m_s, settings.workspace.max_speed_m_s);
+    let expected = format!("at most {most_m_s}, `workspace.max_speed_m_s`");
+    faults.unless(
+        speed_m_s <= most_m_s,
+        "motion.speed_m_s",
+        &speed_m_s,
+        expected,
+    );
 }
 
 fn fingers(settings: &Settings, faults: &mut Faults) {
     let fingers = &settings.fingers;
-    let way = (fingers.open - fingers.closed).abs();
-    if way == 0.0 {
-        let expected = "another position than `fingers.open`";
-        faults.wrong("fingers.closed", &fingers.closed, expected);
-        return;
-    }
-    if fingers.tolerance > way / 10.0 {
+    let (way, tolerance) = ((fingers.open - fingers.closed).abs(), fingers.tolerance);
+    let expected = "another position than `fingers.open`".to_owned();
+    faults.unless(way > 0.0, "fingers.closed", &fingers.closed, expected);
+    let expected = format!(
+        "at most {}, a tenth of the way from open to closed: fingers that did not move would count as moved",
+        way / 10.0
+    );
+    let holds = way == 0.0 || tolerance <= way / 10.0;
+    faults.unless(holds, "fingers.tolerance", &tolerance, expected);
+    if let Some(cloth) = fingers.cloth {
         let expected = format!(
-            "at most {}, a tenth of the way from open to closed: fingers that did not move would count as moved",
-            way / 10.0
-        );
-        faults.wrong("fingers.tolerance", &fingers.tolerance, &expected);
-    }
-    if let Some(cloth) = fingers.cloth
-        && !(cloth > fingers.tolerance && cloth < way / 2.0)
-    {
-        let expected = format!(
-            "above {}, `fingers.tolerance`, and below {}, half of the way from open to closed: an empty hand would count \
-             as one that holds cloth, or the reverse",
-            fingers.tolerance,
+            "above {tolerance}, `fingers.tolerance`, and below {}, half of the way from open to closed: an empty hand would \
+             count as one that holds cloth, or the reverse",
             way / 2.0
         );
-        faults.wrong("fingers.cloth", &cloth, &expected);
+        let holds = way == 0.0 || cloth > tolerance && cloth < way / 2.0;
+        faults.unless(holds, "fingers.cloth", &cloth, expected);
     }
 }
 
 fn camera(settings: &Settings, faults: &mut Faults) {
     let camera = &settings.camera;
     let [left, top, side] = camera.window_px;
-    if side == 0 {
-        faults.wrong("camera.window_px", &camera.window_px, "a side above 0");
-    }
+    let expected = "a side above 0".to_owned();
+    faults.unless(side > 0, "camera.window_px", &camera.window_px, expected);
     if let Some(intrinsics) = &camera.intrinsics {
         let [width, height] = intrinsics.size_px;
-        if left + side > width || top + side > height {
-            let expected =
-                format!("a square inside of {width} x {height} px, `camera.intrinsics.size_px`");
-            faults.wrong("camera.window_px", &camera.window_px, &expected);
-        }
+        let expected =
+            format!("a square inside of {width} x {height} px, `camera.intrinsics.size_px`");
+        let holds = left + side <= width && top + side <= height;
+        faults.unless(holds, "camera.window_px", &camera.window_px, expected);
     }
-    match camera.source {
-        CameraSource::Directory if camera.folder.is_none() => faults.missing(
-            "`camera.source` is `directory`",
-            "`camera.folder`, the folder with the pictures",
-        ),
-        CameraSource::Simulated if settings.driver != DriverKind::Simulated => faults.0.push(
+    if camera.source == CameraSource::Simulated && settings.driver != DriverKind::Simulated {
+        faults.0.push(
             "`camera.source` is `simulated`, which would be right with `driver = \"simulated\"` only"
                 .to_owned(),
-        ),
-        _ => {}
+        );
     }
 }
 
-/// Checks that `[ros]` has everything that the driver and the camera need.
-fn ros(settings: &Settings, chain: Option<&Chain>, faults: &mut Faults) {
-    let driver = match settings.driver {
-        DriverKind::Kinova => Some("`driver` is `kinova`"),
-        DriverKind::Trajectory => Some("`driver` is `trajectory`"),
-        DriverKind::Ros2 | DriverKind::Simulated => None,
+/// Checks that driver and camera have every key that they need.
+fn connections(settings: &Settings, faults: &mut Faults) {
+    let (driver, camera) = (settings.driver, &settings.camera);
+    let (ros, ros2) = (settings.ros.as_ref(), settings.ros2.as_ref());
+    let driver_is = format!("`driver` is `{}`", driver.name());
+    let camera_is = format!("`camera.source` is `{}`", camera.source.name());
+    match driver {
+        DriverKind::Simulated => {}
+        DriverKind::Ros2 => faults.needs(ros2.is_some(), &driver_is, "a part `[ros2]`"),
+        _ => faults.needs(ros.is_some(), &driver_is, "a part `[ros]`"),
+    }
+    if let (DriverKind::Trajectory, Some(ros)) = (driver, ros) {
+        faults.needs(ros.trajectory.is_some(), &driver_is, "`ros.trajectory`");
+    }
+    if let (DriverKind::Ros2, Some(ros2)) = (driver, ros2) {
+        faults.needs(ros2.trajectory.is_some(), &driver_is, "`ros2.trajectory`");
+        faults.needs(ros2.gripper.is_some(), &driver_is, "`ros2.gripper`");
+        let (joints, count) = (&ros2.gripper_joints, settings.fingers.count);
+        faults.needs(!joints.is_empty(), &driver_is, "`ros2.gripper_joints`");
+        let holds = joints.len() <= 1 || joints.len() == count;
+        let expected = format!("one name, or one for each finger of `fingers.count`, {count}");
+        faults.unless(holds, "ros2.gripper_joints", joints, expected);
+    }
+    if let Some(address) = ros2.and_then(|ros2| ros2.interface.as_ref()) {
+        let expected = "an IPv4 address of this machine, e.g. `192.168.1.10`".to_owned();
+        let holds = address.parse::<Ipv4Addr>().is_ok();
+        faults.unless(holds, "ros2.interface", address, expected);
+    }
+    let topics = match camera.source {
+        CameraSource::Ros => ros.map(|ros| [&ros.color, &ros.depth, &ros.info]),
+        CameraSource::Ros2 => ros2.map(|ros2| [&ros2.color, &ros2.depth, &ros2.info]),
+        CameraSource::Directory => {
+            let folder = "`camera.folder`, the folder with the pictures";
+            faults.needs(camera.folder.is_some(), &camera_is, folder);
+            return;
+        }
+        CameraSource::Simulated => return,
     };
-    let is_topic = settings.camera.source == CameraSource::Ros;
-    let camera = is_topic.then_some("`camera.source` is `ros`");
-    let Some(ros) = &settings.ros else {
-        if let Some(who) = driver.or(camera) {
-            faults.missing(who, "a part `[ros]`");
+    let part = camera.source.name();
+    let Some(topics) = topics else {
+        // A driver that lacks the same part has said so.
+        if !faults
+            .0
+            .iter()
+            .any(|fault| fault.ends_with(&format!("a part `[{part}]`")))
+        {
+            faults.needs(false, &camera_is, &format!("a part `[{part}]`"));
         }
         return;
     };
-    joint_names("ros.joints", &ros.joints, chain, faults);
-    if settings.driver == DriverKind::Trajectory && ros.trajectory.is_none() {
-        faults.missing("`driver` is `trajectory`", "`ros.trajectory`");
-    }
-    if is_topic {
-        let topics = [&ros.color, &ros.depth, &ros.info];
-        camera_topics("ros", topics, faults);
+    for (key, topic) in ["color", "depth", "info"].into_iter().zip(topics) {
+        faults.needs(topic.is_some(), &camera_is, &format!("`{part}.{key}`"));
     }
 }
 
 /// Checks that names of joints, if they are stated, are as many as the arm's joints.
-fn joint_names(key: &str, names: &[String], chain: Option<&Chain>, faults: &mut Faults) {
-    let n_joints = chain.map_or(names.len(), |chain| chain.joints().len());
-    if !names.is_empty() && names.len() != n_joints {
-        let expected = format!("{n_joints} names, one for each joint of the arm");
-        faults.wrong(key, &names, &expected);
-    }
-}
-
-/// Checks that `[ros2]` has everything that the driver and the camera need.
-fn ros2(settings: &Settings, chain: Option<&Chain>, faults: &mut Faults) {
-    let is_driver = settings.driver == DriverKind::Ros2;
-    let is_topic = settings.camera.source == CameraSource::Ros2;
-    let Some(ros2) = &settings.ros2 else {
-        match (is_driver, is_topic) {
-            (true, _) => faults.missing("`driver` is `ros2`", "a part `[ros2]`"),
-            (_, true) => faults.missing("`camera.source` is `ros2`", "a part `[ros2]`"),
-            _ => {}
-        }
-        return;
-    };
-    if let Some(address) = &ros2.interface
-        && address.parse::<Ipv4Addr>().is_err()
-    {
-        let expected = "an IPv4 address of this machine, e.g. `192.168.1.10`";
-        faults.wrong("ros2.interface", address, expected);
-    }
-    joint_names("ros2.joints", &ros2.joints, chain, faults);
-    if is_driver {
-        for (key, is_missing) in [
-            ("trajectory", ros2.trajectory.is_none()),
-            ("gripper", ros2.gripper.is_none()),
-            (
-                "joints",
-                ros2.joints.is_empty() && chain.is_some_and(|chain| chain.names().is_empty()),
-            ),
-            ("gripper_joints", ros2.gripper_joints.is_empty()),
-        ] {
-            if is_missing {
-                faults.missing("`driver` is `ros2`", &format!("`ros2.{key}`"));
-            }
-        }
-        let (found, count) = (ros2.gripper_joints.len(), settings.fingers.count);
-        if found > 1 && found != count {
-            let expected = format!("one name, or one for each finger of `fingers.count`, {count}");
-            faults.wrong("ros2.gripper_joints", &ros2.gripper_joints, &expected);
-        }
-    }
-    if is_topic {
-        let topics = [&ros2.color, &ros2.depth, &ros2.info];
-        camera_topics("ros2", topics, faults);
-    }
-}
-
-/// Checks that a camera has its topics: colour, depth, projection.
-fn camera_topics(source: &str, topics: [&Option<String>; 3], faults: &mut Faults) {
-    for (key, topic) in ["color", "depth", "info"].into_iter().zip(topics) {
-        if topic.is_none() {
-            let who = format!("`camera.source` is `{source}`");
-            faults.missing(&who, &format!("`{source}.{key}`"));
-        }
+fn joint_names(settings: &Settings, chain: &Chain, faults: &mut Faults) {
+    let ros = settings.ros.as_ref().map(|ros| ("ros.joints", &ros.joints));
+    let ros2 = settings
+        .ros2
+        .as_ref()
+        .map(|ros2| ("ros2.joints", &ros2.joints));
+    for (key, names) in [ros, ros2].into_iter().flatten() {
+        let count = chain.joints().len();
+        let expected = format!("{count} names, one for each joint of the arm");
+        let holds = names.is_empty() || names.len() == count;
+        faults.unless(holds, key, names, expected);
     }
 }
 
 /// Checks that the corners of a box are in order.
 fn is_box(key: &str, min_m: &[f64; 3], max_m: &[f64; 3], faults: &mut Faults) -> bool {
     let is_box = min_m.iter().zip(max_m).all(|(least, most)| least < most);
-    if !is_box {
-        let expected = format!("less than `{max_m:?}`, its max_m, along each axis");
-        faults.wrong(key, min_m, &expected);
-    }
+    let expected = format!("less than `{max_m:?}`, its max_m, along each axis");
+    faults.unless(is_box, key, min_m, expected);
     is_box
 }
 
-fn holds(min_m: &[f64], max_m: &[f64], point_m: &[f64]) -> bool {
+fn contains(min_m: &[f64], max_m: &[f64], point_m: &[f64]) -> bool {
     let sides = min_m.iter().zip(max_m);
     let mut all = sides.zip(point_m);
     all.all(|((least, most), at)| (least..=most).contains(&at))

@@ -17,7 +17,7 @@ pub use faults::{Fault, FaultKind};
 pub use shared::SharedArm;
 
 use super::kinematics::chain::Chain;
-use super::kinematics::reach::{Reach, Turn};
+use super::kinematics::reach::Reach;
 use super::port::{
     AfterStop, GoalId, GoalState, Port, PortError, Reading, Readings, Stamps, Waypoint,
 };
@@ -38,6 +38,9 @@ const READING_S: f64 = 0.1;
 
 /// How far the arm's own clock is ahead of the port's, seconds: clocks of two machines differ.
 const AHEAD_S: f64 = 1000.0;
+
+/// How far from its target the tool comes to rest at most, metres.
+const REPEATABILITY_M: f64 = 0.001;
 
 /// A simulated arm and the node that moves it.
 pub struct SimulatedArm {
@@ -83,8 +86,8 @@ impl Simulation {
     pub fn of(settings: &Settings) -> Result<Simulation, String> {
         let chain = settings.chain().clone();
         let [x, y, z] = settings.workspace.rest_m;
-        let turn = Turn::Fixed(settings.motion.hand_turn_deg.to_radians());
-        let joints_rad = Reach::tool_down(&chain, turn)
+        let turn_rad = settings.motion.hand_turn_deg.to_radians();
+        let joints_rad = Reach::tool_down(&chain, turn_rad)
             .check(&Point3::new(x, y, z), &[0.0])
             .map_err(|why| format!("the arm cannot rest at `rest_m`: {why}"))?;
         Ok(Simulation {
@@ -93,8 +96,8 @@ impl Simulation {
             fingers: settings.fingers,
             joints_rad,
             speed_m_s: settings.motion.speed_m_s,
-            repeatability_m: settings.simulated.repeatability_m,
-            seed: settings.simulated.seed,
+            repeatability_m: REPEATABILITY_M,
+            seed: 0,
             faults: Vec::new(),
         })
     }

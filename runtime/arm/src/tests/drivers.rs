@@ -1,7 +1,8 @@
 //! Tests of every trap of the real arm's node, in both command modes: a driver must not trust any server.
 
 use super::*;
-use crate::driver::{ArmError, Deviation, HandContents, Opening, Watch};
+use crate::driver::{Deviation, HandContents, Opening};
+use crate::guard::{Checked, Motion};
 use crate::kinematics::tool_down::tool_down;
 use crate::settings::{FingerSettings, KeepOut};
 
@@ -16,7 +17,16 @@ fn there() -> Isometry3<f64> {
 }
 
 fn go(bench: &mut Bench) -> Result<ArmState, ArmError> {
-    bench.driver().move_tool(&there(), SPEED_M_S, &mut nobody)
+    go_with(bench, &there(), &mut nobody)
+}
+
+fn go_with(
+    bench: &mut Bench,
+    to: &Isometry3<f64>,
+    watch: &mut Watch<'_>,
+) -> Result<ArmState, ArmError> {
+    let settings = bench.settings.clone();
+    go_to(bench.driver(), &settings, to, SPEED_M_S, watch)
 }
 
 /// Like `go`, with the checks and corrections of the limits.
@@ -44,10 +54,7 @@ fn short_ways_are_gone_to_their_end() {
             let from = bench.port().tool();
             let mut to = from;
             to.translation.vector.x += step_m;
-            bench
-                .driver()
-                .move_tool(&to, SPEED_M_S, &mut nobody)
-                .unwrap();
+            go_with(&mut bench, &to, &mut nobody).unwrap();
             let moved_m = bench.port().tool().translation.vector.x - from.translation.vector.x;
             assert!((moved_m - step_m).abs() < 0.0011, "{step_m}: {moved_m}");
         }
@@ -94,10 +101,7 @@ fn cloth_between_the_fingers_is_told_by_their_place() {
     for by in By::BOTH {
         let mut bench = Bench::driven(by, &[]);
         let over = tool_down(&PICK_M.into(), 0.0);
-        bench
-            .driver()
-            .move_tool(&over, SPEED_M_S, &mut nobody)
-            .unwrap();
+        go_with(&mut bench, &over, &mut nobody).unwrap();
         let between = bench.driver().move_fingers(Opening::Closed, &mut nobody);
         assert_eq!(between, Ok(HandContents::Something));
         let opened = bench.driver().move_fingers(Opening::Open, &mut nobody);
@@ -233,16 +237,11 @@ fn a_pressed_stop_outlives_an_interrupted_hand() {
 fn a_cancelled_arm_is_enabled_and_a_stop_after_it_holds() {
     for by in By::BOTH {
         let mut bench = Bench::driven(by, &[]);
-        let paused = bench
-            .driver()
-            .move_tool(
-                &there(),
-                SPEED_M_S,
-                &mut |state| match state.at_s > ON_THE_WAY_S {
-                    true => Err(Halt::Pause),
-                    false => Ok(()),
-                },
-            );
+        let mut watch = |state: &ArmState| match state.at_s > ON_THE_WAY_S {
+            true => Err(Halt::Pause),
+            false => Ok(()),
+        };
+        let paused = go_with(&mut bench, &there(), &mut watch);
         assert_eq!(paused, Err(ArmError::Paused));
         bench.port().wait(1.0);
         assert!(!bench.port().is_stopped());
@@ -250,7 +249,7 @@ fn a_cancelled_arm_is_enabled_and_a_stop_after_it_holds() {
         bench.driver().stop().unwrap();
         bench.stays_stopped();
         assert_eq!(go(&mut bench), Err(ArmError::Stopped));
-        bench.driver().enable().unwrap();
+        bench.driver().recover().unwrap();
         go(&mut bench).unwrap();
     }
 }
@@ -327,9 +326,6 @@ struct Carried {
 }
 
 impl Arm for Carried {
-    fn name(&self) -> String {
-        "carried".to_owned()
-    }
     fn now_s(&self) -> f64 {
         0.0
     }
@@ -344,24 +340,20 @@ impl Arm for Carried {
     }
     fn move_tool(
         &mut self,
-        to: &Isometry3<f64>,
-        _: f64,
+        motion: &Checked<Motion>,
         _: &mut Watch<'_>,
     ) -> Result<ArmState, ArmError> {
         self.n_motions += 1;
         self.at = tool_down(&Point3::new(0.40, 0.30, 0.20), 0.0);
         Err(ArmError::Short {
-            reported: "reached".to_owned(),
-            deviation: Deviation::between(&self.at, to),
+            reported: "reached",
+            deviation: Deviation::between(&self.at, &motion.get().to),
         })
     }
     fn move_fingers(&mut self, _: Opening, _: &mut Watch<'_>) -> Result<HandContents, ArmError> {
         Ok(HandContents::Unknown)
     }
     fn stop(&mut self) -> Result<(), ArmError> {
-        Ok(())
-    }
-    fn enable(&mut self) -> Result<(), ArmError> {
         Ok(())
     }
 }
@@ -378,7 +370,7 @@ fn a_correction_is_checked_like_the_motion_before() {
         at: tool_down(&settings.workspace.rest_m.into(), 0.0),
         n_motions: 0,
     };
-    let mut arm = Limited::new(arm, guard(&settings), &settings.tolerance);
+    let mut arm = Limited::new(Box::new(arm), guard(&settings));
     // From where it is now the way back leads through the zone.
     let moved = arm.move_tool(&there(), SPEED_M_S, &mut nobody);
     assert!(

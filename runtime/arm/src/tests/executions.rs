@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::driver::{ArmError, HandContents};
-use crate::log::{ARM_FILE, Entry};
+use crate::journal::{ARM_FILE, Begun, Entry};
 use crate::route::SegmentName;
 use crate::supervisor::{MotionRequest, NoWatchdog, Unattended};
 use fab_world::start::Start;
@@ -18,7 +18,7 @@ fn entries(folder: &Path) -> Vec<Entry> {
 
 fn begun(folder: &Path) -> Vec<SegmentName> {
     let names = entries(folder).into_iter().filter_map(|entry| match entry {
-        Entry::Begin { segment, .. } => Some(segment),
+        Entry::Begin(Begun { segment, .. }) => Some(segment),
         _ => None,
     });
     names.collect()
@@ -87,7 +87,7 @@ fn a_pick_and_place_ends_where_it_says() {
     let entries = entries(bench.folder());
     for pair in entries.chunks(2) {
         assert!(
-            matches!(pair, [Entry::Begin { .. }, Entry::Done { .. }]),
+            matches!(pair, [Entry::Begin(_), Entry::Done { .. }]),
             "{pair:?}"
         );
     }
@@ -119,7 +119,7 @@ fn a_stated_manner_is_how_the_arm_goes_about_it() {
         let heights: Vec<(SegmentName, f64)> = entries(bench.folder())
             .into_iter()
             .filter_map(|entry| match entry {
-                Entry::Begin { segment, to_m, .. } => Some((segment, to_m?[2] - grasped_m)),
+                Entry::Begin(Begun { segment, to_m, .. }) => Some((segment, to_m?[2] - grasped_m)),
                 _ => None,
             })
             .collect();
@@ -161,7 +161,7 @@ fn every_motion_is_written_down_before_it_begins() {
         }
         fn beat(&mut self) -> Result<(), String> {
             let last = entries(self.0).pop();
-            assert!(matches!(last, Some(Entry::Begin { .. })), "{last:?}");
+            assert!(matches!(last, Some(Entry::Begin(_))), "{last:?}");
             assert_eq!(begun(self.0).len(), self.1);
             Ok(())
         }
@@ -363,10 +363,10 @@ fn a_watchdog_is_called_off_when_a_stop_is_verified_and_not_before() {
 }
 
 /// A disk that hangs at the `n`th line.
-fn hanging(n: usize) -> (ArmLog, Sender<()>) {
+fn hanging(n: usize) -> (Journal, Sender<()>) {
     let (release, hangs) = channel::<()>();
     let mut n_lines = 0;
-    let log = ArmLog::to("arm.jsonl".into(), Duration::from_millis(50), move |_| {
+    let log = Journal::to("arm.jsonl".into(), Duration::from_millis(50), move |_| {
         n_lines += 1;
         if n_lines == n {
             let _ = hangs.recv();

@@ -1,8 +1,8 @@
 //! Tests that motions which pass the guard stay within the limits, and that a moving arm is stopped at them.
 
 use super::*;
-use crate::driver::{ArmError, Opening};
-use crate::kinematics::reach::{Reach, Turn};
+use crate::driver::Opening;
+use crate::kinematics::reach::Reach;
 use crate::kinematics::tool_down::tool_down;
 use crate::settings::KeepOut;
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
@@ -83,7 +83,7 @@ fn links_are_kept_away_too() {
     let mut settings = settings();
     let guard_of = |settings: &Settings| guard(settings);
     let chain = Chain::of_model(&settings.model).unwrap();
-    let reach = Reach::tool_down(&chain, Turn::Fixed(0.0));
+    let reach = Reach::tool_down(&chain, 0.0);
     let here = [0.45, -0.15, 0.10];
     let from = ArmState {
         joints_rad: reach.check(&here.into(), &[0.1]).unwrap(),
@@ -192,7 +192,7 @@ fn an_arm_that_runs_away_is_stopped_at_its_limits() {
         .arm
         .move_tool(&aside, SPEED_M_S, &mut nobody)
         .unwrap_err();
-    bench.arm.stop().unwrap();
+    bench.driver().stop().unwrap();
     bench.stays_stopped();
 }
 
@@ -231,6 +231,6 @@ fn motions_are_sent_in_one_place() {
         }
     }
     senders.sort();
-    // A boxed port and a shared simulated arm hand on what they are sent.
-    assert_eq!(senders, ["goal.rs", "port.rs", "shared.rs"]);
+    // A shared simulated arm hands on what it is sent.
+    assert_eq!(senders, ["goal.rs", "shared.rs"]);
 }

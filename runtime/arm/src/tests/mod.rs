@@ -13,12 +13,12 @@ mod simulations;
 mod timed;
 mod trajectories;
 
-use super::driver::{Arm, ArmState, Halt, PortArm};
+use super::driver::{Arm, ArmError, ArmState, Commands, Halt, PortArm, Watch};
 use super::execute::{CompletedAction, Execution, FailedAction};
 use super::guard::{Guard, Surface};
+use super::journal::Journal;
 use super::kinematics::chain::Chain;
 use super::limits::Limited;
-use super::log::ArmLog;
 use super::port::{AfterStop, GoalId, GoalState, Port, PortError, Readings, Waypoint};
 use super::route::Route;
 use super::settings::Settings;
@@ -90,15 +90,17 @@ impl By {
     const BOTH: [By; 2] = [By::Poses, By::Trajectories];
 
     fn drive<P: Port>(self, port: P, settings: &Settings) -> PortArm<P> {
-        let (fingers, tolerance) = (settings.fingers, settings.tolerance);
-        match self {
-            By::Poses => PortArm::by_poses(port, guard(settings), fingers, tolerance),
-            By::Trajectories => PortArm::by_trajectories(port, guard(settings), fingers, tolerance),
-            By::Either => {
-                let speed_m_s = settings.motion.speed_m_s;
-                PortArm::by_poses_at(speed_m_s, port, guard(settings), fingers, tolerance)
-            }
-        }
+        let commands = match self {
+            By::Poses => Commands::Poses,
+            By::Trajectories => Commands::Trajectories,
+            By::Either => Commands::PosesAt(settings.motion.speed_m_s),
+        };
+        PortArm::new(
+            Box::new(port),
+            commands,
+            settings.fingers,
+            settings.tolerance,
+        )
     }
 }
 
@@ -137,7 +139,7 @@ impl Bench {
             &settings,
         );
         Bench {
-            arm: Limited::new(arm, guard(&settings), &settings.tolerance),
+            arm: Limited::new(Box::new(arm), guard(&settings)),
             settings,
             cloth,
             folder: tempfile::tempdir().unwrap(),
@@ -189,14 +191,14 @@ impl Bench {
         supervisor: &mut dyn Supervisor,
         watchdog: &mut dyn Watchdog,
     ) -> Result<CompletedAction, FailedAction> {
-        let mut log = ArmLog::open(self.folder()).unwrap();
+        let mut log = Journal::open(self.folder()).unwrap();
         self.run_with(&mut log, supervisor, watchdog)
     }
 
     /// Does the same with a journal.
     fn run_with(
         &mut self,
-        log: &mut ArmLog,
+        log: &mut Journal,
         supervisor: &mut dyn Supervisor,
         watchdog: &mut dyn Watchdog,
     ) -> Result<CompletedAction, FailedAction> {
@@ -334,6 +336,19 @@ impl Port for Tapped {
         }
         readings
     }
+}
+
+/// Checks a motion from where the arm is, and makes it.
+fn go_to<P: Port>(
+    arm: &mut PortArm<P>,
+    settings: &Settings,
+    to: &Isometry3<f64>,
+    speed_m_s: f64,
+    watch: &mut Watch<'_>,
+) -> Result<ArmState, ArmError> {
+    let from = arm.state()?;
+    let motion = guard(settings).motion(&from, to, speed_m_s);
+    arm.move_tool(&motion.map_err(ArmError::Refused)?, watch)
 }
 
 /// Permits every motion.

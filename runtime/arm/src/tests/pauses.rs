@@ -75,7 +75,7 @@ fn a_stop_that_is_pressed_before_a_pause_is_not_lifted_unnoticed() {
                     false => Ok(()),
                 }
             };
-            let halted = arm.move_tool(&there(), SPEED_M_S, &mut watch);
+            let halted = go_to(&mut arm, &settings, &there(), SPEED_M_S, &mut watch);
             let cancelled_s = arm.port().cancelled_s;
             // A stop pressed while the cancellation is in transit cannot be distinguished from it, at the tool's
             // resolution of a millimetre.
@@ -90,7 +90,7 @@ fn a_stop_that_is_pressed_before_a_pause_is_not_lifted_unnoticed() {
                 // Not released, or not pressed yet.
                 assert!(halted == Err(ArmError::Paused) || halted.is_ok(), "{told}");
                 arm.wait(1.5);
-                let next = arm.move_tool(&there(), SPEED_M_S, &mut nobody);
+                let next = go_to(&mut arm, &settings, &there(), SPEED_M_S, &mut nobody);
                 assert_eq!(next, Err(ArmError::Stopped), "{told}");
             }
             arm.stop().unwrap();

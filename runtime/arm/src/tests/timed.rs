@@ -238,7 +238,7 @@ fn the_simulated_arm_keeps_the_times_that_a_plan_states() {
         for (segment, planned) in route.get().segments.iter().zip(&plan.segments) {
             let Act::Move(to) = segment.act else { continue };
             arm.port().moved_s = None;
-            arm.move_tool(&to, SPEED_M_S, &mut nobody).unwrap();
+            go_to(&mut arm, &settings, &to, SPEED_M_S, &mut nobody).unwrap();
             // The node reports a goal as reached while the tool is on its last millimetres.
             arm.wait(1.0);
             let [first_s, last_s] = arm.port().moved_s.unwrap_or_default();
@@ -268,7 +268,7 @@ fn a_trajectory_begins_where_the_joints_are_or_not_at_all() {
         let first = &motion.get().waypoints[0].joints_rad;
         let begins = (first[0] - state.joints_rad[0]).abs() < 1e-9;
         assert_eq!(begins, is_sent, "{off_rad}");
-        let moved = arm.move_tool(&there, SPEED_M_S, &mut nobody);
+        let moved = go_to(&mut arm, &settings, &there, SPEED_M_S, &mut nobody);
         match is_sent {
             true => drop(moved.unwrap()),
             false => {

@@ -15,7 +15,7 @@ fn there() -> Isometry3<f64> {
 }
 
 fn go<P: Port>(arm: &mut PortArm<P>) -> Result<ArmState, ArmError> {
-    arm.move_tool(&there(), SPEED_M_S, &mut nobody)
+    go_to(arm, &settings(), &there(), SPEED_M_S, &mut nobody)
 }
 
 /// Fails if the arm moves in the next seconds.
@@ -32,21 +32,16 @@ fn a_stopped_trajectory_is_not_gone_on_with() {
     // Stopped by the driver, and enabled by it or by somebody else.
     for by_driver in [true, false] {
         let mut bench = Bench::driven(By::Trajectories, &[]);
-        let halted = bench
-            .driver()
-            .move_tool(
-                &there(),
-                SPEED_M_S,
-                &mut |state| match state.at_s > ON_THE_WAY_S {
-                    true => Err(Halt::Stop(ArmError::Interrupted)),
-                    false => Ok(()),
-                },
-            );
+        let mut watch = |state: &ArmState| match state.at_s > ON_THE_WAY_S {
+            true => Err(Halt::Stop(ArmError::Interrupted)),
+            false => Ok(()),
+        };
+        let halted = go_to(bench.driver(), &settings(), &there(), SPEED_M_S, &mut watch);
         assert_eq!(halted, Err(ArmError::Interrupted));
         bench.driver().stop().unwrap();
         bench.stays_stopped();
         match by_driver {
-            true => bench.driver().enable().unwrap(),
+            true => bench.driver().recover().unwrap(),
             false => bench.port().start().unwrap(),
         }
         rests(&mut bench);
@@ -60,14 +55,20 @@ fn a_trajectory_under_a_pressed_stop_is_not_gone_on_with() {
     let all = [By::Trajectories, By::Either].map(|by| cases.map(|case| (by, case)));
     for (by, (is_stopped, by_driver)) in all.into_iter().flatten() {
         let mut bench = Bench::driven(by, &[(FaultKind::PressedStop, ON_THE_WAY_S)]);
-        let moved = bench.driver().move_tool(&there(), SLOWER_M_S, &mut nobody);
+        let moved = go_to(
+            bench.driver(),
+            &settings(),
+            &there(),
+            SLOWER_M_S,
+            &mut nobody,
+        );
         assert_eq!(moved, Err(ArmError::Stopped));
         if is_stopped {
             bench.driver().stop().unwrap();
         }
         bench.stays_stopped();
         match by_driver {
-            true => bench.driver().enable().unwrap(),
+            true => bench.driver().recover().unwrap(),
             false => bench.port().start().unwrap(),
         }
         rests(&mut bench);
@@ -83,13 +84,13 @@ fn an_arm_is_not_let_go_while_its_controller_takes_nothing() {
     let mut bench = Bench::driven(By::Trajectories, &[(FaultKind::LostGoals, 1.0)]);
     bench.driver().stop().unwrap();
     bench.port().wait(1.0);
-    let enabled = bench.driver().enable();
+    let enabled = bench.driver().recover();
     assert!(
         matches!(enabled, Err(ArmError::TimedOut { .. })),
         "{enabled:?}"
     );
     bench.stays_stopped();
-    bench.driver().enable().unwrap();
+    bench.driver().recover().unwrap();
     go(bench.driver()).unwrap();
 }
 
@@ -133,7 +134,7 @@ fn links_do_not_come_below_the_table() {
         table.workspace.min_m[2] = height_m - 0.01 - 0.4;
         let mut arm = By::Trajectories.drive(port, &table);
         let before = arm.port().tool();
-        let moved = go(&mut arm);
+        let moved = go_to(&mut arm, &table, &there(), SPEED_M_S, &mut nobody);
         (moved, before, arm.port().tool())
     };
     state(0.02).0.unwrap();
@@ -154,15 +155,12 @@ fn an_arm_without_the_vendors_servers_moves_and_is_stopped() {
         let faults = vec![(FaultKind::LostCancel, ON_THE_WAY_S); lost];
         let port = SimulatedArm::new(simulation(&settings, 0, &faults), None);
         let mut arm = By::Trajectories.drive(Tapped::generic(port), &settings);
-        let halted = arm.move_tool(
-            &there(),
-            // Slow enough that it does not arrive while it is told to stop.
-            0.2 * SPEED_M_S,
-            &mut |state| match state.at_s > ON_THE_WAY_S {
-                true => Err(Halt::Stop(ArmError::Interrupted)),
-                false => Ok(()),
-            },
-        );
+        let mut watch = |state: &ArmState| match state.at_s > ON_THE_WAY_S {
+            true => Err(Halt::Stop(ArmError::Interrupted)),
+            false => Ok(()),
+        };
+        // Slow enough that it does not arrive while it is told to stop.
+        let halted = go_to(&mut arm, &settings, &there(), 0.2 * SPEED_M_S, &mut watch);
         assert_eq!(halted, Err(ArmError::Interrupted));
         let stopped = arm.stop();
         if !is_verified {
@@ -178,7 +176,7 @@ fn an_arm_without_the_vendors_servers_moves_and_is_stopped() {
         let moved = arm.port().arm.tool().translation.vector - at.translation.vector;
         assert!(moved.norm() < 1e-9, "it moved by {} m", moved.norm());
         assert_eq!(go(&mut arm), Err(ArmError::Stopped));
-        arm.enable().unwrap();
+        arm.recover().unwrap();
         go(&mut arm).unwrap();
     }
 }

@@ -8,7 +8,7 @@ use super::parts::guard;
 use crate::calibration::Calibration;
 use crate::driver::ArmState;
 use crate::guard::{Guard, Surface};
-use crate::kinematics::reach::{Reach, Turn};
+use crate::kinematics::reach::Reach;
 use crate::kinematics::tool_down::tool_down;
 use crate::plan::Plan;
 use crate::route::{self, SegmentName};
@@ -26,9 +26,9 @@ pub(super) struct ArmReach {
 impl ArmReach {
     /// Computes the reach of an arm whose motions are guarded.
     pub(super) fn new(settings: &Settings, guard: Guard) -> ArmReach {
-        let turn = Turn::Fixed(settings.motion.hand_turn_deg.to_radians());
+        let turn_rad = settings.motion.hand_turn_deg.to_radians();
         ArmReach {
-            reach: Reach::tool_down(guard.chain(), turn),
+            reach: Reach::tool_down(guard.chain(), turn_rad),
             guard,
         }
     }
@@ -82,12 +82,10 @@ impl ArmReach {
         let up = tool_down(&high, turn_rad);
         self.guard.motion(&from, &up, motion.speed_m_s).err()
     }
-}
 
-impl ArmReach {
     /// Returns why the arm cannot follow a motion's manner, as [`World::refuses`] does.
     ///
-    /// The way is planned from where the arm rests. What is impossible in the arm's own manner too is not refused here.
+    /// The way is planned from where the arm rests.
     pub(super) fn refuses(&self, settings: &Settings, asked: &Motion) -> Option<String> {
         let mut grips = asked.grips.iter();
         grips.find_map(|grip| self.refuses_grip(settings, grip))
@@ -118,31 +116,34 @@ impl ArmReach {
             joints_rad: Vec::new(),
             fingers: Vec::new(),
         };
-        let (plan, route) = Plan::make(settings, &self.guard, &rest, points, manner);
-        if route.is_none() {
-            let usual = Plan::make(settings, &self.guard, &rest, points, &Manner::default());
-            usual.1?;
-            let why = plan.refused.unwrap_or_default();
-            let height = |name: &str, stated: Option<f64>| {
-                let height_m = stated?;
+        let plan = |manner: &Manner| {
+            let (plan, route) = Plan::make(settings, &self.guard, &rest, points, manner);
+            (plan.refused.filter(|_| route.is_none()), plan.segments)
+        };
+        let (refused, segments) = plan(manner);
+        if let Some(why) = refused {
+            // What is impossible in the arm's own manner too is not refused here.
+            if plan(&Manner::default()).0.is_some() {
+                return None;
+            }
+            let heights = [
+                ("lift", manner.lift_m),
+                ("release_height", manner.release_height_m),
+            ];
+            let stated = heights.into_iter().filter_map(|(name, height_m)| {
+                let height_m = height_m?;
+                let alone = Manner::default().with(name, height_m);
+                let why = plan(&alone).0?;
                 Some(format!(
                     "`{name}` of {:.0} mm is not possible: {why}",
                     height_m * 1000.0
                 ))
-            };
-            let ended = plan.segments.last().map(|segment| segment.name);
-            let released = || height("release_height", manner.release_height_m);
-            return match ended {
-                Some(SegmentName::DownToPlace | SegmentName::Up | SegmentName::Away) => {
-                    released().or_else(|| height("lift", manner.lift_m))
-                }
-                _ => height("lift", manner.lift_m).or_else(released),
-            }
-            .or(Some(why));
+            });
+            return stated.into_iter().next().or(Some(why));
         }
         let speed_m_s = manner.speed_m_s?;
-        let mut at = rest;
-        for segment in &plan.segments {
+        let mut at = rest.clone();
+        for segment in &segments {
             let to = tool_down(&segment.to_m.into(), turn_rad);
             let carries = matches!(
                 segment.name,
@@ -233,138 +234,4 @@ impl Wrapper for WithinReach {
 }
 
 #[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used)]
-    use super::*;
-    use crate::world::load;
-    use std::path::Path;
-
-    /// Cloth on the low side of a tilted table is grasped where it lies, not at the height of the table's middle.
-    #[test]
-    fn grasp_heights_follow_a_tilted_table() {
-        let robot = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/real/simulated.toml");
-        let (settings, ..) = load(&robot).unwrap();
-        let slope = 3f64.to_radians().tan();
-        let [x, y, z] = settings.table.center_m;
-        let world_from_base = base_from_world(&settings).inverse();
-        for way_rad in (0..10).map(f64::from) {
-            let [along_x, along_y] = [slope * way_rad.cos(), slope * way_rad.sin()];
-            let surface = Surface::tilted([z - along_x * x - along_y * y, along_x, along_y]);
-            for (at_x, at_y) in [(0.3, -0.2), (0.3, 0.2), (0.6, -0.2), (0.6, 0.2), (x, y)] {
-                let cloth = Point3::new(at_x, at_y, surface.height_m(at_x, at_y));
-                let pick = base_point(&settings, &surface, &(world_from_base * cloth));
-                assert!((pick - cloth).norm() < 1e-9, "{pick} {cloth}");
-                // What a camera sees below the table lies on it.
-                let below = cloth - nalgebra::Vector3::z() * 0.03;
-                let pick = base_point(&settings, &surface, &(world_from_base * below));
-                assert!((pick - cloth).norm() < 1e-9, "{pick} {cloth}");
-                let rest = tool_down(&settings.workspace.rest_m.into(), 0.0);
-                let route =
-                    route::Route::new(&settings, &surface, &rest, &pick, &pick, &Manner::default());
-                let is_down = |it: &&route::Segment| it.name == route::SegmentName::Down;
-                let down = route.segments.iter().find(is_down).unwrap();
-                let route::Act::Move(to) = down.act else {
-                    panic!("{down:?}")
-                };
-                assert!((to.translation.z - cloth.z).abs() < 1e-9);
-            }
-        }
-    }
-
-    /// A point at the rim can be reached in one posture only: an arm that is off by a millimetre does not get there.
-    #[test]
-    fn points_at_the_rim_are_left_out_by_what_an_arm_may_be_off() {
-        let robot = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/real/simulated.toml");
-        let (settings, _, calibration) = load(&robot).unwrap();
-        let guard = guard(&settings, &calibration);
-        let reach = ArmReach::new(&settings, guard);
-        let world_from_base = base_from_world(&settings).inverse();
-        let angle_rad = 0.215_f64;
-        let at = |radius_m: f64| {
-            let (sin, cos) = angle_rad.sin_cos();
-            let base = Point3::new(radius_m * cos, radius_m * sin, 0.02);
-            reach.out_of_reach(&settings, &(world_from_base * base))
-        };
-        assert_eq!(at(0.70), None);
-        let why = at(0.7072).unwrap();
-        assert!(why.contains("it lies 0.71 m from the arm's base"), "{why}");
-        assert!(at(0.187).is_some(), "the same holds near the base");
-        assert_eq!(at(0.19), None);
-        // By its kinematics alone, the arm would reach both.
-        for radius_m in [0.7072, 0.187] {
-            let base = Point3::new(radius_m * angle_rad.cos(), radius_m * angle_rad.sin(), 0.02);
-            assert!(
-                reach.reach.check(&base, &[0.05, 0.10]).is_ok(),
-                "{radius_m}"
-            );
-        }
-    }
-
-    #[test]
-    fn manners_beyond_the_arm_are_refused_by_name_and_with_the_bound() {
-        let robot = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/real/simulated.toml");
-        let (mut settings, _, calibration) = load(&robot).unwrap();
-        let reach = ArmReach::new(&settings, guard(&settings, &calibration));
-        let points = [
-            WorldPoint::new(-0.05, 0.0, 0.0),
-            WorldPoint::new(0.1, 0.05, 0.0),
-        ];
-        let motion =
-            |manner: Manner| Motion::from(Grip::new(points[0], points[1]).with_manner(manner));
-        let said = |settings: &Settings, name: &str, value: f64| {
-            reach.refuses(settings, &motion(Manner::default().with(name, value)))
-        };
-        for (name, value) in [
-            ("lift", 0.0),
-            ("lift", 0.1),
-            ("release_height", 0.0),
-            ("release_height", 0.1),
-            ("press", 0.0),
-            ("speed", settings.motion.speed_m_s),
-            ("speed", 0.03),
-        ] {
-            assert_eq!(said(&settings, name, value), None, "{name} {value}");
-        }
-        let top_m = settings.workspace.max_m[2];
-        let usual_m_s = settings.motion.speed_m_s;
-        for (name, value, expected) in [
-            (
-                "lift",
-                0.9,
-                "`lift` of 900 mm is not possible: the tool would be at".to_owned(),
-            ),
-            ("lift", 0.9, format!("to {top_m:.3} m")),
-            (
-                "release_height",
-                0.9,
-                "`release_height` of 900 mm is not possible".to_owned(),
-            ),
-            (
-                "press",
-                0.1,
-                "`press` is not possible: the arm feels no force".to_owned(),
-            ),
-        ] {
-            let why = said(&settings, name, value).unwrap();
-            assert!(why.contains(&expected), "{why}");
-        }
-        // An arm that takes poses alone has one speed.
-        settings.driver = DriverKind::Kinova;
-        assert_eq!(said(&settings, "speed", usual_m_s), None);
-        let why = said(&settings, "speed", 0.03).unwrap();
-        let expected = format!("a speed of its own, `motion.speed_m_s` of {usual_m_s} m/s");
-        assert!(why.contains(&expected), "{why}");
-        // An arm that follows trajectories takes a speed, within its limits.
-        settings.driver = DriverKind::Trajectory;
-        assert_eq!(said(&settings, "speed", 0.03), None);
-        let most_m_s = settings.workspace.max_speed_m_s;
-        let why = said(&settings, "speed", most_m_s + 0.1).unwrap();
-        let expected = format!("`workspace.max_speed_m_s` of {most_m_s} m/s");
-        assert!(why.contains(&expected), "{why}");
-        settings.workspace.max_speed_m_s = 5.0;
-        let reach = ArmReach::new(&settings, guard(&settings, &calibration));
-        let fast = motion(Manner::default().with("speed", 4.0));
-        let why = reach.refuses(&settings, &fast).unwrap();
-        assert!(why.contains("the arm's joints allow at most"), "{why}");
-    }
-}
+mod tests;

@@ -195,7 +195,7 @@ impl BenchReport<'_> {
             )
         } else {
             format!(
-                "the arm was left in the middle of a motion, and no further rollout was begun: {why}; look after it, and say so by `fabc robot recover {folder}`"
+                "`{folder}` left the arm in the middle of a motion, and no further rollout was begun: {why}; see to it, and if it is a real one, say so with `fabc robot recover --robot FILE`"
             )
         })
     }

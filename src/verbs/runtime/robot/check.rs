@@ -8,11 +8,10 @@ use crate::io::Io;
 use clap::{Args, ValueHint};
 use fab_arm::calibration::{Accuracy, Calibration, METHOD};
 use fab_arm::guard::{Guard, Surface};
-use fab_arm::kinematics::reach::{Reach, Turn};
+use fab_arm::kinematics::reach::Reach;
 use fab_arm::settings::{CameraSource, Settings};
 use nalgebra::Point3;
 use serde::Serialize;
-use serde_json::json;
 use std::path::{Path, PathBuf};
 
 #[derive(Args)]
@@ -37,13 +36,27 @@ struct NamedPose {
     why_not: Option<String>,
 }
 
+/// What is printed, as text or as JSON.
+#[derive(Serialize)]
 struct Inspection {
-    settings: Settings,
-    calibration: Result<MadeCalibration, String>,
+    name: String,
+    model: String,
+    calibration: CalibrationCheck,
     reach: Vec<NamedPose>,
+    /// Pairs of parts that touch at rest.
+    touching: Vec<[String; 2]>,
+    #[serde(skip)]
     faults: Vec<String>,
     /// What to do: about each fault, else to plan.
     next: Vec<String>,
+    exit: u8,
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum CalibrationCheck {
+    Usable(MadeCalibration),
+    Unusable { usable: bool, why: String },
 }
 
 #[derive(Serialize)]
@@ -57,35 +70,21 @@ struct MadeCalibration {
 }
 
 pub fn run(arguments: &RobotCheckArguments, io: &Io) -> Result<Exit, Failure> {
-    let inspection = inspect(&arguments.robot)?;
-    let exit = match inspection.faults.as_slice() {
-        [] => Exit::Done,
-        _ => Exit::Environment,
-    };
-    let settings = &inspection.settings;
-    let document = json!({
-        "name": settings.name,
-        "model": settings.model,
-        "calibration": match &inspection.calibration {
-            Ok(made) => json!(made),
-            Err(why) => json!({"usable": false, "why": why}),
-        },
-        "reach": inspection.reach,
-        "next": inspection.next,
-        "exit": exit.code(),
-    });
-    io.either(arguments.json, &document, || inspection.text());
-    if exit != Exit::Done {
-        io.talk("error: this arm cannot be used as it is set up");
+    let inspection = inspect(&arguments.robot, &Settings::load(&arguments.robot)?);
+    io.either(arguments.json, &inspection, || inspection.text());
+    if inspection.faults.is_empty() {
+        return Ok(Exit::Done);
     }
-    Ok(exit)
+    io.talk("error: this arm cannot be used as it is set up");
+    Ok(Exit::Environment)
 }
 
 /// Returns the settings of an arm with which a plan or a run may begin; fails as `robot check` does, with what to do next.
 pub fn usable(robot: &Path) -> Result<Settings, Failure> {
-    let inspection = inspect(robot)?;
+    let settings = Settings::load(robot)?;
+    let inspection = inspect(robot, &settings);
     if inspection.faults.is_empty() {
-        return Ok(inspection.settings);
+        return Ok(settings);
     }
     Err(Failure::environment(format!(
         "nothing is planned or moved, because `fabc robot check` refuses the arm of `{}`\n{}\nnext: {}",
@@ -95,15 +94,18 @@ pub fn usable(robot: &Path) -> Result<Settings, Failure> {
     )))
 }
 
-fn inspect(robot: &Path) -> Result<Inspection, Failure> {
-    let settings = Settings::load(robot)?;
-    let (reach, file) = (places(&settings), robot.display());
+fn inspect(robot: &Path, settings: &Settings) -> Inspection {
+    let guard = Guard::new(settings, Surface::level(settings));
+    let (reach, file) = (places(settings, &guard), robot.display());
     let (mut faults, mut next) = (Vec::new(), Vec::new());
-    let calibration = calibration(robot, &settings).map_err(|[why, cure]| {
-        faults.push(format!("the calibration cannot be used: {why}"));
-        next.push(cure);
-        why
-    });
+    let calibration = match calibration(robot, settings) {
+        Ok(made) => CalibrationCheck::Usable(made),
+        Err([why, cure]) => {
+            faults.push(format!("the calibration cannot be used: {why}"));
+            next.push(cure);
+            CalibrationCheck::Unusable { usable: false, why }
+        }
+    };
     for place in &reach {
         let ([x, y, z], name) = (place.at_m, place.name);
         if let (Some(key), Some(why)) = (place.needed, &place.why_not) {
@@ -119,19 +121,25 @@ fn inspect(robot: &Path) -> Result<Inspection, Failure> {
         let plan = format!("`fabc run TASK --world arm --robot {file} --plan-only`");
         next.push(plan);
     }
-    Ok(Inspection {
-        settings,
+    let exit = match faults.as_slice() {
+        [] => Exit::Done,
+        _ => Exit::Environment,
+    };
+    Inspection {
+        name: settings.name.clone(),
+        model: settings.model.clone(),
         calibration,
         reach,
+        touching: guard.touching().to_vec(),
         faults,
         next,
-    })
+        exit: exit.code(),
+    }
 }
 
-fn places(settings: &Settings) -> Vec<NamedPose> {
-    let turn = Turn::Fixed(settings.motion.hand_turn_deg.to_radians());
-    let reach = Reach::tool_down(settings.chain(), turn);
-    let guard = Guard::new(settings, Surface::level(settings));
+fn places(settings: &Settings, guard: &Guard) -> Vec<NamedPose> {
+    let turn_rad = settings.motion.hand_turn_deg.to_radians();
+    let reach = Reach::tool_down(settings.chain(), turn_rad);
     let [x, y, z] = settings.table.center_m;
     let ([left, low, _], [right, high, _]) = (settings.workspace.min_m, settings.workspace.max_m);
     let motion = &settings.motion;
@@ -211,10 +219,10 @@ fn calibration(robot: &Path, settings: &Settings) -> Result<MadeCalibration, [St
 
 impl Inspection {
     fn text(&self) -> String {
-        let (name, model) = (&self.settings.name, &self.settings.model);
+        let (name, model) = (&self.name, &self.model);
         let mut lines = vec![format!("settings     {name}, {model}: can be used")];
         match &self.calibration {
-            Ok(made) => {
+            CalibrationCheck::Usable(made) => {
                 let (made_on, method, camera) = (&made.made_on, made.method, &made.camera);
                 let left_out_mm = made.accuracy.left_out_rms_mm;
                 lines.push(format!(
@@ -229,7 +237,9 @@ impl Inspection {
                     )
                 }));
             }
-            Err(why) => lines.push(format!("calibration  cannot be used: {why}")),
+            CalibrationCheck::Unusable { why, .. } => {
+                lines.push(format!("calibration  cannot be used: {why}"));
+            }
         }
         lines.extend(self.reach.iter().map(|place| {
             let [x, y, z] = place.at_m;
@@ -237,6 +247,9 @@ impl Inspection {
             let result = why.map_or("reached".to_owned(), |why| format!("out of reach: {why}"));
             let name = place.name;
             format!("reach        {name} ({x:.3}, {y:.3}, {z:.3}): {result}")
+        }));
+        lines.extend(self.touching.iter().map(|[one, other]| {
+            format!("touching     {one} and {other}, at rest: these two are not kept apart")
         }));
         lines.extend(self.next.iter().map(|next| format!("next         {next}")));
         lines.join("\n")

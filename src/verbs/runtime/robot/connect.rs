@@ -5,8 +5,7 @@
 
 use crate::exit::Failure;
 use fab_arm::directory::{DirectoryCamera, PictureSelection};
-use fab_arm::driver::{Arm, PortArm};
-use fab_arm::guard::Guard;
+use fab_arm::driver::{Commands, PortArm};
 use fab_arm::port::Port;
 use fab_arm::rgbd::RgbdSource;
 use fab_arm::settings::{CameraSource, DriverKind, Settings};
@@ -21,29 +20,24 @@ pub fn settings_of_real(robot: &Path, why_real: &str) -> Result<Settings, Failur
             robot.display()
         )));
     }
-    check_built(&settings, robot).map_err(Failure::environment)?;
+    check_built(&settings).map_err(Failure::environment)?;
     Ok(settings)
 }
 
 /// Fails if this build has no connection to the arm of these settings.
-pub fn check_built(settings: &Settings, robot: &Path) -> Result<(), String> {
-    let why = lacks(settings.driver);
-    why.map_or(Ok(()), |[ros, feature]| {
-        Err(format!(
-            "`{}` is of a real arm, and this fabc was built without {ros}: build it with `--features {feature}`",
-            robot.display()
-        ))
-    })
-}
-
-/// Returns the ROS that this build lacks for an arm, if it lacks one, and the feature that adds it.
-fn lacks(driver: DriverKind) -> Option<[&'static str; 2]> {
-    let (names, is_built) = match driver {
-        DriverKind::Simulated => return None,
-        DriverKind::Kinova | DriverKind::Trajectory => (["ROS", "ros"], cfg!(feature = "ros")),
-        DriverKind::Ros2 => (["ROS 2", "ros2"], cfg!(feature = "ros2")),
+pub fn check_built(settings: &Settings) -> Result<(), String> {
+    let (ros, feature, is_built) = match settings.driver {
+        DriverKind::Simulated => return Ok(()),
+        DriverKind::Kinova | DriverKind::Trajectory => ("ROS", "ros", cfg!(feature = "ros")),
+        DriverKind::Ros2 => ("ROS 2", "ros2", cfg!(feature = "ros2")),
     };
-    (!is_built).then_some(names)
+    if is_built {
+        return Ok(());
+    }
+    Err(format!(
+        "the arm `{}` is a real one, and this fabc was built without {ros}: build it with `--features {feature}`",
+        settings.name
+    ))
 }
 
 /// Opens the camera over a real table; `robot` is the settings' file, beside which a folder of pictures lies.
@@ -98,11 +92,7 @@ const NO_ROS2: &str = "the settings have no `[ros2]`";
     expect(unused_variables, reason = "without ROS there is nothing to wait for")
 )]
 pub fn port(settings: &Settings, timeout_s: f64) -> Result<Box<dyn Port>, String> {
-    if let Some([ros, feature]) = lacks(settings.driver) {
-        return Err(format!(
-            "this fabc was built without {ros}: build it with `--features {feature}`"
-        ));
-    }
+    check_built(settings)?;
     #[cfg(feature = "ros")]
     if let DriverKind::Kinova | DriverKind::Trajectory = settings.driver {
         let ros = settings.ros.as_ref().ok_or(NO_ROS)?;
@@ -119,12 +109,17 @@ pub fn port(settings: &Settings, timeout_s: f64) -> Result<Box<dyn Port>, String
     Err("an arm that this program simulates has no node".to_owned())
 }
 
-/// Connects to the node of an arm, and drives it as its settings say; `guard` checks every motion before it is sent.
-pub fn arm(settings: &Settings, guard: Guard) -> Result<Box<dyn Arm>, String> {
+/// Connects to the node of an arm, and drives it as its settings say.
+pub fn arm(settings: &Settings) -> Result<PortArm<dyn Port>, String> {
     let port = port(settings, settings.camera.timeout_s)?;
-    let (fingers, tolerance) = (settings.fingers, settings.tolerance);
-    Ok(Box::new(match settings.driver {
-        DriverKind::Kinova => PortArm::by_poses(port, guard, fingers, tolerance),
-        _ => PortArm::by_trajectories(port, guard, fingers, tolerance),
-    }))
+    let commands = match settings.driver {
+        DriverKind::Kinova => Commands::Poses,
+        _ => Commands::Trajectories,
+    };
+    Ok(PortArm::new(
+        port,
+        commands,
+        settings.fingers,
+        settings.tolerance,
+    ))
 }

@@ -3,10 +3,9 @@
 //! In: the arm's settings file and the record of its last run beside it. Out: nothing, or what prevents motion and what to
 //! do about it. A simulated arm ends with its program, so it needs no checks.
 
-use super::recover::describe;
 use crate::io::Io;
-use fab_arm::last_run::{self, Recovery};
-use fab_arm::log::{RunState, run_state};
+use fab_arm::journal::{self, Left};
+use fab_arm::settings::{DriverKind, Settings};
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -36,35 +35,33 @@ pub fn claim(robot: &Path) -> Result<(), String> {
     }
 }
 
-/// Reports how a run left the arm, if the arm needs recovery.
-pub fn report_run_state(run: &Path, io: &Io) {
-    let note = match run_state(run) {
-        Ok(RunState::Clear) => return,
-        Ok(state) => format!(
-            "this is how the arm was left: {}; see to it, and say so with `fabc robot recover {}`",
-            describe(&state),
-            run.display()
-        ),
+/// Reports how a run left the arm, unless it is clear.
+pub fn report_run_state(run: &Path, robot: &Path, settings: &Settings, io: &Io) {
+    let note = match journal::run_state(run) {
+        Ok(state) if state.is_clear() => return,
+        Ok(state) => format!("this is how the arm was left: {state}"),
         Err(error) => format!("in what state the arm was left is not known: {error}"),
     };
-    io.talk(&format!("note: {note}"));
+    let what_to_do = match settings.driver {
+        DriverKind::Simulated => String::new(),
+        _ => see_to_it(robot),
+    };
+    io.talk(&format!("note: {note}{what_to_do}"));
 }
 
 /// Fails if the arm needs recovery after its last run.
 pub fn check(robot: &Path) -> Result<(), String> {
-    let file = robot.display();
-    match last_run::recovery(robot).map_err(|error| error.to_string())? {
-        Recovery::NotNeeded => Ok(()),
-        Recovery::Needed { run, state } => {
-            let (run, state) = (run.display(), describe(&state));
-            Err(format!(
-                "nothing is moved: the last run with the arm of `{file}` left it in the middle: {state}; see to the arm, and say \
-                 so with `fabc robot recover {run}`"
-            ))
-        }
-        Recovery::Unknown { why, .. } => Err(format!(
-            "nothing is moved: in what state the last run left the arm of `{file}` is not known: {why}; see to the arm, and \
-             say so with `fabc robot recover --robot {file}`"
+    match journal::left(robot).map_err(|error| error.to_string())? {
+        Left::Clear => Ok(()),
+        left => Err(format!(
+            "nothing is moved, because of how the last run with the arm of `{}` ended: {left}{}",
+            robot.display(),
+            see_to_it(robot)
         )),
     }
+}
+
+fn see_to_it(robot: &Path) -> String {
+    let robot = robot.display();
+    format!("; see to the arm, and say so with `fabc robot recover --robot {robot}`")
 }

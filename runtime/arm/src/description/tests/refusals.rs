@@ -223,8 +223,17 @@ fn numbers_that_are_none_are_refused_with_their_line() {
     );
     says(
         &refused(&[("<axis xyz=\"0 2 0\"/>", "<axis xyz=\"0 0 0\"/>")], &[]),
-        &["has no direction"],
+        &[
+            "its axis has no direction",
+            "the joint `six` cannot be used",
+        ],
     );
+    // The axis of a fixed joint is never used.
+    let stand = "<joint name=\"stand\" type=\"fixed\">";
+    for axis in ["0 0 0", "a b c", ""] {
+        let with_axis = format!("{stand}<axis xyz=\"{axis}\"/>");
+        assert_eq!(refused(&[(stand, &with_axis)], &[]), "");
+    }
     says(
         &refused(
             &[(
@@ -256,18 +265,25 @@ fn numbers_that_are_none_are_refused_with_their_line() {
 
 #[test]
 fn a_link_without_a_shape_is_refused_and_not_free() {
-    let sphere = "<collision><geometry><sphere radius=\"0.07\"/></geometry></collision>";
-    let said = refused(&[(sphere, "")], &[]);
+    let box_of = "<collision>\n      <origin xyz=\"0 0 0.1\"/>\n      <geometry><box size=\"0.08 0.08 0.2\"/></geometry>\n    </collision>";
+    let said = refused(&[(box_of, "")], &[]);
     says(
         &said,
-        &["the link `shoulder` has no shape, so nothing would keep it off the table"],
+        &["the link `elbow` has no shape, so nothing would keep it off the table"],
     );
-    let shape = "[[arm.shape]]\nlink = \"shoulder\"\nfrom_m = [0, 0, 0]\nto_m = [0, 0, 0]\nradius_m = 0.07\n[fingers]";
-    assert_eq!(refused(&[(sphere, "")], &[("[fingers]", shape)]), "");
-    let said = refused(&[], &[("[fingers]", &shape.replace("shoulder", "base"))]);
+    let shape = "[[arm.shape]]\nlink = \"elbow\"\nfrom_m = [0, 0, 0]\nto_m = [0, 0, 0.2]\nradius_m = 0.07\n[fingers]";
+    assert_eq!(refused(&[(box_of, "")], &[("[fingers]", shape)]), "");
+    let said = refused(&[], &[("[fingers]", &shape.replace("elbow", "base"))]);
     says(
         &said,
         &["`arm.shape[0].link` is `base`; expected a link that a joint of the arm moves"],
+    );
+    // Nothing is where two joints are in one place, unless it is drawn.
+    let sphere = "<collision><geometry><sphere radius=\"0.07\"/></geometry></collision>";
+    assert_eq!(refused(&[(sphere, "")], &[]), "");
+    says(
+        &refused(&[(sphere, &sphere.replace("collision", "visual"))], &[]),
+        &["the link `shoulder` has no shape"],
     );
     // A visible part of the hand, too.
     let finger = "<collision><geometry><box size=\"0.015 0.01 0.07\"/></geometry></collision>";

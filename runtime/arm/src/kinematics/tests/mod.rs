@@ -26,6 +26,17 @@ fn chain_of(model: &str) -> Chain {
     Chain::of_model(model).unwrap()
 }
 
+impl Chain {
+    /// Returns whether no angle exceeds a limit of its joint.
+    pub(crate) fn is_within_limits(&self, joints_rad: &[f64]) -> bool {
+        let mut pairs = self.joints().iter().zip(joints_rad);
+        pairs.all(|(joint, angle)| {
+            let limits = joint.limits_rad;
+            limits.is_none_or(|[least, most]| (least..=most).contains(angle))
+        })
+    }
+}
+
 fn distance_m(one: &Isometry3<f64>, other: &Isometry3<f64>) -> f64 {
     (one.translation.vector - other.translation.vector).norm()
 }

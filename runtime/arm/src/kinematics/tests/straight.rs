@@ -1,7 +1,7 @@
 //! Tests of straight paths: on the line, smooth, and refused if the posture cannot be kept.
 
 use super::*;
-use crate::kinematics::reach::{Reach, Turn};
+use crate::kinematics::reach::Reach;
 use crate::kinematics::straight::{MAX_JUMP_RAD, NotStraight};
 use crate::kinematics::tool_down::tool_down;
 use nalgebra::Point3;
@@ -31,7 +31,7 @@ proptest! {
         [from, to] in two_poses(),
     ) {
         let chain = chain_of(model);
-        let reach = Reach::tool_down(&chain, Turn::Free);
+        let reach = Reach::tool_down(&chain, 0.0);
         let start = reach.check(&Point3::from(from.translation.vector), &[]).unwrap();
         let way = chain.straight(&from, &to, &start, 0.01).unwrap();
         let along = to.translation.vector - from.translation.vector;

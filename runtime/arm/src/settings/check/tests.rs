@@ -108,7 +108,6 @@ fn each_number_that_cannot_be_meant_is_refused_by_its_key() {
         ("workspace.rest_m", "[nan, 0.35, 0.2]"),
         ("workspace.max_speed_m_s", "0.0"),
         ("workspace.max_speed_m_s", "0.6"),
-        ("workspace.max_step_m", "-1.0"),
         ("motion.pre_pick_m", "-0.001"),
         ("motion.pre_pick_m", "0.003"),
         ("motion.grasp_m", "nan"),
@@ -143,9 +142,6 @@ fn each_number_that_cannot_be_meant_is_refused_by_its_key() {
         ("tolerance.position_m", "0.1"),
         ("tolerance.angle_deg", "-3.0"),
         ("tolerance.angle_deg", "45.0"),
-        ("tolerance.corrections", "4000"),
-        ("tolerance.settle_s", "nan"),
-        ("tolerance.settle_s", "600.0"),
         ("tolerance.stale_s", "0.0"),
         ("tolerance.stale_s", "600.0"),
         ("tolerance.watchdog_s", "0.0"),
@@ -168,7 +164,6 @@ fn each_number_that_cannot_be_meant_is_refused_by_its_key() {
         ("simulated.camera_turn_deg", "1e9"),
         ("simulated.camera_fov_deg", "180.0"),
         ("simulated.camera_px", "0"),
-        ("simulated.repeatability_m", "-0.001"),
     ] {
         let why = with(ROBOT, &[(key, value)]).expect_err(&format!("{key} = {value}"));
         assert!(
@@ -232,6 +227,7 @@ fn an_unknown_key_is_refused_with_the_one_that_was_meant() {
         ("position_m", "did you mean `tolerance.position_m`?"),
         ("tolerence", "did you mean `tolerance`?"),
         ("motion.Lift_m", "did you mean `motion.lift_m`?"),
+        ("tolerance.settle_s", "here may stand `position_m`"),
         ("table.sideways", "here may stand `center_m`, `turn_deg`"),
         ("camera.intrinsics.focal", "did you mean"),
     ] {
@@ -269,7 +265,6 @@ fn what_is_missing_or_of_another_type_is_named() {
         ),
         ("ros", "'here'", "expected a section"),
         ("fingers.count", "2.0", "expected a whole number, 2 to 3"),
-        ("simulated.seed", "-1", "expected a whole number, 0 or more"),
         ("ros.joints", "['a', '']", "expected a list of texts"),
         (
             "camera.intrinsics.distortion",
@@ -280,13 +275,6 @@ fn what_is_missing_or_of_another_type_is_named() {
         let why = with(ROBOT, &[(key, value)]).unwrap_err();
         assert!(why.contains(expected), "{why}");
     }
-    // A file with thousands of faults gets a short message.
-    let many: String = (0..5000).map(|at| format!("key_{at} = 1\n")).collect();
-    let why = Settings::parse(&(many + ROBOT)).unwrap_err();
-    assert_eq!(why.lines().count(), 21, "{why}");
-    assert!(why.ends_with("and 4980 faults more"), "{why}");
-    let long = format!("{} = 1\n{ROBOT}", "k".repeat(200_000));
-    assert!(Settings::parse(&long).is_err());
     // All at once, not one after the other.
     let why = with(ROBOT, &[("name", "-"), ("motion.grasp_m", "9")]).unwrap_err();
     assert_eq!(why.lines().count(), 2, "{why}");
@@ -364,11 +352,6 @@ fn the_settings_for_ros_2_say_what_they_need() {
             "ros2.gripper",
             "-",
             "`driver` is `ros2`, which needs `ros2.gripper`",
-        ),
-        (
-            "ros2.joints",
-            "-",
-            "`driver` is `ros2`, which needs `ros2.joints`",
         ),
         (
             "ros2.gripper_joints",

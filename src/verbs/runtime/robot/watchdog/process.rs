@@ -10,7 +10,7 @@ use std::collections::VecDeque;
 use std::io::Write;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 /// Time limit until the watchdog is ready: it connects to the arm's node.
@@ -34,14 +34,14 @@ pub struct Process {
 }
 
 impl Process {
-    /// Starts it, and waits until it can stop the arm; `timeout_s` limits both a heartbeat and its acknowledgement.
+    /// Starts it, and waits until it can stop the arm.
+    ///
+    /// - `timeout_s`: the longest time without a heartbeat, and the longest until one is acknowledged.
     pub fn start(robot: &Path, timeout_s: f64) -> Result<Process, String> {
         let program = std::env::current_exe().map_err(|error| error.to_string())?;
         let mut command = Command::new(program);
         command.args(["robot", "watchdog", "--robot"]).arg(robot);
-        command.args(["--timeout", &timeout_s.to_string()]);
-        let timeout = Duration::try_from_secs_f64(timeout_s).map_err(|error| error.to_string())?;
-        Process::spawn(command, READY, timeout)
+        Process::spawn(command, READY, Duration::from_secs_f64(timeout_s))
     }
 
     /// Starts a watchdog command, and waits until it prints `ready`.
@@ -86,13 +86,7 @@ impl Process {
 
     /// Sends a line without waiting; fails if an earlier one was not acknowledged in time.
     fn send(&mut self, line: &'static str) -> Result<(), String> {
-        loop {
-            match self.messages.try_recv() {
-                Ok(message) => self.acknowledged(&message)?,
-                Err(TryRecvError::Empty) => break,
-                Err(TryRecvError::Disconnected) => return Err(GONE.to_owned()),
-            }
-        }
+        while self.heard(Duration::ZERO)? {}
         let timeout = self.timeout;
         let late = self.sent.front().filter(|(_, at)| at.elapsed() > timeout);
         if let Some((line, _)) = late {
@@ -106,11 +100,17 @@ impl Process {
         Ok(())
     }
 
-    /// Takes in a message, which acknowledges the first of the lines that were not.
-    fn acknowledged(&mut self, message: &str) -> Result<(), String> {
+    /// Waits for a message, at most `longest`, which acknowledges the first of the lines that were not; returns whether
+    /// one came.
+    fn heard(&mut self, longest: Duration) -> Result<bool, String> {
+        let message = match self.messages.recv_timeout(longest) {
+            Ok(message) => message,
+            Err(RecvTimeoutError::Timeout) => return Ok(false),
+            Err(RecvTimeoutError::Disconnected) => return Err(GONE.to_owned()),
+        };
         self.has_stopped_arm |= message == STOPPED;
         match self.sent.pop_front() {
-            Some((line, _)) if line == message => Ok(()),
+            Some((line, _)) if line == message => Ok(true),
             _ => Err(format!("the watchdog says: {message}")),
         }
     }
@@ -120,19 +120,14 @@ const GONE: &str = "the watchdog is gone";
 
 impl Watchdog for Process {
     fn watch(&mut self) -> Result<(), String> {
-        self.send("watch")?;
+        self.send("beat")?;
         let deadline = Instant::now() + self.timeout;
         while !self.sent.is_empty() {
-            let left = deadline.saturating_duration_since(Instant::now());
-            match self.messages.recv_timeout(left) {
-                Ok(message) => self.acknowledged(&message)?,
-                Err(RecvTimeoutError::Timeout) => {
-                    let timeout = self.timeout;
-                    return Err(format!(
-                        "the watchdog does not acknowledge within {timeout:?} that it watches"
-                    ));
-                }
-                Err(RecvTimeoutError::Disconnected) => return Err(GONE.to_owned()),
+            if !self.heard(deadline.saturating_duration_since(Instant::now()))? {
+                let timeout = self.timeout;
+                return Err(format!(
+                    "the watchdog does not acknowledge within {timeout:?} that it watches"
+                ));
             }
         }
         Ok(())
@@ -159,7 +154,7 @@ impl Watchdog for Process {
             let left = deadline.saturating_duration_since(Instant::now());
             match self.messages.recv_timeout(left) {
                 Ok(message) if message == STOPPED => return Ok(()),
-                Ok(message) if matches!(message.as_str(), "watch" | "beat" | "rest") => {}
+                Ok(message) if matches!(message.as_str(), "beat" | "rest") => {}
                 Ok(message) => return Err(message),
                 Err(RecvTimeoutError::Timeout) => return Err("it does not answer".to_owned()),
                 Err(RecvTimeoutError::Disconnected) => return Err("it is gone".to_owned()),

@@ -48,7 +48,7 @@ fn it_hears_each_line_and_that_they_end() {
     drop(process);
     // The client waits until the child exits, which is after the end of its input.
     let heard = std::fs::read_to_string(heard).unwrap();
-    assert_eq!(heard, "watch\nbeat\nrest\nend\n");
+    assert_eq!(heard, "beat\nbeat\nrest\nend\n");
 }
 
 #[test]
@@ -136,16 +136,15 @@ fn a_full_pipe_is_an_error_and_blocks_nothing() {
 fn a_stop_is_acknowledged_or_told_as_not() {
     for (script, expected) in [
         (
-            format!("echo ready; read line; echo watch; read line; echo '{STOPPED}'"),
+            format!("echo ready; read line; echo beat; read line; echo '{STOPPED}'"),
             Ok(()),
         ),
         (
-            "echo ready; read line; echo watch; read line; echo 'not stopped: no answer'"
-                .to_owned(),
+            "echo ready; read line; echo beat; read line; echo 'not stopped: no answer'".to_owned(),
             Err("not stopped: no answer".to_owned()),
         ),
         (
-            "echo ready; read line; echo watch".to_owned(),
+            "echo ready; read line; echo beat".to_owned(),
             Err("it is gone".to_owned()),
         ),
     ] {

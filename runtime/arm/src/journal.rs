@@ -1,0 +1,338 @@
+//! The arm's journal: a synced line before each motion, and one after it was verified.
+//!
+//! In: segments, before and after they run. Out: `arm.jsonl` in the run folder. After a crash it shows which motion may
+//! be unfinished and whether the hand may hold cloth. A line that a crash truncated is ignored; the one before it
+//! counts.
+//!
+//! `NAME.last-run.json`, beside the settings, names the run that moved the arm last, so that no run starts over an
+//! unfinished motion. Two settings files for one arm do not know about each other.
+
+use super::phase::{Event, Phase};
+use super::route::{Act, Segment, SegmentName};
+use fab_base::files;
+use fab_base::jsonl::{Appender, Reader};
+use fab_base::outbox::Outbox;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Name of the journal in a run folder.
+pub const ARM_FILE: &str = "arm.jsonl";
+
+/// The longest journal accepted, and the longest file that names the last run.
+const MAX_BYTES: u64 = 64 << 20;
+
+/// The longest that a line may take to be on disk.
+const LONGEST: Duration = Duration::from_secs(5);
+
+/// The most lines that wait for a disk that hangs.
+const MAX_WAITING: usize = 4;
+
+/// A line of the journal.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+pub enum Entry {
+    /// A segment is about to start.
+    Begin(Begun),
+    /// The segment was verified.
+    Done {
+        /// Measured position of the tool, metres, base frame.
+        at_m: [f64; 3],
+    },
+    /// The segment was ended early, or refused.
+    Halted {
+        /// Why.
+        why: String,
+        /// Whether the stop was verified; null if no stop was requested.
+        stopped: Option<bool>,
+    },
+    /// A person recovered the arm.
+    Recovered {
+        /// What was done.
+        how: String,
+    },
+}
+
+/// A segment that was begun.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Begun {
+    /// The number of its pick and place, from 1.
+    pub action: u32,
+    /// Which segment.
+    pub segment: SegmentName,
+    /// Target of the tool, metres, base frame; null for a motion of the fingers.
+    pub to_m: Option<[f64; 3]>,
+}
+
+/// Why a journal, or the file that names the last run, cannot be written or read.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{path}`: {why}")]
+pub struct JournalError {
+    /// The file.
+    pub path: PathBuf,
+    /// What is wrong.
+    pub why: String,
+}
+
+impl JournalError {
+    fn of(path: &Path, why: impl ToString) -> JournalError {
+        JournalError {
+            path: path.to_owned(),
+            why: why.to_string(),
+        }
+    }
+}
+
+/// The journal of an arm, open for writing.
+#[derive(Debug)]
+pub struct Journal {
+    path: PathBuf,
+    /// A disk that hangs must not hang this program.
+    lines: Outbox<Entry>,
+    longest: Duration,
+}
+
+impl Journal {
+    /// Opens the journal in a run folder, to append to it.
+    pub fn open(folder: &Path) -> Result<Journal, JournalError> {
+        let path = folder.join(ARM_FILE);
+        match Appender::open_after_whole_lines(&path, MAX_BYTES) {
+            Ok(mut file) => Ok(Journal::to(path, LONGEST, move |entry| {
+                file.append(&entry).map_err(|error| error.to_string())
+            })),
+            Err(why) => Err(JournalError::of(&path, why)),
+        }
+    }
+
+    /// Writes lines by a function, each of which may take `longest`.
+    pub(crate) fn to(
+        path: PathBuf,
+        longest: Duration,
+        write: impl FnMut(Entry) -> Result<(), String> + Send + 'static,
+    ) -> Journal {
+        Journal {
+            path,
+            lines: Outbox::new(MAX_WAITING, write),
+            longest,
+        }
+    }
+
+    /// Writes a line and waits until it is on disk; fails if that takes too long.
+    pub fn write(&mut self, entry: &Entry) -> Result<(), JournalError> {
+        let written = self.lines.write(entry.clone(), self.longest);
+        written.map_err(|why| JournalError::of(&self.path, why))
+    }
+
+    /// Writes that a segment is about to start.
+    pub fn begin(&mut self, action: u32, segment: &Segment) -> Result<(), JournalError> {
+        self.write(&Entry::Begin(Begun {
+            action,
+            segment: segment.name,
+            to_m: match segment.act {
+                Act::Move(to) => Some(to.translation.vector.into()),
+                Act::Hand(_) => None,
+            },
+        }))
+    }
+}
+
+/// The state in which a run left an arm, according to its journal.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct RunState {
+    /// The arm's phase after the last line.
+    pub phase: Phase,
+    /// Whether the hand may hold cloth.
+    pub may_hold: bool,
+    /// The last segment that was started since a person recovered the arm, if any was.
+    #[serde(flatten)]
+    pub last: Option<Begun>,
+    /// Why it was halted, if it was.
+    pub why: Option<String>,
+}
+
+impl RunState {
+    /// Returns whether every motion was verified and the hand is empty, or a person recovered the arm.
+    pub fn is_clear(&self) -> bool {
+        self.phase == Phase::Ready && !self.may_hold
+    }
+
+    fn follow(&mut self, entry: Entry) {
+        let event = match entry {
+            Entry::Begin(begun) => {
+                self.may_hold |= begun.segment.may_hold_cloth();
+                self.last = Some(begun);
+                self.why = None;
+                Event::Begin
+            }
+            Entry::Done { .. } => {
+                let last = self.last.as_ref();
+                self.may_hold &= last.is_some_and(|last| last.segment != SegmentName::Release);
+                Event::Verify
+            }
+            Entry::Halted { why, .. } => {
+                self.why = Some(why);
+                Event::Stop
+            }
+            Entry::Recovered { .. } => {
+                *self = RunState::default();
+                Event::Recover
+            }
+        };
+        self.phase = self.phase.after(event);
+    }
+}
+
+impl fmt::Display for RunState {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(last) = &self.last else {
+            return f.write_str("no motion is open, and the hand holds nothing");
+        };
+        write!(f, "`{}` of action {} ", last.segment.text(), last.action)?;
+        f.write_str(match self.phase {
+            Phase::Ready => "was verified and is the last there is",
+            _ => "was begun and not verified",
+        })?;
+        if let Some([x, y, z]) = last.to_m {
+            write!(f, "; the tool was to go to {x:.3}, {y:.3}, {z:.3} m")?;
+        }
+        f.write_str(match self.may_hold {
+            true => "; the hand may hold cloth",
+            false => "; the hand holds nothing",
+        })?;
+        self.why
+            .iter()
+            .try_for_each(|why| write!(f, "; halted: {why}"))
+    }
+}
+
+/// Returns the state in which a run left the arm, from the journal in its folder; clear if there is no journal.
+pub fn run_state(folder: &Path) -> Result<RunState, JournalError> {
+    let path = folder.join(ARM_FILE);
+    let mut state = RunState::default();
+    if path.exists() {
+        let wrong = |why: String| JournalError::of(&path, why);
+        let mut lines = Reader::open(&path, MAX_BYTES).map_err(wrong)?;
+        while let Some(entry) = lines.read().map_err(wrong)? {
+            state.follow(entry);
+        }
+    }
+    Ok(state)
+}
+
+/// How its last run left an arm.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "left", rename_all = "snake_case")]
+pub enum Left {
+    /// There was no run, or it left the arm at rest with an empty hand, or a person has recovered the arm.
+    Clear,
+    /// A motion is unfinished, or the hand may hold something.
+    Unclear(RunState),
+    /// The run's journal is gone, or cannot be read.
+    Unknown {
+        /// What is wrong with it.
+        why: String,
+    },
+}
+
+impl fmt::Display for Left {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Left::Clear => RunState::default().fmt(f),
+            Left::Unclear(state) => state.fmt(f),
+            Left::Unknown { why } => {
+                write!(
+                    f,
+                    "the state that the last run left it in is unknown: {why}"
+                )
+            }
+        }
+    }
+}
+
+/// The contents of the file that names the last run.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LastRun {
+    /// The run folder.
+    run: PathBuf,
+    /// What a person did to recover the arm, if the run's own journal is gone.
+    recovered: Option<String>,
+}
+
+impl LastRun {
+    /// Returns the path of the file beside a settings file; a symbolic link has that of its target.
+    fn file(settings: &Path) -> PathBuf {
+        let file = fs::canonicalize(settings);
+        let file = file.unwrap_or_else(|_| settings.to_owned());
+        file.with_extension("last-run.json")
+    }
+
+    fn read(settings: &Path) -> Result<Option<LastRun>, JournalError> {
+        let path = LastRun::file(settings);
+        if !path.exists() {
+            return Ok(None);
+        }
+        let last = files::read_json(&path, MAX_BYTES);
+        last.map(Some).map_err(|why| {
+            let why = format!("it should name the arm's last run, and cannot be read ({why}); see to the arm, then remove it");
+            JournalError { path, why }
+        })
+    }
+
+    fn write(&self, settings: &Path) -> Result<(), JournalError> {
+        let path = LastRun::file(settings);
+        let text = serde_json::to_string_pretty(self);
+        let text = text.map_err(|error| JournalError::of(&path, error))?;
+        files::write_whole(&path, format!("{text}\n").as_bytes())
+            .map_err(|error| JournalError::of(&path, error))
+    }
+
+    fn left(&self) -> Left {
+        let journal = self.run.join(ARM_FILE);
+        if self.recovered.is_some() {
+            return Left::Clear;
+        }
+        if !journal.is_file() {
+            let why = format!("`{}` is gone", journal.display());
+            return Left::Unknown { why };
+        }
+        match run_state(&self.run) {
+            Ok(state) if state.is_clear() => Left::Clear,
+            Ok(state) => Left::Unclear(state),
+            Err(error) => Left::Unknown {
+                why: error.to_string(),
+            },
+        }
+    }
+}
+
+/// Records beside the settings that a run is about to move the arm; its folder must exist.
+pub fn record_run(settings: &Path, run: &Path) -> Result<(), JournalError> {
+    // The next run may start in another folder.
+    let run = fs::canonicalize(run).map_err(|error| JournalError::of(run, error))?;
+    let recovered = None;
+    LastRun { run, recovered }.write(settings)
+}
+
+/// Returns how the last run left the arm of these settings; fails if the file that names it cannot be read.
+pub fn left(settings: &Path) -> Result<Left, JournalError> {
+    Ok(LastRun::read(settings)?.map_or(Left::Clear, |last| last.left()))
+}
+
+/// Records what a person did to recover the arm: in its last run's journal, or beside the settings if that is gone.
+pub fn record_recovery(settings: &Path, how: &str) -> Result<(), JournalError> {
+    let Some(last) = LastRun::read(settings)? else {
+        return Ok(());
+    };
+    let how = how.to_owned();
+    if let Left::Unknown { .. } = last.left() {
+        let recovered = Some(how);
+        return LastRun { recovered, ..last }.write(settings);
+    }
+    if !last.run.join(ARM_FILE).is_file() {
+        return Ok(());
+    }
+    Journal::open(&last.run)?.write(&Entry::Recovered { how })
+}
