@@ -604,17 +604,7 @@ impl<'b> Builder<'b> {
     /// Returns the points, and the radius of balls around them, that contain a shape.
     fn cloud(&self, shape: &Shape) -> Result<(Vec<Point3<f64>>, f64), String> {
         Ok(match shape {
-            Shape::Sphere { radius_m } => (vec![Point3::origin()], *radius_m),
-            Shape::Cylinder { radius_m, half_m } => {
-                let ends = [-1.0, 1.0].map(|sign| Point3::new(0.0, 0.0, sign * half_m));
-                (ends.to_vec(), *radius_m)
-            }
-            Shape::Box { half_m } => {
-                let sign = |corner: u8, axis: u8| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
-                let signs = (0..8).map(|it| Vector3::new(sign(it, 0), sign(it, 1), sign(it, 2)));
-                let corners = signs.map(|signs| Point3::from(half_m.component_mul(&signs)));
-                (corners.collect(), 0.0)
-            }
+            Shape::Balls { middles, radius_m } => (middles.clone(), *radius_m),
             Shape::Mesh { file, scale } => {
                 let wrong = |why: String| format!("the mesh `{file}`: {why}");
                 let format = mesh::Format::of(file).map_err(wrong)?;
