@@ -440,9 +440,10 @@ impl<'b> Builder<'b> {
                     self.has_no_shape(link.name);
                 }
                 for (from, to, radius_m) in found {
-                    let to_frame = match is_hand {
-                        true => last_from_tool.inverse(),
-                        false => Isometry3::identity(),
+                    let to_frame = if is_hand {
+                        last_from_tool.inverse()
+                    } else {
+                        Isometry3::identity()
                     };
                     shapes.push(Capsule {
                         link: if is_hand { moving.len() } else { index },
@@ -634,9 +635,10 @@ impl<'b> Builder<'b> {
         let beside = self.file.parent().unwrap_or(Path::new(""));
         let Some(rest) = file.strip_prefix("package://") else {
             let path = file.strip_prefix("file://").unwrap_or(file);
-            return match path.contains("://") {
-                true => Err(format!("`{file}` is no file")),
-                false => Ok(beside.join(path)),
+            return if path.contains("://") {
+                Err(format!("`{file}` is no file"))
+            } else {
+                Ok(beside.join(path))
             };
         };
         // The folder of a bare name is empty, which has no absolute path.
@@ -668,9 +670,10 @@ fn did_you_mean<'n>(name: &str, names: impl Iterator<Item = &'n str>) -> String 
 }
 
 fn listed(names: &[String]) -> String {
-    match names.is_empty() {
-        true => "none".to_owned(),
-        false => format!("`{}`", names.join("`, `")),
+    if names.is_empty() {
+        "none".to_owned()
+    } else {
+        format!("`{}`", names.join("`, `"))
     }
 }
 

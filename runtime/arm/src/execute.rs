@@ -182,9 +182,10 @@ impl<A: Arm> Execution<'_, A> {
 
     /// Returns why motion was not confirmed: an interrupted question has no answer.
     fn not_confirmed(&self) -> ArmError {
-        match self.interrupt.is_raised() {
-            true => ArmError::Interrupted,
-            false => ArmError::NotConfirmed,
+        if self.interrupt.is_raised() {
+            ArmError::Interrupted
+        } else {
+            ArmError::NotConfirmed
         }
     }
 
@@ -200,9 +201,10 @@ impl<A: Arm> Execution<'_, A> {
             if interrupt.is_raised() {
                 return Err(Halt::Stop(ArmError::Interrupted));
             }
-            match supervisor.motion_allowed() {
-                true => Ok(()),
-                false => Err(Halt::Pause),
+            if supervisor.motion_allowed() {
+                Ok(())
+            } else {
+                Err(Halt::Pause)
             }
         };
         let (arm, speed_m_s) = (&mut *self.arm, segment.speed_m_s);

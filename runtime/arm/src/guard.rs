@@ -491,16 +491,18 @@ impl Guard {
                 self.workspace.min_m[axis] + tilt_m,
                 self.workspace.max_m[axis],
             );
-            let slack_m = match axis == 2 && margin_m > 0.0 {
-                true => EXACT_M,
-                false => 0.0,
+            let slack_m = if axis == 2 && margin_m > 0.0 {
+                EXACT_M
+            } else {
+                0.0
             };
             // NaN must count as outside.
             let (low, high) = (least + margin_m - slack_m, most - margin_m);
             if !(point[axis] >= low && point[axis] <= high) {
-                let margin = match margin_m > 0.0 {
-                    true => format!(" with a margin of {:.0} mm", margin_m * 1000.0),
-                    false => String::new(),
+                let margin = if margin_m > 0.0 {
+                    format!(" with a margin of {:.0} mm", margin_m * 1000.0)
+                } else {
+                    String::new()
                 };
                 return Err(format!(
                     "at {}, outside of the workspace, whose {name} goes from {least:.3} to {most:.3} m{margin}",
@@ -596,18 +598,20 @@ impl Guard {
             return f64::INFINITY;
         }
         let ends = shape.ends.map(|end| self.surface.distance_m(&end));
-        let touch_m = match shape.link == self.chain.joints().len() {
-            true => self.touch_m,
-            false => 0.0,
+        let touch_m = if shape.link == self.chain.joints().len() {
+            self.touch_m
+        } else {
+            0.0
         };
         ends[0].min(ends[1]) - shape.radius_m + touch_m
     }
 
     /// Names the part of the arm that a shape contains.
     fn part(&self, shape: &PlacedCapsule) -> String {
-        match shape.link == self.chain.joints().len() {
-            true => "the hand".to_owned(),
-            false => format!("the arm behind joint {}", shape.link + 1),
+        if shape.link == self.chain.joints().len() {
+            "the hand".to_owned()
+        } else {
+            format!("the arm behind joint {}", shape.link + 1)
         }
     }
 }

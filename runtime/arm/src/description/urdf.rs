@@ -138,13 +138,13 @@ fn read_shape(collision: &Node) -> Result<Shape, String> {
         .ok_or_else(|| format!("{}: a `<collision>` has no shape", line(collision)))?;
     let length = |name: &str| {
         let [length] = numbers(&geometry, name, attribute(&geometry, name)?)?;
-        match length > 0.0 && length <= MAX_M {
-            true => Ok(length),
-            false => Err(format!(
+        if length <= 0.0 || length > MAX_M {
+            return Err(format!(
                 "{}: `{name}` is `{length}`; expected above 0 and at most {MAX_M} m",
                 line(&geometry)
-            )),
+            ));
         }
+        Ok(length)
     };
     let balls = |middles, radius_m| Shape::Balls { middles, radius_m };
     match geometry.tag_name().name() {
@@ -233,13 +233,13 @@ fn origin(node: &Node) -> Result<Isometry3<f64>, String> {
             return Ok([0.0; 3]);
         };
         let vector = numbers::<3>(&origin, name, text)?;
-        match vector.iter().all(|it| it.abs() <= most) {
-            true => Ok(vector),
-            false => Err(format!(
+        if vector.iter().any(|it| it.abs() > most) {
+            return Err(format!(
                 "{}: `{name}` is `{text}`; expected at most {most} {unit}",
                 line(&origin)
-            )),
+            ));
         }
+        Ok(vector)
     };
     let xyz_m = vector("xyz", MAX_M, "m")?;
     let rpy_rad = vector("rpy", MAX_RAD, "rad")?;
