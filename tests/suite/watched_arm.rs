@@ -298,7 +298,7 @@ fn a_signal_stops_the_arm_and_what_is_verified_is_told() {
         };
         assert!(!is_verified);
         assert!(
-            words.starts_with(&format!("in `{}`: ", segment.text())),
+            words.starts_with(&format!("in `{}`: ", segment.name())),
             "{words}"
         );
     }

@@ -54,8 +54,8 @@ section! {
         tool_xyz_m: [f64; 3] = [0.0, 0.0, 0.0], from(-1.0, 1.0);
         /// Its rotation there about fixed x, y, z; the tool's z points out of the hand.
         tool_rpy_deg: [f64; 3] = [0.0, 0.0, 0.0], ANGLE;
-        /// The joints' angles in a posture over the table with the hand down; of several postures the one nearest to it
-        /// is taken.
+        /// The joints' angles in a posture over the table with the hand down; of several postures the one
+        /// to which a search from there leads is taken.
         home_deg: Vec<f64>, from(-720.0, 720.0);
         /// Limits of joints that the URDF lacks, or tighter ones; looser ones are refused.
         joint: Vec<JointLimits> = [];

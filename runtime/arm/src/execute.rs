@@ -63,11 +63,11 @@ pub struct FailedAction {
 impl std::fmt::Display for FailedAction {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self.in_segment {
-            Some(name) => write!(f, "in `{}`: {}", name.text(), self.why)?,
+            Some(name) => write!(f, "in `{}`: {}", name.name(), self.why)?,
             None => write!(f, "{}", self.why)?,
         }
         match self.verified {
-            Some(name) => write!(f, "; verified up to `{}`", name.text())?,
+            Some(name) => write!(f, "; verified up to `{}`", name.name())?,
             None => f.write_str("; no motion of this action is verified")?,
         }
         match &self.stopped {

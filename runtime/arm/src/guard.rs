@@ -18,6 +18,7 @@ use super::settings::{KeepOut, Settings, Workspace};
 use super::timing::JointLimits;
 use crate::calibration::Calibration;
 use nalgebra::{Isometry3, Point3, Vector3};
+use std::collections::BTreeMap;
 
 /// The longest motion at once, metres; a longer one is a mistake in a place.
 const MAX_WAY_M: f64 = 0.9;
@@ -536,12 +537,14 @@ impl Guard {
 
     /// Checks that shapes are above the table, outside of every zone, and apart from each other.
     fn clear(&self, shapes: &[PlacedCapsule], path: &mut Path) -> Result<(), String> {
-        let part = |found: &Nearest| self.part(found.shape);
-        let table = Nearest::of(shapes, |shape| self.above_table_m(shape));
-        if let Some(found) = table {
-            path.next(0, found.gap_m, -EXACT_M, -self.slack_m, || {
-                let below_mm = -found.gap_m * 1000.0;
-                format!("{} would be {below_mm:.0} mm below the table", part(&found))
+        let table = nearest(shapes, |shape| self.above_table_m(shape));
+        if let Some((gap_m, shape)) = table {
+            path.next(0, gap_m, -EXACT_M, -self.slack_m, || {
+                let below_mm = -gap_m * 1000.0;
+                format!(
+                    "{} would be {below_mm:.0} mm below the table",
+                    self.part(shape)
+                )
             })?;
         }
         if let Some((gap_m, [one, other])) = self.nearest_pair(shapes) {
@@ -557,15 +560,15 @@ impl Guard {
         for (index, zone) in self.workspace.keep_out.iter().enumerate() {
             // Between two points of a path a shape comes nearer by at most half a step.
             let least_m = self.margin_m + STEP_M / 2.0;
-            let Some(found) = Nearest::of(shapes, |shape| zone.gap_m(shape)) else {
+            let Some((gap_m, shape)) = nearest(shapes, |shape| zone.gap_m(shape)) else {
                 continue;
             };
-            path.next(index + 2, found.gap_m, least_m, 0.0, || {
+            path.next(index + 2, gap_m, least_m, 0.0, || {
                 let mm = |metres: f64| metres.max(0.0) * 1000.0;
                 format!(
                     "{} would come within {:.0} mm of `{}`, which is kept out by {:.0} mm",
-                    part(&found),
-                    mm(found.gap_m),
+                    self.part(shape),
+                    mm(gap_m),
                     zone.name,
                     mm(least_m)
                 )
@@ -623,31 +626,19 @@ impl KeepOut {
     }
 }
 
-/// The shape that is nearest to an obstacle.
-struct Nearest<'s> {
-    shape: &'s PlacedCapsule,
-    gap_m: f64,
+/// Returns the shape that is nearest to an obstacle, and its distance, metres.
+fn nearest(
+    shapes: &[PlacedCapsule],
+    gap_m: impl Fn(&PlacedCapsule) -> f64,
+) -> Option<(f64, &PlacedCapsule)> {
+    let all = shapes.iter().map(|shape| (gap_m(shape), shape));
+    all.min_by(|one, other| one.0.total_cmp(&other.0))
 }
 
-impl Nearest<'_> {
-    fn of(shapes: &[PlacedCapsule], gap_m: impl Fn(&PlacedCapsule) -> f64) -> Option<Nearest<'_>> {
-        let all = shapes.iter().map(|shape| Nearest {
-            shape,
-            gap_m: gap_m(shape),
-        });
-        all.min_by(|a, b| a.gap_m.total_cmp(&b.gap_m))
-    }
-}
-
-/// The gaps to obstacles along a path so far. An arm that begins too near to one may go away from it, and must end
-/// clear of it.
+/// The obstacles of a path so far: the last gap to each that it has not been clear of yet, and what is wrong; nothing for
+/// those that it has been clear of. An arm that begins too near to one may go away from it, and must end clear of it.
 #[derive(Default)]
-struct Path {
-    /// For each obstacle that the path has not been clear of yet: the last gap, and what is wrong.
-    leaving: Vec<(usize, f64, String)>,
-    /// The obstacles that the path has been clear of.
-    left: Vec<usize>,
-}
+struct Path(BTreeMap<usize, Option<(f64, String)>>);
 
 impl Path {
     /// Notes the next gap to an obstacle.
@@ -661,34 +652,29 @@ impl Path {
         worst_m: f64,
         why: impl Fn() -> String,
     ) -> Result<(), String> {
-        let before = self.leaving.iter().position(|(it, ..)| *it == obstacle);
         // NaN must count as too near.
         if gap_m >= least_m {
-            if let Some(index) = before {
-                self.leaving.remove(index);
-            }
-            if !self.left.contains(&obstacle) {
-                self.left.push(obstacle);
-            }
+            self.0.insert(obstacle, None);
             return Ok(());
         }
-        let begun_m = before.map(|index| self.leaving[index].1);
-        let goes_away = begun_m.is_none_or(|begun_m| gap_m >= begun_m - EXACT_M);
-        let may_leave = gap_m >= worst_m && goes_away && !self.left.contains(&obstacle);
+        let goes_away = match self.0.get(&obstacle) {
+            None => true,
+            Some(before) => before
+                .as_ref()
+                .is_some_and(|(before_m, _)| gap_m >= before_m - EXACT_M),
+        };
+        let may_leave = gap_m >= worst_m && goes_away;
         if !may_leave {
             return Err(why());
         }
-        match before {
-            Some(index) => self.leaving[index] = (obstacle, gap_m, why()),
-            None => self.leaving.push((obstacle, gap_m, why())),
-        }
+        self.0.insert(obstacle, Some((gap_m, why())));
         Ok(())
     }
 
     /// Fails if the path ends too near to an obstacle.
     fn end(self) -> Result<(), String> {
-        match self.leaving.into_iter().next() {
-            Some((_, _, why)) => Err(why),
+        match self.0.into_values().flatten().next() {
+            Some((_, why)) => Err(why),
             None => Ok(()),
         }
     }

@@ -118,7 +118,7 @@ impl Plan {
         };
         Some(match refused {
             Some((segment, after)) => {
-                format!("`{}`{after} is not possible: {why}", segment.name.text())
+                format!("`{}`{after} is not possible: {why}", segment.name.name())
             }
             None => why.clone(),
         })

@@ -135,7 +135,7 @@ pub(super) fn describe(state: &RunState) -> String {
     else {
         return "clear".to_owned();
     };
-    let segment = segment.text();
+    let segment = segment.name();
     let progress = if *is_verified {
         "was verified and is the last there is"
     } else {
