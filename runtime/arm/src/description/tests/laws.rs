@@ -131,7 +131,6 @@ fn what_is_out_of_reach_is_named_with_distance_and_reach() {
     assert!(distance_m > 0.98, "{distance_m}");
     let reach = Reach::tool_down(chain, 0.0);
     let why = reach.check(&Point3::new(0.9, 0.0, 0.0), &[]).unwrap_err();
-    let why = why.to_string();
     assert!(
         why.starts_with("0.90 m from the arm's base; at this height it reaches"),
         "{why}"
