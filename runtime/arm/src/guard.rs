@@ -80,6 +80,9 @@ pub struct Motion {
     /// What the joints do, from rest to rest, at most [`STEP_M`] apart: a single point if nothing moves, none if the
     /// arm does not report its angles.
     pub waypoints: Vec<Waypoint>,
+    /// The highest speed of the tool that the joints allow, m/s; infinite if no joint turns or their angles are unknown. How
+    /// long they take to speed up does not count.
+    pub joints_allow_m_s: f64,
 }
 
 impl Motion {
@@ -105,8 +108,16 @@ impl Checked<Motion> {
     }
 }
 
-/// A segment, and the arm's state at its end if it is allowed, with the time when it is there.
-pub type SegmentEnd = (Segment, Option<ArmState>);
+/// A segment of a route.
+#[derive(Debug)]
+pub struct SegmentEnd {
+    /// The segment.
+    pub segment: Segment,
+    /// The arm's state at its end, with the time when it is there; `None` if the segment is not allowed.
+    pub state: Option<ArmState>,
+    /// [`Motion::joints_allow_m_s`].
+    pub joints_allow_m_s: f64,
+}
 
 /// A route, as far as it is allowed.
 #[derive(Debug)]
@@ -117,6 +128,15 @@ pub struct Walk {
     pub home: Vec<SegmentEnd>,
     /// The route, or why its last segment is not allowed.
     pub route: Result<Checked<Route>, String>,
+}
+
+impl Walk {
+    /// Returns the arm's state after the grasp.
+    pub fn grasped(&self) -> Option<&ArmState> {
+        let mut ends = self.ends.iter();
+        let grasp = ends.find(|end| end.segment.name == SegmentName::Grasp);
+        grasp.and_then(|grasp| grasp.state.as_ref())
+    }
 }
 
 /// The tool's height when the closed fingertips touch the table, at each place: a plane in the base frame.
@@ -288,8 +308,9 @@ impl Guard {
         self.ends(&from.tool, to, speed_m_s)?;
         let mut path = Path::default();
         let mut waypoints = Vec::new();
+        let mut joints_allow_m_s = f64::INFINITY;
+        let way_m = (to.translation.vector - from.tool.translation.vector).norm();
         if from.joints_rad.is_empty() {
-            let way_m = (to.translation.vector - from.tool.translation.vector).norm();
             let steps = (way_m / STEP_M).ceil().max(1.0) as usize;
             for step in 0..=steps {
                 let pose = between(&from.tool, to, step as f64 / steps as f64);
@@ -300,8 +321,8 @@ impl Guard {
                 .chain
                 .straight(&from.tool, to, &from.joints_rad, STEP_M);
             let mut points = points.map_err(|why| format!("the arm cannot follow: {why}"))?;
+            joints_allow_m_s = self.joint_limits.allow_m_s(&points, way_m);
             begin_at(&mut points, &from.joints_rad);
-            let way_m = (to.translation.vector - from.tool.translation.vector).norm();
             waypoints = self.joint_limits.time(&points, way_m, speed_m_s)?;
             for point in &waypoints {
                 let tool = self.posture(&point.joints_rad, &mut path)?;
@@ -314,6 +335,7 @@ impl Guard {
             to: *to,
             speed_m_s,
             waypoints,
+            joints_allow_m_s,
         }))
     }
 
@@ -327,10 +349,8 @@ impl Guard {
             home: Vec::new(),
             route: Err(String::new()),
         };
-        let is_grasp = |(segment, _): &&SegmentEnd| segment.name == SegmentName::Grasp;
-        let grasped = walk.ends.iter().find(is_grasp);
         let walked = walked.and_then(|()| {
-            let Some((_, Some(grasped))) = grasped else {
+            let Some(grasped) = walk.grasped() else {
                 return Ok(());
             };
             let (home, walked) = self.walk(grasped, &route.after_missed_grasp);
@@ -345,7 +365,12 @@ impl Guard {
     fn walk(&self, from: &ArmState, segments: &[Segment]) -> (Vec<SegmentEnd>, Result<(), String>) {
         let mut ends = Vec::with_capacity(segments.len());
         let mut at = from.clone();
-        for segment in segments {
+        for &segment in segments {
+            let mut end = SegmentEnd {
+                segment,
+                state: None,
+                joints_allow_m_s: f64::INFINITY,
+            };
             if let Act::Move(to) = segment.act {
                 match self.motion(&at, &to, segment.speed_m_s) {
                     Ok(Checked(mut motion)) => {
@@ -353,37 +378,18 @@ impl Guard {
                         let last = motion.waypoints.pop();
                         at.joints_rad = last.map(|last| last.joints_rad).unwrap_or_default();
                         at.tool = to;
+                        end.joints_allow_m_s = motion.joints_allow_m_s;
                     }
                     Err(why) => {
-                        ends.push((*segment, None));
+                        ends.push(end);
                         return (ends, Err(why));
                     }
                 }
             }
-            ends.push((*segment, Some(at.clone())));
+            end.state = Some(at.clone());
+            ends.push(end);
         }
         (ends, Ok(()))
-    }
-
-    /// Returns the highest speed of the tool that the joints allow along a straight motion, m/s; infinite if no joint
-    /// turns or the arm's state has no joint angles. How long they take to speed up does not count.
-    pub fn joints_allow_m_s(&self, from: &ArmState, to: &Isometry3<f64>) -> f64 {
-        let points = self
-            .chain
-            .straight(&from.tool, to, &from.joints_rad, STEP_M);
-        let Ok(points) = points else {
-            return f64::INFINITY;
-        };
-        let way_m = (to.translation.vector - from.tool.translation.vector).norm();
-        let step_m = way_m / (points.len() - 1).max(1) as f64;
-        let steps = points.iter().zip(points.iter().skip(1));
-        let speeds = steps.flat_map(|(a, b)| {
-            let limits = self.joint_limits.speeds_rad_s.iter();
-            let turns = a.iter().zip(b).map(|(a, b)| (b - a).abs());
-            limits.zip(turns).map(|(limit, turn)| step_m * limit / turn)
-        });
-        // A joint that does not turn gives infinity, or no number on a way of no length.
-        speeds.fold(f64::INFINITY, f64::min)
     }
 
     /// Checks a goal of the tool, wherever the tool is now; the error says why it is not allowed.
