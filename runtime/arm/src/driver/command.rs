@@ -10,7 +10,7 @@ use crate::guard::{Checked, Motion};
 
 /// How far from the joints' angles a trajectory may begin, radians: it begins where they were when it was checked, and
 /// the readings of an arm at rest differ by less.
-const BEGIN_RAD: f64 = 5e-3;
+const BEGIN_RAD: f64 = 0.01;
 
 /// Which kind of goal commands a motion of the tool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

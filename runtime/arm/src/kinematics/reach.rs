@@ -29,7 +29,7 @@ const STEP_M: f64 = 0.01;
 const MAX_M: f64 = 10.0;
 
 /// The distances that are tried for the reachable range: centimetres, as messages print them.
-const RANGE_CM: std::ops::Range<u32> = 0..120;
+const RANGE_CM: std::ops::Range<u32> = 0..150;
 
 /// Ranges are cached for heights rounded to this, metres.
 const CACHE_STEP_M: f64 = 0.005;
