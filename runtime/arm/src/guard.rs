@@ -522,11 +522,8 @@ impl Guard {
 
     /// Checks joint angles as the next point of a path, and returns where the tool is.
     fn posture(&self, joints_rad: &[f64], path: &mut Path) -> Result<Isometry3<f64>, String> {
-        let tool = self.chain.base_from_tool(joints_rad);
-        let tool = tool.map_err(|why| why.to_string())?;
-        let shapes = self.chain.placed_shapes(joints_rad);
-        self.clear(&shapes.map_err(|why| why.to_string())?, path)?;
-        Ok(tool)
+        self.clear(&self.chain.placed_shapes(joints_rad)?, path)?;
+        self.chain.base_from_tool(joints_rad)
     }
 
     /// Returns the hand's shapes with the tool at a pose.

@@ -4,9 +4,8 @@
 //! angles before it, so the arm keeps its posture; otherwise where on the line that fails, and why.
 
 use super::chain::{Angles, Chain};
-use super::inverse::{NoSolution, is_pose};
+use super::inverse::{NO_POSE, is_pose};
 use nalgebra::{Isometry3, Translation3};
-use std::fmt::Display;
 
 /// The most that a joint may turn from one point of a line to the next, radians. A step of 10 mm with the hand pointing
 /// down, 0.2 m or more from the base's axis, stays below half of it; another posture is several times as far away.
@@ -37,13 +36,13 @@ impl Chain {
         near_rad: &[f64],
         step_m: f64,
     ) -> Result<Vec<Vec<f64>>, String> {
-        let refused = |after_m: f64, why: &dyn Display| {
+        let refused = |after_m: f64, why: &str| {
             format!("after `{after_m:.3}` m along the straight path {why}")
         };
         let first = self.solve(from, near_rad);
         let first = first.map_err(|why| refused(0.0, &why))?;
         if !is_pose(to) {
-            return Err(refused(0.0, &NoSolution::NotAPose));
+            return Err(refused(0.0, NO_POSE));
         }
         let mut last = self.angles(&first).map_err(|why| refused(0.0, &why))?;
         let way_m = (to.translation.vector - from.translation.vector).norm();
