@@ -10,7 +10,7 @@
 use super::driver::ArmState;
 use super::kinematics::chain::Chain;
 use super::kinematics::reach::Reach;
-use super::kinematics::shape::{Capsule, PlacedCapsule};
+use super::kinematics::shape::PlacedCapsule;
 use super::kinematics::tool_down::tool_down;
 use super::port::Waypoint;
 use super::route::{Act, Route, Segment, SegmentName};
@@ -210,19 +210,16 @@ impl Guard {
             &Point3::origin(),
             settings.motion.hand_turn_deg.to_radians(),
         );
-        let hand = |shape: &&Capsule| shape.link == chain.joints().len();
-        let ends = |shape: &Capsule| [shape.from, shape.to].map(|end| down * end);
-        let below = |shape: &Capsule| {
-            let along = ends(shape).map(|end| -end.coords.dot(&surface.normal()));
-            along[0].max(along[1]) + shape.radius_m
-        };
-        let aside = |shape: &Capsule| {
-            let aside = ends(shape).map(|end| end.x.hypot(end.y));
-            aside[0].max(aside[1])
-        };
-        let hands: Vec<&Capsule> = chain.shapes().iter().filter(hand).collect();
-        let aside_m = hands.iter().map(|shape| aside(shape)).fold(0.0, f64::max);
-        let touch_m = hands.iter().map(|shape| below(shape)).fold(0.0, f64::max);
+        let hand = hand_at(&chain, &down);
+        let ends = hand
+            .iter()
+            .flat_map(|shape| shape.ends.map(|end| (shape.radius_m, end)));
+        let normal = surface.normal();
+        let below_m = ends
+            .clone()
+            .map(|(radius_m, end)| radius_m - end.coords.dot(&normal));
+        let touch_m = below_m.fold(0.0, f64::max);
+        let aside_m = ends.map(|(_, end)| end.x.hypot(end.y)).fold(0.0, f64::max);
         let mut guard = Guard {
             joint_limits: JointLimits::of(settings, &chain),
             workspace: settings.workspace.clone(),
@@ -314,7 +311,7 @@ impl Guard {
             let steps = (way_m / STEP_M).ceil().max(1.0) as usize;
             for step in 0..=steps {
                 let pose = between(&from.tool, to, step as f64 / steps as f64);
-                self.clear(&self.hand_at(&pose), &mut path)?;
+                self.clear(&hand_at(&self.chain, &pose), &mut path)?;
             }
         } else {
             let points = self
@@ -405,7 +402,7 @@ impl Guard {
             .map_err(|why| format!("the tool is {why}"))?;
         let shapes = match self.chain.placed_shapes(&state.joints_rad) {
             Ok(shapes) => shapes,
-            Err(_) => self.hand_at(&state.tool),
+            Err(_) => hand_at(&self.chain, &state.tool),
         };
         if let Some((gap_m, [one, other])) = self.nearest_pair(&shapes)
             && gap_m <= 0.0
@@ -524,18 +521,6 @@ impl Guard {
     fn posture(&self, joints_rad: &[f64], path: &mut Path) -> Result<Isometry3<f64>, String> {
         self.clear(&self.chain.placed_shapes(joints_rad)?, path)?;
         self.chain.base_from_tool(joints_rad)
-    }
-
-    /// Returns the hand's shapes with the tool at a pose.
-    fn hand_at(&self, tool: &Isometry3<f64>) -> Vec<PlacedCapsule> {
-        let shapes = self.chain.shapes().iter();
-        let hand = shapes.filter(|shape| shape.link == self.chain.joints().len());
-        hand.map(|shape| PlacedCapsule {
-            link: shape.link,
-            ends: [&shape.from, &shape.to].map(|end| tool * end),
-            radius_m: shape.radius_m,
-        })
-        .collect()
     }
 
     /// Checks that shapes are above the table, outside of every zone, and apart from each other.
@@ -704,6 +689,20 @@ fn begin_at(points: &mut [Vec<f64>], joints_rad: &[f64]) {
             *angle += left * aside;
         }
     }
+}
+
+/// Returns the hand's shapes with the tool at a pose.
+fn hand_at(chain: &Chain, tool: &Isometry3<f64>) -> Vec<PlacedCapsule> {
+    let hand = chain
+        .shapes()
+        .iter()
+        .filter(|shape| shape.link == chain.joints().len());
+    hand.map(|shape| PlacedCapsule {
+        link: shape.link,
+        ends: [&shape.from, &shape.to].map(|end| tool * end),
+        radius_m: shape.radius_m,
+    })
+    .collect()
 }
 
 /// Interpolates between two poses, at a fraction from 0 to 1; the rotation is at most [`MAX_TILT_RAD`].
