@@ -288,7 +288,7 @@ fn a_signal_stops_the_arm_and_what_is_verified_is_told() {
         assert_eq!(n_lines(folder.path(), "halted"), 1);
         let state = run_state(&folder.path().join("run")).unwrap();
         assert_eq!(state.phase, Phase::Stopped);
-        let segment = state.last.unwrap().segment.text();
+        let segment = state.last.unwrap().segment.name();
         assert!(words.starts_with(&format!("in `{segment}`: ")), "{words}");
     }
 }

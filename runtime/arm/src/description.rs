@@ -54,8 +54,8 @@ section! {
         tool_xyz_m: [f64; 3] = [0.0, 0.0, 0.0], from(-1.0, 1.0);
         /// Its rotation there about fixed x, y, z; the tool's z points out of the hand.
         tool_rpy_deg: [f64; 3] = [0.0, 0.0, 0.0], ANGLE;
-        /// The joints' angles in a posture over the table with the hand down; of several postures the one nearest to it
-        /// is taken.
+        /// The joints' angles in a posture over the table with the hand down; of several postures the one
+        /// to which a search from there leads is taken.
         home_deg: Vec<f64>, from(-720.0, 720.0);
         /// Limits of joints that the URDF lacks, or tighter ones; looser ones are refused.
         joint: Vec<JointLimits> = [];
@@ -440,9 +440,10 @@ impl<'b> Builder<'b> {
                     self.has_no_shape(link.name);
                 }
                 for (from, to, radius_m) in found {
-                    let to_frame = match is_hand {
-                        true => last_from_tool.inverse(),
-                        false => Isometry3::identity(),
+                    let to_frame = if is_hand {
+                        last_from_tool.inverse()
+                    } else {
+                        Isometry3::identity()
                     };
                     shapes.push(Capsule {
                         link: if is_hand { moving.len() } else { index },
@@ -604,17 +605,7 @@ impl<'b> Builder<'b> {
     /// Returns the points, and the radius of balls around them, that contain a shape.
     fn cloud(&self, shape: &Shape) -> Result<(Vec<Point3<f64>>, f64), String> {
         Ok(match shape {
-            Shape::Sphere { radius_m } => (vec![Point3::origin()], *radius_m),
-            Shape::Cylinder { radius_m, half_m } => {
-                let ends = [-1.0, 1.0].map(|sign| Point3::new(0.0, 0.0, sign * half_m));
-                (ends.to_vec(), *radius_m)
-            }
-            Shape::Box { half_m } => {
-                let sign = |corner: u8, axis: u8| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
-                let signs = (0..8).map(|it| Vector3::new(sign(it, 0), sign(it, 1), sign(it, 2)));
-                let corners = signs.map(|signs| Point3::from(half_m.component_mul(&signs)));
-                (corners.collect(), 0.0)
-            }
+            Shape::Balls { middles, radius_m } => (middles.clone(), *radius_m),
             Shape::Mesh { file, scale } => {
                 let wrong = |why: String| format!("the mesh `{file}`: {why}");
                 let format = mesh::Format::of(file).map_err(wrong)?;
@@ -644,9 +635,10 @@ impl<'b> Builder<'b> {
         let beside = self.file.parent().unwrap_or(Path::new(""));
         let Some(rest) = file.strip_prefix("package://") else {
             let path = file.strip_prefix("file://").unwrap_or(file);
-            return match path.contains("://") {
-                true => Err(format!("`{file}` is no file")),
-                false => Ok(beside.join(path)),
+            return if path.contains("://") {
+                Err(format!("`{file}` is no file"))
+            } else {
+                Ok(beside.join(path))
             };
         };
         // The folder of a bare name is empty, which has no absolute path.
@@ -678,9 +670,10 @@ fn did_you_mean<'n>(name: &str, names: impl Iterator<Item = &'n str>) -> String 
 }
 
 fn listed(names: &[String]) -> String {
-    match names.is_empty() {
-        true => "none".to_owned(),
-        false => format!("`{}`", names.join("`, `")),
+    if names.is_empty() {
+        "none".to_owned()
+    } else {
+        format!("`{}`", names.join("`, `"))
     }
 }
 

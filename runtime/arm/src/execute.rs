@@ -63,11 +63,11 @@ pub struct FailedAction {
 impl std::fmt::Display for FailedAction {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self.in_segment {
-            Some(name) => write!(f, "in `{}`: {}", name.text(), self.why)?,
+            Some(name) => write!(f, "in `{}`: {}", name.name(), self.why)?,
             None => write!(f, "{}", self.why)?,
         }
         match self.verified {
-            Some(name) => write!(f, "; verified up to `{}`", name.text())?,
+            Some(name) => write!(f, "; verified up to `{}`", name.name())?,
             None => f.write_str("; no motion of this action is verified")?,
         }
         match &self.stopped {
@@ -181,9 +181,10 @@ impl<A: Arm + ?Sized> Execution<'_, A> {
 
     /// Returns why motion was not confirmed: an interrupted question has no answer.
     fn not_confirmed(&self) -> ArmError {
-        match self.interrupt.is_raised() {
-            true => ArmError::Interrupted,
-            false => ArmError::NotConfirmed,
+        if self.interrupt.is_raised() {
+            ArmError::Interrupted
+        } else {
+            ArmError::NotConfirmed
         }
     }
 
@@ -199,9 +200,10 @@ impl<A: Arm + ?Sized> Execution<'_, A> {
             if interrupt.is_raised() {
                 return Err(Halt::Stop(ArmError::Interrupted));
             }
-            match supervisor.motion_allowed() {
-                true => Ok(()),
-                false => Err(Halt::Pause),
+            if supervisor.motion_allowed() {
+                Ok(())
+            } else {
+                Err(Halt::Pause)
             }
         };
         let (arm, speed_m_s) = (&mut *self.arm, segment.speed_m_s);

@@ -10,7 +10,7 @@
 use super::driver::ArmState;
 use super::kinematics::chain::Chain;
 use super::kinematics::reach::Reach;
-use super::kinematics::shape::{Capsule, PlacedCapsule};
+use super::kinematics::shape::PlacedCapsule;
 use super::kinematics::tool_down::tool_down;
 use super::port::Waypoint;
 use super::route::{Act, Route, Segment, SegmentName};
@@ -18,6 +18,7 @@ use super::settings::{KeepOut, Settings, Workspace};
 use super::timing::JointLimits;
 use crate::calibration::Calibration;
 use nalgebra::{Isometry3, Point3, Vector3};
+use std::collections::BTreeMap;
 
 /// The longest motion at once, metres; a longer one is a mistake in a place.
 const MAX_WAY_M: f64 = 0.9;
@@ -79,6 +80,9 @@ pub struct Motion {
     /// What the joints do, from rest to rest, at most [`STEP_M`] apart: a single point if nothing moves, none if the
     /// arm does not report its angles.
     pub waypoints: Vec<Waypoint>,
+    /// The highest speed of the tool that the joints allow, m/s; infinite if no joint turns or their angles are unknown. How
+    /// long they take to speed up does not count.
+    pub joints_allow_m_s: f64,
 }
 
 impl Motion {
@@ -104,8 +108,16 @@ impl Checked<Motion> {
     }
 }
 
-/// A segment, and the arm's state at its end if it is allowed, with the time when it is there.
-pub type SegmentEnd = (Segment, Option<ArmState>);
+/// A segment of a route.
+#[derive(Debug)]
+pub struct SegmentEnd {
+    /// The segment.
+    pub segment: Segment,
+    /// The arm's state at its end, with the time when it is there; `None` if the segment is not allowed.
+    pub state: Option<ArmState>,
+    /// [`Motion::joints_allow_m_s`].
+    pub joints_allow_m_s: f64,
+}
 
 /// A route, as far as it is allowed.
 #[derive(Debug)]
@@ -116,6 +128,15 @@ pub struct Walk {
     pub home: Vec<SegmentEnd>,
     /// The route, or why its last segment is not allowed.
     pub route: Result<Checked<Route>, String>,
+}
+
+impl Walk {
+    /// Returns the arm's state after the grasp.
+    pub fn grasped(&self) -> Option<&ArmState> {
+        let mut ends = self.ends.iter();
+        let grasp = ends.find(|end| end.segment.name == SegmentName::Grasp);
+        grasp.and_then(|grasp| grasp.state.as_ref())
+    }
 }
 
 /// The tool's height when the closed fingertips touch the table, at each place: a plane in the base frame.
@@ -189,19 +210,16 @@ impl Guard {
             &Point3::origin(),
             settings.motion.hand_turn_deg.to_radians(),
         );
-        let hand = |shape: &&Capsule| shape.link == chain.joints().len();
-        let ends = |shape: &Capsule| [shape.from, shape.to].map(|end| down * end);
-        let below = |shape: &Capsule| {
-            let along = ends(shape).map(|end| -end.coords.dot(&surface.normal()));
-            along[0].max(along[1]) + shape.radius_m
-        };
-        let aside = |shape: &Capsule| {
-            let aside = ends(shape).map(|end| end.x.hypot(end.y));
-            aside[0].max(aside[1])
-        };
-        let hands: Vec<&Capsule> = chain.shapes().iter().filter(hand).collect();
-        let aside_m = hands.iter().map(|shape| aside(shape)).fold(0.0, f64::max);
-        let touch_m = hands.iter().map(|shape| below(shape)).fold(0.0, f64::max);
+        let hand = hand_at(&chain, &down);
+        let ends = hand
+            .iter()
+            .flat_map(|shape| shape.ends.map(|end| (shape.radius_m, end)));
+        let normal = surface.normal();
+        let below_m = ends
+            .clone()
+            .map(|(radius_m, end)| radius_m - end.coords.dot(&normal));
+        let touch_m = below_m.fold(0.0, f64::max);
+        let aside_m = ends.map(|(_, end)| end.x.hypot(end.y)).fold(0.0, f64::max);
         let mut guard = Guard {
             joint_limits: JointLimits::of(settings, &chain),
             workspace: settings.workspace.clone(),
@@ -287,20 +305,21 @@ impl Guard {
         self.ends(&from.tool, to, speed_m_s)?;
         let mut path = Path::default();
         let mut waypoints = Vec::new();
+        let mut joints_allow_m_s = f64::INFINITY;
+        let way_m = (to.translation.vector - from.tool.translation.vector).norm();
         if from.joints_rad.is_empty() {
-            let way_m = (to.translation.vector - from.tool.translation.vector).norm();
             let steps = (way_m / STEP_M).ceil().max(1.0) as usize;
             for step in 0..=steps {
                 let pose = between(&from.tool, to, step as f64 / steps as f64);
-                self.clear(&self.hand_at(&pose), &mut path)?;
+                self.clear(&hand_at(&self.chain, &pose), &mut path)?;
             }
         } else {
             let points = self
                 .chain
                 .straight(&from.tool, to, &from.joints_rad, STEP_M);
             let mut points = points.map_err(|why| format!("the arm cannot follow: {why}"))?;
+            joints_allow_m_s = self.joint_limits.allow_m_s(&points, way_m);
             begin_at(&mut points, &from.joints_rad);
-            let way_m = (to.translation.vector - from.tool.translation.vector).norm();
             waypoints = self.joint_limits.time(&points, way_m, speed_m_s)?;
             for point in &waypoints {
                 let tool = self.posture(&point.joints_rad, &mut path)?;
@@ -313,6 +332,7 @@ impl Guard {
             to: *to,
             speed_m_s,
             waypoints,
+            joints_allow_m_s,
         }))
     }
 
@@ -326,10 +346,8 @@ impl Guard {
             home: Vec::new(),
             route: Err(String::new()),
         };
-        let is_grasp = |(segment, _): &&SegmentEnd| segment.name == SegmentName::Grasp;
-        let grasped = walk.ends.iter().find(is_grasp);
         let walked = walked.and_then(|()| {
-            let Some((_, Some(grasped))) = grasped else {
+            let Some(grasped) = walk.grasped() else {
                 return Ok(());
             };
             let (home, walked) = self.walk(grasped, &route.after_missed_grasp);
@@ -344,7 +362,12 @@ impl Guard {
     fn walk(&self, from: &ArmState, segments: &[Segment]) -> (Vec<SegmentEnd>, Result<(), String>) {
         let mut ends = Vec::with_capacity(segments.len());
         let mut at = from.clone();
-        for segment in segments {
+        for &segment in segments {
+            let mut end = SegmentEnd {
+                segment,
+                state: None,
+                joints_allow_m_s: f64::INFINITY,
+            };
             if let Act::Move(to) = segment.act {
                 match self.motion(&at, &to, segment.speed_m_s) {
                     Ok(Checked(mut motion)) => {
@@ -352,37 +375,18 @@ impl Guard {
                         let last = motion.waypoints.pop();
                         at.joints_rad = last.map(|last| last.joints_rad).unwrap_or_default();
                         at.tool = to;
+                        end.joints_allow_m_s = motion.joints_allow_m_s;
                     }
                     Err(why) => {
-                        ends.push((*segment, None));
+                        ends.push(end);
                         return (ends, Err(why));
                     }
                 }
             }
-            ends.push((*segment, Some(at.clone())));
+            end.state = Some(at.clone());
+            ends.push(end);
         }
         (ends, Ok(()))
-    }
-
-    /// Returns the highest speed of the tool that the joints allow along a straight motion, m/s; infinite if no joint
-    /// turns or the arm's state has no joint angles. How long they take to speed up does not count.
-    pub fn joints_allow_m_s(&self, from: &ArmState, to: &Isometry3<f64>) -> f64 {
-        let points = self
-            .chain
-            .straight(&from.tool, to, &from.joints_rad, STEP_M);
-        let Ok(points) = points else {
-            return f64::INFINITY;
-        };
-        let way_m = (to.translation.vector - from.tool.translation.vector).norm();
-        let step_m = way_m / (points.len() - 1).max(1) as f64;
-        let steps = points.iter().zip(points.iter().skip(1));
-        let speeds = steps.flat_map(|(a, b)| {
-            let limits = self.joint_limits.speeds_rad_s.iter();
-            let turns = a.iter().zip(b).map(|(a, b)| (b - a).abs());
-            limits.zip(turns).map(|(limit, turn)| step_m * limit / turn)
-        });
-        // A joint that does not turn gives infinity, or no number on a way of no length.
-        speeds.fold(f64::INFINITY, f64::min)
     }
 
     /// Checks a goal of the tool, wherever the tool is now; the error says why it is not allowed.
@@ -398,7 +402,7 @@ impl Guard {
             .map_err(|why| format!("the tool is {why}"))?;
         let shapes = match self.chain.placed_shapes(&state.joints_rad) {
             Ok(shapes) => shapes,
-            Err(_) => self.hand_at(&state.tool),
+            Err(_) => hand_at(&self.chain, &state.tool),
         };
         if let Some((gap_m, [one, other])) = self.nearest_pair(&shapes)
             && gap_m <= 0.0
@@ -491,16 +495,18 @@ impl Guard {
                 self.workspace.min_m[axis] + tilt_m,
                 self.workspace.max_m[axis],
             );
-            let slack_m = match axis == 2 && margin_m > 0.0 {
-                true => EXACT_M,
-                false => 0.0,
+            let slack_m = if axis == 2 && margin_m > 0.0 {
+                EXACT_M
+            } else {
+                0.0
             };
             // NaN must count as outside.
             let (low, high) = (least + margin_m - slack_m, most - margin_m);
             if !(point[axis] >= low && point[axis] <= high) {
-                let margin = match margin_m > 0.0 {
-                    true => format!(" with a margin of {:.0} mm", margin_m * 1000.0),
-                    false => String::new(),
+                let margin = if margin_m > 0.0 {
+                    format!(" with a margin of {:.0} mm", margin_m * 1000.0)
+                } else {
+                    String::new()
                 };
                 return Err(format!(
                     "at {}, outside of the workspace, whose {name} goes from {least:.3} to {most:.3} m{margin}",
@@ -513,33 +519,20 @@ impl Guard {
 
     /// Checks joint angles as the next point of a path, and returns where the tool is.
     fn posture(&self, joints_rad: &[f64], path: &mut Path) -> Result<Isometry3<f64>, String> {
-        let tool = self.chain.base_from_tool(joints_rad);
-        let tool = tool.map_err(|why| why.to_string())?;
-        let shapes = self.chain.placed_shapes(joints_rad);
-        self.clear(&shapes.map_err(|why| why.to_string())?, path)?;
-        Ok(tool)
-    }
-
-    /// Returns the hand's shapes with the tool at a pose.
-    fn hand_at(&self, tool: &Isometry3<f64>) -> Vec<PlacedCapsule> {
-        let shapes = self.chain.shapes().iter();
-        let hand = shapes.filter(|shape| shape.link == self.chain.joints().len());
-        hand.map(|shape| PlacedCapsule {
-            link: shape.link,
-            ends: [&shape.from, &shape.to].map(|end| tool * end),
-            radius_m: shape.radius_m,
-        })
-        .collect()
+        self.clear(&self.chain.placed_shapes(joints_rad)?, path)?;
+        self.chain.base_from_tool(joints_rad)
     }
 
     /// Checks that shapes are above the table, outside of every zone, and apart from each other.
     fn clear(&self, shapes: &[PlacedCapsule], path: &mut Path) -> Result<(), String> {
-        let part = |found: &Nearest| self.part(found.shape);
-        let table = Nearest::of(shapes, |shape| self.above_table_m(shape));
-        if let Some(found) = table {
-            path.next(0, found.gap_m, -EXACT_M, -self.slack_m, || {
-                let below_mm = -found.gap_m * 1000.0;
-                format!("{} would be {below_mm:.0} mm below the table", part(&found))
+        let table = nearest(shapes, |shape| self.above_table_m(shape));
+        if let Some((gap_m, shape)) = table {
+            path.next(0, gap_m, -EXACT_M, -self.slack_m, || {
+                let below_mm = -gap_m * 1000.0;
+                format!(
+                    "{} would be {below_mm:.0} mm below the table",
+                    self.part(shape)
+                )
             })?;
         }
         if let Some((gap_m, [one, other])) = self.nearest_pair(shapes) {
@@ -555,15 +548,15 @@ impl Guard {
         for (index, zone) in self.workspace.keep_out.iter().enumerate() {
             // Between two points of a path a shape comes nearer by at most half a step.
             let least_m = self.margin_m + STEP_M / 2.0;
-            let Some(found) = Nearest::of(shapes, |shape| zone.gap_m(shape)) else {
+            let Some((gap_m, shape)) = nearest(shapes, |shape| zone.gap_m(shape)) else {
                 continue;
             };
-            path.next(index + 2, found.gap_m, least_m, 0.0, || {
+            path.next(index + 2, gap_m, least_m, 0.0, || {
                 let mm = |metres: f64| metres.max(0.0) * 1000.0;
                 format!(
                     "{} would come within {:.0} mm of `{}`, which is kept out by {:.0} mm",
-                    part(&found),
-                    mm(found.gap_m),
+                    self.part(shape),
+                    mm(gap_m),
                     zone.name,
                     mm(least_m)
                 )
@@ -596,18 +589,20 @@ impl Guard {
             return f64::INFINITY;
         }
         let ends = shape.ends.map(|end| self.surface.distance_m(&end));
-        let touch_m = match shape.link == self.chain.joints().len() {
-            true => self.touch_m,
-            false => 0.0,
+        let touch_m = if shape.link == self.chain.joints().len() {
+            self.touch_m
+        } else {
+            0.0
         };
         ends[0].min(ends[1]) - shape.radius_m + touch_m
     }
 
     /// Names the part of the arm that a shape contains.
     fn part(&self, shape: &PlacedCapsule) -> String {
-        match shape.link == self.chain.joints().len() {
-            true => "the hand".to_owned(),
-            false => format!("the arm behind joint {}", shape.link + 1),
+        if shape.link == self.chain.joints().len() {
+            "the hand".to_owned()
+        } else {
+            format!("the arm behind joint {}", shape.link + 1)
         }
     }
 }
@@ -619,31 +614,19 @@ impl KeepOut {
     }
 }
 
-/// The shape that is nearest to an obstacle.
-struct Nearest<'s> {
-    shape: &'s PlacedCapsule,
-    gap_m: f64,
+/// Returns the shape that is nearest to an obstacle, and its distance, metres.
+fn nearest(
+    shapes: &[PlacedCapsule],
+    gap_m: impl Fn(&PlacedCapsule) -> f64,
+) -> Option<(f64, &PlacedCapsule)> {
+    let all = shapes.iter().map(|shape| (gap_m(shape), shape));
+    all.min_by(|one, other| one.0.total_cmp(&other.0))
 }
 
-impl Nearest<'_> {
-    fn of(shapes: &[PlacedCapsule], gap_m: impl Fn(&PlacedCapsule) -> f64) -> Option<Nearest<'_>> {
-        let all = shapes.iter().map(|shape| Nearest {
-            shape,
-            gap_m: gap_m(shape),
-        });
-        all.min_by(|a, b| a.gap_m.total_cmp(&b.gap_m))
-    }
-}
-
-/// The gaps to obstacles along a path so far. An arm that begins too near to one may go away from it, and must end
-/// clear of it.
+/// The obstacles of a path so far: the last gap to each that it has not been clear of yet, and what is wrong; nothing for
+/// those that it has been clear of. An arm that begins too near to one may go away from it, and must end clear of it.
 #[derive(Default)]
-struct Path {
-    /// For each obstacle that the path has not been clear of yet: the last gap, and what is wrong.
-    leaving: Vec<(usize, f64, String)>,
-    /// The obstacles that the path has been clear of.
-    left: Vec<usize>,
-}
+struct Path(BTreeMap<usize, Option<(f64, String)>>);
 
 impl Path {
     /// Notes the next gap to an obstacle.
@@ -657,34 +640,29 @@ impl Path {
         worst_m: f64,
         why: impl Fn() -> String,
     ) -> Result<(), String> {
-        let before = self.leaving.iter().position(|(it, ..)| *it == obstacle);
         // NaN must count as too near.
         if gap_m >= least_m {
-            if let Some(index) = before {
-                self.leaving.remove(index);
-            }
-            if !self.left.contains(&obstacle) {
-                self.left.push(obstacle);
-            }
+            self.0.insert(obstacle, None);
             return Ok(());
         }
-        let begun_m = before.map(|index| self.leaving[index].1);
-        let goes_away = begun_m.is_none_or(|begun_m| gap_m >= begun_m - EXACT_M);
-        let may_leave = gap_m >= worst_m && goes_away && !self.left.contains(&obstacle);
+        let goes_away = match self.0.get(&obstacle) {
+            None => true,
+            Some(before) => before
+                .as_ref()
+                .is_some_and(|(before_m, _)| gap_m >= before_m - EXACT_M),
+        };
+        let may_leave = gap_m >= worst_m && goes_away;
         if !may_leave {
             return Err(why());
         }
-        match before {
-            Some(index) => self.leaving[index] = (obstacle, gap_m, why()),
-            None => self.leaving.push((obstacle, gap_m, why())),
-        }
+        self.0.insert(obstacle, Some((gap_m, why())));
         Ok(())
     }
 
     /// Fails if the path ends too near to an obstacle.
     fn end(self) -> Result<(), String> {
-        match self.leaving.into_iter().next() {
-            Some((_, _, why)) => Err(why),
+        match self.0.into_values().flatten().next() {
+            Some((_, why)) => Err(why),
             None => Ok(()),
         }
     }
@@ -711,6 +689,20 @@ fn begin_at(points: &mut [Vec<f64>], joints_rad: &[f64]) {
             *angle += left * aside;
         }
     }
+}
+
+/// Returns the hand's shapes with the tool at a pose.
+fn hand_at(chain: &Chain, tool: &Isometry3<f64>) -> Vec<PlacedCapsule> {
+    let hand = chain
+        .shapes()
+        .iter()
+        .filter(|shape| shape.link == chain.joints().len());
+    hand.map(|shape| PlacedCapsule {
+        link: shape.link,
+        ends: [&shape.from, &shape.to].map(|end| tool * end),
+        radius_m: shape.radius_m,
+    })
+    .collect()
 }
 
 /// Interpolates between two poses, at a fraction from 0 to 1; the rotation is at most [`MAX_TILT_RAD`].

@@ -5,7 +5,7 @@
 //! possible. A whole plan comes with its checked route, which alone can be executed. Nothing is executed here.
 
 use super::driver::{ArmState, Opening};
-use super::guard::{Checked, Guard, SegmentEnd, Walk};
+use super::guard::{Checked, Guard, SegmentEnd};
 use super::kinematics::reach::Reach;
 use super::route::{Act, Route, SegmentName};
 use super::settings::Settings;
@@ -49,6 +49,9 @@ pub struct PlannedSegment {
     pub takes_s: f64,
     /// Joint angles at its end by this crate's kinematics, degrees; a node that takes tool poses may choose others.
     pub joints_deg: Vec<f64>,
+    /// The highest speed of the tool that the joints allow, m/s; not in a plan's file.
+    #[serde(skip)]
+    pub joints_allow_m_s: f64,
 }
 
 impl Plan {
@@ -82,15 +85,12 @@ impl Plan {
             }
         };
         let route = Route::new(settings, guard.surface(), &from.tool, &pick, &place, manner);
-        let Walk { ends, home, route } = guard.route(&from, route);
-        plan.segments = planned(&from, &ends);
-        let grasped = ends
-            .iter()
-            .find(|(segment, _)| segment.name == SegmentName::Grasp);
-        if let Some((_, Some(grasped))) = grasped {
-            plan.after_missed_grasp = planned(grasped, &home);
+        let walk = guard.route(&from, route);
+        plan.segments = planned(&from, &walk.ends);
+        if let Some(grasped) = walk.grasped() {
+            plan.after_missed_grasp = planned(grasped, &walk.home);
         }
-        match route {
+        match walk.route {
             Ok(route) => (plan, Some(route)),
             Err(why) => {
                 plan.refused = Some(why);
@@ -118,7 +118,7 @@ impl Plan {
         };
         Some(match refused {
             Some((segment, after)) => {
-                format!("`{}`{after} is not possible: {why}", segment.name.text())
+                format!("`{}`{after} is not possible: {why}", segment.name.name())
             }
             None => why.clone(),
         })
@@ -140,16 +140,17 @@ fn with_joints(settings: &Settings, guard: &Guard, from: &ArmState) -> Result<Ar
 /// Describes segments with the arm's state at the end of each; a refused one has none.
 fn planned(from: &ArmState, ends: &[SegmentEnd]) -> Vec<PlannedSegment> {
     let (mut at, mut at_s) = (from.tool, from.at_s);
-    let planned = ends.iter().map(|(segment, end)| {
+    let planned = ends.iter().map(|end| {
+        let (segment, state) = (&end.segment, &end.state);
         let (to, hand) = match segment.act {
             Act::Move(to) => (to, None),
             Act::Hand(opening) => (at, Some(opening)),
         };
         let way_m = (to.translation.vector - at.translation.vector).norm();
         at = to;
-        let end_s = end.as_ref().map_or(at_s, |end| end.at_s);
+        let end_s = state.as_ref().map_or(at_s, |state| state.at_s);
         let before_s = std::mem::replace(&mut at_s, end_s);
-        let joints_rad = end.iter().flat_map(|end| &end.joints_rad);
+        let joints_rad = state.iter().flat_map(|state| &state.joints_rad);
         PlannedSegment {
             name: segment.name,
             to_m: to.translation.vector.into(),
@@ -157,6 +158,7 @@ fn planned(from: &ArmState, ends: &[SegmentEnd]) -> Vec<PlannedSegment> {
             way_m,
             takes_s: at_s - before_s,
             joints_deg: joints_rad.map(|angle| angle.to_degrees()).collect(),
+            joints_allow_m_s: end.joints_allow_m_s,
         }
     });
     planned.collect()

@@ -42,58 +42,40 @@ pub enum Act {
     Hand(Opening),
 }
 
-/// The segments of a pick and place, in order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum SegmentName {
-    /// The hand rises to travel height.
-    Rise,
-    /// The fingers open, away from the cloth.
-    Open,
-    /// The hand moves over the pick point.
-    OverPick,
-    /// It approaches to just above the cloth.
-    PrePick,
-    /// It goes down to the cloth.
-    Down,
-    /// The fingers close.
-    Grasp,
-    /// It lifts what it grasped.
-    Lift,
-    /// It carries the cloth over the place point.
-    Over,
-    /// It goes down to the table.
-    DownToPlace,
-    /// The fingers open.
-    Release,
-    /// It rises from the cloth.
-    Up,
-    /// It rises to travel height.
-    Away,
-    /// It moves out of the camera's view.
-    Rest,
+fab_base::named! {
+    /// The segments of a pick and place, in order.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+    pub enum SegmentName {
+        /// The hand rises to travel height.
+        Rise = "rise",
+        /// The fingers open, away from the cloth.
+        Open = "open",
+        /// The hand moves over the pick point.
+        OverPick = "over_pick",
+        /// It approaches to just above the cloth.
+        PrePick = "pre_pick",
+        /// It goes down to the cloth.
+        Down = "down",
+        /// The fingers close.
+        Grasp = "grasp",
+        /// It lifts what it grasped.
+        Lift = "lift",
+        /// It carries the cloth over the place point.
+        Over = "over",
+        /// It goes down to the table.
+        DownToPlace = "down_to_place",
+        /// The fingers open.
+        Release = "release",
+        /// It rises from the cloth.
+        Up = "up",
+        /// It rises to travel height.
+        Away = "away",
+        /// It moves out of the camera's view.
+        Rest = "rest",
+    }
 }
 
 impl SegmentName {
-    /// Returns the name as it appears in journals and messages.
-    pub fn text(self) -> &'static str {
-        match self {
-            SegmentName::Rise => "rise",
-            SegmentName::Open => "open",
-            SegmentName::OverPick => "over_pick",
-            SegmentName::PrePick => "pre_pick",
-            SegmentName::Down => "down",
-            SegmentName::Grasp => "grasp",
-            SegmentName::Lift => "lift",
-            SegmentName::Over => "over",
-            SegmentName::DownToPlace => "down_to_place",
-            SegmentName::Release => "release",
-            SegmentName::Up => "up",
-            SegmentName::Away => "away",
-            SegmentName::Rest => "rest",
-        }
-    }
-
     /// Returns whether the hand may hold cloth during or after this segment.
     pub fn may_hold_cloth(self) -> bool {
         (SegmentName::Grasp..=SegmentName::Release).contains(&self)

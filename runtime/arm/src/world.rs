@@ -33,7 +33,6 @@ use fab_world::start::Start;
 use fab_world::{Executed, ExecutedGrip, Grasp, Grip, Motion, World, WorldError, WorldPoint};
 use nalgebra::{Isometry3, Point3, Vector3};
 use reach::{ArmReach, base_point};
-use rehearsal::laid_table;
 use std::cell::RefCell;
 use std::path::PathBuf;
 use std::rc::Rc;

@@ -32,14 +32,11 @@ pub(super) fn corners(format: Format, bytes: &[u8]) -> Result<Vec<Point3<f64>>, 
     if corners.is_empty() {
         return Err("it holds no corner".to_owned());
     }
-    match corners
-        .iter()
-        .flat_map(|it| it.iter())
-        .all(|it| it.is_finite())
-    {
-        true => Ok(corners),
-        false => Err("a corner is no place".to_owned()),
+    let mut numbers = corners.iter().flat_map(|it| it.iter());
+    if numbers.any(|it| !it.is_finite()) {
+        return Err("a corner is no place".to_owned());
     }
+    Ok(corners)
 }
 
 fn stl(bytes: &[u8]) -> Result<Vec<Point3<f64>>, String> {
@@ -56,9 +53,10 @@ fn stl(bytes: &[u8]) -> Result<Vec<Point3<f64>>, String> {
         let corner = |it: &[u8]| Point3::new(number(it), number(&it[4..]), number(&it[8..]));
         return Ok(corners.map(corner).collect());
     }
-    match bytes.starts_with(b"solid") {
-        true => lines(bytes, "vertex"),
-        false => Err(format!("its {} bytes are no STL file", bytes.len())),
+    if bytes.starts_with(b"solid") {
+        lines(bytes, "vertex")
+    } else {
+        Err(format!("its {} bytes are no STL file", bytes.len()))
     }
 }
 

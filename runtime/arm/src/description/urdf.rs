@@ -4,7 +4,7 @@
 //! it cannot be read. Inertia, colours and visual shapes are left out. Nothing is run, and no other file is opened.
 
 use crate::kinematics;
-use nalgebra::{Isometry3, Unit, Vector3};
+use nalgebra::{Isometry3, Point3, Unit, Vector3};
 use roxmltree::{Document, Node};
 use std::collections::BTreeMap;
 
@@ -41,15 +41,9 @@ pub(super) struct Collision {
 /// A shape in its own frame; lengths in metres.
 #[derive(Debug)]
 pub(super) enum Shape {
-    Box {
-        half_m: Vector3<f64>,
-    },
-    /// Along z, with flat or round ends.
-    Cylinder {
-        radius_m: f64,
-        half_m: f64,
-    },
-    Sphere {
+    /// Balls whose hull contains it.
+    Balls {
+        middles: Vec<Point3<f64>>,
         radius_m: f64,
     },
     Mesh {
@@ -144,14 +138,15 @@ fn read_shape(collision: &Node) -> Result<Shape, String> {
         .ok_or_else(|| format!("{}: a `<collision>` has no shape", line(collision)))?;
     let length = |name: &str| {
         let [length] = numbers(&geometry, name, attribute(&geometry, name)?)?;
-        match length > 0.0 && length <= MAX_M {
-            true => Ok(length),
-            false => Err(format!(
+        if length <= 0.0 || length > MAX_M {
+            return Err(format!(
                 "{}: `{name}` is `{length}`; expected above 0 and at most {MAX_M} m",
                 line(&geometry)
-            )),
+            ));
         }
+        Ok(length)
     };
+    let balls = |middles, radius_m| Shape::Balls { middles, radius_m };
     match geometry.tag_name().name() {
         "box" => {
             let size = numbers::<3>(&geometry, "size", attribute(&geometry, "size")?)?;
@@ -161,17 +156,18 @@ fn read_shape(collision: &Node) -> Result<Shape, String> {
                     line(&geometry)
                 ));
             }
-            Ok(Shape::Box {
-                half_m: Vector3::from(size) / 2.0,
-            })
+            let half_m = Vector3::from(size) / 2.0;
+            let sign = |corner: u8, axis: u8| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+            let signs = (0..8).map(|it| Vector3::new(sign(it, 0), sign(it, 1), sign(it, 2)));
+            let corners = signs.map(|signs| Point3::from(half_m.component_mul(&signs)));
+            Ok(balls(corners.collect(), 0.0))
         }
-        "cylinder" | "capsule" => Ok(Shape::Cylinder {
-            radius_m: length("radius")?,
-            half_m: length("length")? / 2.0,
-        }),
-        "sphere" => Ok(Shape::Sphere {
-            radius_m: length("radius")?,
-        }),
+        "cylinder" | "capsule" => {
+            let half_m = length("length")? / 2.0;
+            let ends = [-half_m, half_m].map(|z| Point3::new(0.0, 0.0, z));
+            Ok(balls(ends.to_vec(), length("radius")?))
+        }
+        "sphere" => Ok(balls(vec![Point3::origin()], length("radius")?)),
         "mesh" => Ok(Shape::Mesh {
             file: attribute(&geometry, "filename")?.to_owned(),
             scale: match geometry.attribute("scale") {
@@ -237,13 +233,13 @@ fn origin(node: &Node) -> Result<Isometry3<f64>, String> {
             return Ok([0.0; 3]);
         };
         let vector = numbers::<3>(&origin, name, text)?;
-        match vector.iter().all(|it| it.abs() <= most) {
-            true => Ok(vector),
-            false => Err(format!(
+        if vector.iter().any(|it| it.abs() > most) {
+            return Err(format!(
                 "{}: `{name}` is `{text}`; expected at most {most} {unit}",
                 line(&origin)
-            )),
+            ));
         }
+        Ok(vector)
     };
     let xyz_m = vector("xyz", MAX_M, "m")?;
     let rpy_rad = vector("rpy", MAX_RAD, "rad")?;

@@ -31,7 +31,7 @@ const CANCEL_LOOK_S: f64 = 0.02;
 
 /// How far from the joints' angles a trajectory may begin, radians: it begins where they were when it was checked, and
 /// the readings of an arm at rest differ by less.
-const BEGIN_RAD: f64 = 5e-3;
+const BEGIN_RAD: f64 = 0.01;
 
 /// How an arm is told to move its tool.
 #[derive(Clone, Copy, Debug, PartialEq)]

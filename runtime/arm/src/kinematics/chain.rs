@@ -53,27 +53,6 @@ pub struct Chain {
     pub(super) shapes: Vec<Capsule>,
 }
 
-/// Joint angles that do not fit this chain.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum BadAngles {
-    /// There are more or fewer angles than joints.
-    #[error("`{found}` joint angles were given to an arm with `{joints}` joints")]
-    Count {
-        /// How many were given.
-        found: usize,
-        /// How many joints the arm has.
-        joints: usize,
-    },
-    /// One is not a valid angle.
-    #[error("the angle `{angle_rad}` of joint `{joint}` is not a valid angle")]
-    NotAnAngle {
-        /// The joint, from 1 at the base.
-        joint: usize,
-        /// The given value, radians.
-        angle_rad: f64,
-    },
-}
-
 impl Chain {
     /// Makes the chain of an arm.
     ///
@@ -129,12 +108,12 @@ impl Chain {
     /// Returns the tool's pose at these angles.
     ///
     /// - `joints_rad`: one for each joint, from the base; limits are not checked.
-    pub fn base_from_tool(&self, joints_rad: &[f64]) -> Result<Isometry3<f64>, BadAngles> {
+    pub fn base_from_tool(&self, joints_rad: &[f64]) -> Result<Isometry3<f64>, String> {
         Ok(self.tool_at(&self.angles(joints_rad)?))
     }
 
     /// Returns the frames of all links at these angles, in the base frame: each joint's, then the tool's.
-    pub fn frames(&self, joints_rad: &[f64]) -> Result<Vec<Isometry3<f64>>, BadAngles> {
+    pub fn frames(&self, joints_rad: &[f64]) -> Result<Vec<Isometry3<f64>>, String> {
         let angles = self.angles(joints_rad)?;
         let links = self.links_at(&angles);
         let tool = links[self.last()] * self.last_from_tool;
@@ -152,21 +131,23 @@ impl Chain {
         angles[..self.joints.len()].to_vec()
     }
 
-    pub(super) fn angles(&self, joints_rad: &[f64]) -> Result<Angles, BadAngles> {
+    /// Returns one angle for each joint as an array; the error says which is no angle, or that there are more or fewer.
+    pub(super) fn angles(&self, joints_rad: &[f64]) -> Result<Angles, String> {
         let (found, joints) = (joints_rad.len(), self.joints.len());
         if found != joints {
-            return Err(BadAngles::Count { found, joints });
+            return Err(format!(
+                "`{found}` joint angles were given to an arm with `{joints}` joints"
+            ));
         }
         let mut angles = Angles::default();
         angles[..joints].copy_from_slice(joints_rad);
-        match angles
-            .iter()
-            .position(|angle| !angle.is_finite() || angle.abs() > MAX_ANGLE_RAD)
-        {
-            Some(index) => Err(BadAngles::NotAnAngle {
-                joint: index + 1,
-                angle_rad: angles[index],
-            }),
+        let is_angle = |angle: &f64| angle.is_finite() && angle.abs() <= MAX_ANGLE_RAD;
+        match angles.iter().position(|angle| !is_angle(angle)) {
+            Some(index) => Err(format!(
+                "the angle `{}` of joint `{}` is not a valid angle",
+                angles[index],
+                index + 1
+            )),
             None => Ok(angles),
         }
     }

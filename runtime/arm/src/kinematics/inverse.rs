@@ -5,9 +5,7 @@
 //! damping of Sugihara ("Solvability-Unconcerned Inverse Kinematics by the Levenberg-Marquardt Method", 2011): it grows
 //! with the remaining error, so no step has to be undone. Equal input gives equal angles. Collisions are not checked.
 
-use super::chain::{
-    Angles, BadAngles, Chain, Jacobian, Joint, MAX_JOINTS, METRES_PER_RAD, nearest_turn,
-};
+use super::chain::{Angles, Chain, Jacobian, Joint, MAX_JOINTS, METRES_PER_RAD, nearest_turn};
 use super::starts;
 use nalgebra::{Isometry3, Matrix6, SVector, Translation3, Vector3, Vector6};
 
@@ -34,31 +32,8 @@ const MAX_TURN_RAD: f64 = 0.6;
 /// Remaining damping as the error vanishes; keeps the equations solvable in a singular posture.
 const LEAST_DAMPING: f64 = 1e-9;
 
-/// Why there are no joint angles for a pose.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NoSolution {
-    /// The angles to stay near do not fit this chain.
-    #[error(transparent)]
-    BadAngles(#[from] BadAngles),
-    /// The pose contains NaN or infinity.
-    #[error("the requested pose holds a number that is not finite")]
-    NotAPose,
-    /// No attempt reached the pose.
-    #[error(
-        "the arm came to `{:.1}` mm and `{:.2}` degrees of the pose{}",
-        .distance_m * 1e3,
-        .angle_rad.to_degrees(),
-        .at_limit.map_or(String::new(), |joint| format!(": joint `{joint}` is at its limit"))
-    )]
-    NotReached {
-        /// The tool's distance from it in the best attempt, metres.
-        distance_m: f64,
-        /// The tool's rotation from it in that attempt, radians.
-        angle_rad: f64,
-        /// A joint, from 1 at the base, that the attempt brought to its limit.
-        at_limit: Option<usize>,
-    },
-}
+/// Why a pose that holds NaN or infinity is refused.
+pub(super) const NO_POSE: &str = "the requested pose holds a number that is not finite";
 
 /// Where an attempt ended.
 pub(super) struct Attempt {
@@ -81,7 +56,8 @@ impl Attempt {
 }
 
 impl Chain {
-    /// Returns joint angles within the limits that bring the tool to a pose, to within 0.1 mm and 0.01 degrees.
+    /// Returns joint angles within the limits that bring the tool to a pose, to within 0.1 mm and 0.01 degrees; the error says
+    /// how near the best attempt came, and which joint was at its limit.
     ///
     /// - `base_from_tool`: the pose.
     /// - `near_rad`: the arm's current angles. Attempts start there, so a solution nearby is found first; joints
@@ -90,10 +66,10 @@ impl Chain {
         &self,
         base_from_tool: &Isometry3<f64>,
         near_rad: &[f64],
-    ) -> Result<Vec<f64>, NoSolution> {
+    ) -> Result<Vec<f64>, String> {
         let near = self.angles(near_rad)?;
         if !is_pose(base_from_tool) {
-            return Err(NoSolution::NotAPose);
+            return Err(NO_POSE.to_owned());
         }
         let best = self.best_attempt(base_from_tool, &near);
         Ok(self.of_joints(&self.judged(&near, &best)?))
@@ -121,12 +97,12 @@ impl Chain {
         &self,
         base_from_tool: &Isometry3<f64>,
         near: &Angles,
-    ) -> Result<Angles, NoSolution> {
+    ) -> Result<Angles, String> {
         self.judged(near, &self.approach(base_from_tool, near))
     }
 
     /// Returns the angles of an attempt that reached its pose, on the turns nearest to others.
-    fn judged(&self, near: &Angles, best: &Attempt) -> Result<Angles, NoSolution> {
+    fn judged(&self, near: &Angles, best: &Attempt) -> Result<Angles, String> {
         if best.reached() {
             return Ok(self.turns_nearest(&best.angles, near));
         }
@@ -136,11 +112,14 @@ impl Chain {
                 .is_some_and(|limits| limits.contains(angle))
         };
         let at_limit = self.joints().iter().zip(&best.angles).position(is_at_limit);
-        Err(NoSolution::NotReached {
-            distance_m: best.distance_m,
-            angle_rad: best.angle_rad,
-            at_limit: at_limit.map(|index| index + 1),
-        })
+        let at_limit = at_limit.map_or_else(String::new, |index| {
+            format!(": joint `{}` is at its limit", index + 1)
+        });
+        Err(format!(
+            "the arm came to `{:.1}` mm and `{:.2}` degrees of the pose{at_limit}",
+            best.distance_m * 1e3,
+            best.angle_rad.to_degrees()
+        ))
     }
 
     fn best_attempt(&self, base_from_tool: &Isometry3<f64>, near: &Angles) -> Attempt {

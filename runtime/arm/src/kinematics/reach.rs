@@ -13,7 +13,6 @@ use super::starts;
 use super::tool_down::tool_down;
 use nalgebra::{Point3, Translation3};
 use std::collections::BTreeMap;
-use std::fmt;
 use std::sync::{Mutex, PoisonError};
 
 /// How far the elbow's axis stays above the point, metres: the radius of a large link, 0.044 (`large_ring` of
@@ -30,7 +29,7 @@ const STEP_M: f64 = 0.01;
 const MAX_M: f64 = 10.0;
 
 /// The distances that are tried for the reachable range: centimetres, as messages print them.
-const RANGE_CM: std::ops::Range<u32> = 0..120;
+const RANGE_CM: std::ops::Range<u32> = 0..150;
 
 /// Ranges are cached for heights rounded to this, metres.
 const CACHE_STEP_M: f64 = 0.005;
@@ -43,61 +42,6 @@ pub struct Range {
     /// The largest.
     pub farthest_m: f64,
 }
-
-/// A point that the hand cannot reach pointing down, or cannot leave straight up.
-#[derive(Clone, Debug, PartialEq)]
-pub struct OutOfReach {
-    /// Distance of the point from the first joint's axis, metres.
-    pub radius_m: f64,
-    /// Height above the point that the hand cannot reach, metres; 0 for the point itself.
-    pub above_m: f64,
-    /// The range reached at that height, contiguous up to the farthest; `None` if nothing is reached.
-    pub range: Option<Range>,
-    /// The reason.
-    pub why: WhyUnreachable,
-}
-
-/// Why a point is out of reach.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum WhyUnreachable {
-    /// A coordinate is not finite, or a height is not finite or is negative.
-    NotAPlace,
-    /// It is too near to the base or too far from it, or nothing is reached at that height.
-    OutOfRange,
-    /// It lies in a narrow gap of the reachable range.
-    Gap,
-    /// Each posture for the point hits a limit on the straight path up, or would have to change.
-    WayUp,
-}
-
-impl fmt::Display for OutOfReach {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.why == WhyUnreachable::NotAPlace {
-            return write!(
-                out,
-                "the point or a height above it is not within {MAX_M} m of the arm's base"
-            );
-        }
-        write!(out, "{:.2} m from the arm's base; ", self.radius_m)?;
-        match (self.above_m > 0.0, self.range) {
-            (true, _) => write!(out, "{:.2} m above the point ", self.above_m)?,
-            (false, Some(_)) => write!(out, "at this height ")?,
-            (false, None) => write!(out, "at this height, pointing down, ")?,
-        }
-        let Some(range) = self.range else {
-            return write!(out, "it reaches nothing");
-        };
-        let (nearest_m, farthest_m) = (range.nearest_m, range.farthest_m);
-        write!(out, "it reaches {nearest_m:.2} to {farthest_m:.2} m")?;
-        match self.why {
-            WhyUnreachable::Gap => write!(out, ", but not there"),
-            WhyUnreachable::WayUp => write!(out, ", but not straight up from there"),
-            _ => Ok(()),
-        }
-    }
-}
-
-impl std::error::Error for OutOfReach {}
 
 /// The reach of an arm with its hand pointing down.
 #[derive(Debug)]
@@ -119,38 +63,32 @@ impl Reach {
         }
     }
 
-    /// Returns joint angles at a point from which the hand can rise straight to each height.
+    /// Returns joint angles at a point from which the hand can rise straight to each height; the error says how far away it
+    /// is, and what is reached.
     ///
     /// Of several postures, one with the elbow up, and the one to which the arm's home leads if there is one.
     ///
     /// - `point`: the tool's target, base frame, metres.
     /// - `heights_above_m`: above the point, metres, none negative.
-    pub fn check(
-        &self,
-        point: &Point3<f64>,
-        heights_above_m: &[f64],
-    ) -> Result<Vec<f64>, OutOfReach> {
+    pub fn check(&self, point: &Point3<f64>, heights_above_m: &[f64]) -> Result<Vec<f64>, String> {
         let radius_m = point.x.hypot(point.y);
         let top_m = heights_above_m.iter().copied().fold(0.0, f64::max);
         let is_height = |height: &f64| (0.0..=MAX_M).contains(height);
         if !(point.iter().all(|coordinate| coordinate.abs() <= MAX_M)
             && heights_above_m.iter().all(is_height))
         {
-            return Err(OutOfReach {
-                radius_m,
-                above_m: 0.0,
-                range: None,
-                why: WhyUnreachable::NotAPlace,
-            });
+            return Err(format!(
+                "the point or a height above it is not within {MAX_M} m of the arm's base"
+            ));
         }
-        let mut why = WhyUnreachable::Gap;
+        let mut but = ", but not there";
         for posture in self.postures(point) {
             if let Some(angles) = self.rises(&posture, point, top_m) {
                 return Ok(angles);
             }
-            why = WhyUnreachable::WayUp;
+            but = ", but not straight up from there";
         }
-        Err(self.refusal(radius_m, point.z, heights_above_m, why))
+        Err(self.refusal(radius_m, point.z, heights_above_m, but))
     }
 
     /// Returns the range reached at a height above the base, contiguous up to the farthest; `None` if nothing is
@@ -236,30 +174,28 @@ impl Reach {
         way.into_iter().next()
     }
 
-    /// Returns the refusal of a point, for the first height that is out of range; else for the stated reason.
-    fn refusal(
-        &self,
-        radius_m: f64,
-        height_m: f64,
-        heights_above_m: &[f64],
-        why: WhyUnreachable,
-    ) -> OutOfReach {
+    /// Words the refusal of a point, for the first height at which it is out of range; else with a reason.
+    fn refusal(&self, radius_m: f64, height_m: f64, heights_above_m: &[f64], but: &str) -> String {
         let mut above_m: Vec<f64> = [0.0].iter().chain(heights_above_m).copied().collect();
         above_m.sort_by(f64::total_cmp);
-        let refused = |above_m, range, why| OutOfReach {
-            radius_m,
-            above_m,
-            range,
-            why,
-        };
-        for above_m in above_m {
+        let is_out = |above_m: &f64| {
             let range = self.range(height_m + above_m);
-            let is_within =
-                range.is_some_and(|it| (it.nearest_m..=it.farthest_m).contains(&radius_m));
-            if !is_within {
-                return refused(above_m, range, WhyUnreachable::OutOfRange);
-            }
-        }
-        refused(0.0, self.range(height_m), why)
+            !range.is_some_and(|it| (it.nearest_m..=it.farthest_m).contains(&radius_m))
+        };
+        let (above_m, but) = match above_m.into_iter().find(is_out) {
+            Some(above_m) => (above_m, ""),
+            None => (0.0, but),
+        };
+        let range = self.range(height_m + above_m);
+        let height = match (above_m > 0.0, range) {
+            (true, _) => format!("{above_m:.2} m above the point"),
+            (false, Some(_)) => "at this height".to_owned(),
+            (false, None) => "at this height, pointing down,".to_owned(),
+        };
+        let reached = range.map_or_else(
+            || "nothing".to_owned(),
+            |it| format!("{:.2} to {:.2} m{but}", it.nearest_m, it.farthest_m),
+        );
+        format!("{radius_m:.2} m from the arm's base; {height} it reaches {reached}")
     }
 }

@@ -3,7 +3,7 @@
 //! In: capsules in their links' frames, and joint angles. Out: the same capsules in the base frame, and exact distances.
 //! They contain the link, the hand and the fingers in every opening. Links that no joint moves are left out.
 
-use super::chain::{BadAngles, Chain};
+use super::chain::Chain;
 use nalgebra::{Matrix2, Point3, Vector2, Vector3};
 
 /// A ball swept along a straight line, in the frame of a link.
@@ -97,7 +97,7 @@ impl Chain {
     /// Returns these shapes at joint angles, in the base frame.
     ///
     /// - `joints_rad`: one for each joint, from the base; limits are not checked.
-    pub fn placed_shapes(&self, joints_rad: &[f64]) -> Result<Vec<PlacedCapsule>, BadAngles> {
+    pub fn placed_shapes(&self, joints_rad: &[f64]) -> Result<Vec<PlacedCapsule>, String> {
         let frames = self.frames(joints_rad)?;
         let placed = |shape: &Capsule| PlacedCapsule {
             link: shape.link,

@@ -56,9 +56,10 @@ fn spread(chain: &Chain, index: usize) -> Angles {
 fn facing(chain: &Chain, base_from_tool: &Isometry3<f64>, mut angles: Angles) -> (f64, Angles) {
     let tool = chain.tool_at(&angles);
     let azimuth = |pose: &Isometry3<f64>| pose.translation.y.atan2(pose.translation.x);
-    let turn = match chain.is_upright() {
-        true => nearest_turn(azimuth(base_from_tool) - azimuth(&tool), 0.0),
-        false => 0.0,
+    let turn = if chain.is_upright() {
+        nearest_turn(azimuth(base_from_tool) - azimuth(&tool), 0.0)
+    } else {
+        0.0
     };
     angles[0] += turn * chain.first_turns();
     let turned = about_z(turn) * tool;

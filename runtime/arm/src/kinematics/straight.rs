@@ -4,7 +4,7 @@
 //! angles before it, so the arm keeps its posture; otherwise where on the line that fails, and why.
 
 use super::chain::{Angles, Chain};
-use super::inverse::{NoSolution, is_pose};
+use super::inverse::{NO_POSE, is_pose};
 use nalgebra::{Isometry3, Translation3};
 
 /// The most that a joint may turn from one point of a line to the next, radians. A step of 10 mm with the hand pointing
@@ -17,42 +17,9 @@ const MAX_TURN_RAD: f64 = 5.0 * std::f64::consts::PI / 180.0;
 /// The most points of a line: 20 m in steps of 10 mm.
 const MAX_POINTS: f64 = 2000.0;
 
-/// Why a straight path is not possible.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NotStraight {
-    /// The step is not a positive length, or so short that there would be too many points.
-    #[error(
-        "a path of `{way_m}` m cannot be divided into steps of `{step_m}` m: at most 2000 steps"
-    )]
-    Steps {
-        /// Length of the path, metres.
-        way_m: f64,
-        /// The requested step, metres.
-        step_m: f64,
-    },
-    /// The arm does not reach a point of the line.
-    #[error("after `{after_m:.3}` m along the straight path {why}")]
-    NoSolution {
-        /// How far along the line, metres.
-        after_m: f64,
-        /// The reason.
-        why: NoSolution,
-    },
-    /// A joint would have to turn too far within one step.
-    #[error("after `{after_m:.3}` m along the straight path joint `{joint}` would turn by `{:.0}` degrees in one \
-     step, and at most `{:.0}` are allowed", .jump_rad.to_degrees(), MAX_JUMP_RAD.to_degrees())]
-    Jump {
-        /// How far along the line, metres.
-        after_m: f64,
-        /// The joint, from 1 at the base.
-        joint: usize,
-        /// How far it would turn, radians.
-        jump_rad: f64,
-    },
-}
-
 impl Chain {
-    /// Returns joint angles along the straight line between two poses of the tool, both ends included.
+    /// Returns joint angles along the straight line between two poses of the tool, both ends included; the error says how
+    /// far along it and why it ends.
     ///
     /// The tool rotates evenly from one pose to the other, the shorter way. Between two points, if the joints move
     /// evenly, the tool leaves the line by less than 0.3 mm when `step_m` is 0.01 and the line stays 0.2 m off the
@@ -68,20 +35,23 @@ impl Chain {
         to: &Isometry3<f64>,
         near_rad: &[f64],
         step_m: f64,
-    ) -> Result<Vec<Vec<f64>>, NotStraight> {
-        let refused = |after_m| move |why| NotStraight::NoSolution { after_m, why };
-        let first = self.solve(from, near_rad).map_err(refused(0.0))?;
+    ) -> Result<Vec<Vec<f64>>, String> {
+        let refused = |after_m: f64, why: &str| {
+            format!("after `{after_m:.3}` m along the straight path {why}")
+        };
+        let first = self.solve(from, near_rad);
+        let first = first.map_err(|why| refused(0.0, &why))?;
         if !is_pose(to) {
-            return Err(refused(0.0)(NoSolution::NotAPose));
+            return Err(refused(0.0, NO_POSE));
         }
-        let mut last = self
-            .angles(&first)
-            .map_err(|why| refused(0.0)(why.into()))?;
+        let mut last = self.angles(&first).map_err(|why| refused(0.0, &why))?;
         let way_m = (to.translation.vector - from.translation.vector).norm();
         let turn_rad = from.rotation.angle_to(&to.rotation);
         let points = (way_m / step_m).max(turn_rad / MAX_TURN_RAD).ceil();
         if !(step_m > 0.0 && points <= MAX_POINTS) {
-            return Err(NotStraight::Steps { way_m, step_m });
+            return Err(format!(
+                "a path of `{way_m}` m cannot be divided into steps of `{step_m}` m: at most {MAX_POINTS} steps"
+            ));
         }
         let mut way = vec![first];
         let mut before = last;
@@ -93,14 +63,18 @@ impl Chain {
             let ahead = std::array::from_fn(|index| 2.0 * last[index] - before[index]);
             let angles = match self.next(&pose, &ahead) {
                 Ok(angles) if jump(&angles, &last).is_none() => angles,
-                _ => self.next(&pose, &last).map_err(refused(after_m))?,
+                _ => {
+                    let next = self.next(&pose, &last);
+                    next.map_err(|why| refused(after_m, &why))?
+                }
             };
             if let Some((joint, jump_rad)) = jump(&angles, &last) {
-                return Err(NotStraight::Jump {
-                    after_m,
-                    joint,
-                    jump_rad,
-                });
+                let why = format!(
+                    "joint `{joint}` would turn by `{:.0}` degrees in one step, and at most `{:.0}` are allowed",
+                    jump_rad.to_degrees(),
+                    MAX_JUMP_RAD.to_degrees()
+                );
+                return Err(refused(after_m, &why));
             }
             (before, last) = (last, angles);
             way.push(self.of_joints(&angles));

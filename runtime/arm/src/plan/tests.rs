@@ -74,7 +74,7 @@ fn joints_at_the_end_of_a_segment_bring_the_tool_there() {
 fn the_way_home_after_a_missed_grasp_is_planned_too() {
     let (plan, _) = plan([0.40, 0.05, 0.02], [0.52, -0.12, 0.02]);
     let home = &plan.after_missed_grasp;
-    let names: Vec<&str> = home.iter().map(|segment| segment.name.text()).collect();
+    let names: Vec<&str> = home.iter().map(|segment| segment.name.name()).collect();
     assert_eq!(names, ["up", "release", "away", "rest"]);
     assert_eq!(home[0].to_m, [0.40, 0.05, 0.07]);
     assert!((home[0].way_m - 0.05).abs() < 1e-9);
@@ -109,6 +109,6 @@ fn a_plan_ends_with_the_segment_that_is_refused() {
         let (plan, _) = plan(pick_m, place_m);
         let refusal = plan.refusal().unwrap_or_default();
         assert!(refusal.contains(why), "{refusal}");
-        assert_eq!(plan.segments.last().unwrap().name.text(), name, "{refusal}");
+        assert_eq!(plan.segments.last().unwrap().name.name(), name, "{refusal}");
     }
 }

@@ -359,9 +359,10 @@ impl Accepts {
     fn expected(&self, unit: String) -> String {
         let range = |values: &Values| {
             let Values { least, most, .. } = values;
-            match values.is_closed {
-                true => format!("{least} to {most}{unit}"),
-                false => format!("above {least} and at most {most}{unit}"),
+            if values.is_closed {
+                format!("{least} to {most}{unit}")
+            } else {
+                format!("above {least} and at most {most}{unit}")
             }
         };
         match self {

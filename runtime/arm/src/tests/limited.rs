@@ -234,3 +234,30 @@ fn motions_are_sent_in_one_place() {
     // A shared simulated arm hands on what it is sent.
     assert_eq!(senders, ["goal.rs", "shared.rs"]);
 }
+
+/// A folded elbow brings the wrist to the upper arm.
+#[test]
+fn parts_of_the_arm_that_touch_stop_it_and_those_that_always_do_are_named() {
+    let settings = settings();
+    let guard = guard(&settings);
+    let names = guard.touching().iter().map(|pair| pair.join(", "));
+    let expected = [
+        "the arm behind joint 3, the arm behind joint 5",
+        "the arm behind joint 4, the hand",
+    ];
+    assert_eq!(names.collect::<Vec<_>>(), expected);
+    // So near to the base the elbow is folded.
+    let near = Point3::new(0.19, 0.0, 0.02);
+    let reach = Reach::tool_down(settings.chain(), 0.0);
+    let folded = ArmState {
+        joints_rad: reach.check(&near, &[]).unwrap(),
+        ..at(tool_down(&near, 0.0))
+    };
+    let parts = "the arm behind joint 2 touches the arm behind joint 4";
+    let why = guard.measured(&folded).unwrap_err();
+    assert!(why.starts_with(parts), "{why}");
+    let over = down([0.19, 0.0, 0.1]);
+    let why = guard.motion(&folded, &over, SPEED_M_S).unwrap_err();
+    let parts = "the arm behind joint 2 would come within 0 mm of the arm behind joint 4";
+    assert_eq!(why, parts);
+}

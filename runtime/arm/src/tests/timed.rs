@@ -246,7 +246,7 @@ fn the_simulated_arm_keeps_the_times_that_a_plan_states() {
             assert!(
                 (moved_s - stated_s).abs() <= KEPT * stated_s,
                 "{by:?}, {}: {moved_s} s, and {stated_s} s were stated",
-                segment.name.text()
+                segment.name.name()
             );
         }
     }

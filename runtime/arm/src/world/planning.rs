@@ -3,16 +3,19 @@
 //! In: what an [`ArmWorld`] takes, without an arm. Out: pictures, and for the first motion a [`Plan`] in the run folder as
 //! `plan.json` and `plan.png`. No arm is connected, so none can move; the tool is assumed to be at `rest_m`.
 
-use super::{Acts, ArmWorld, Parts, laid_table, motion};
+use super::{Acts, ArmWorld, Parts, base_from_world, motion};
 use crate::driver::parked::ParkedArm;
 use crate::kinematics::tool_down::tool_down;
 use crate::plan::Plan;
 use crate::rgbd::RgbdSource;
-use crate::table::TableCamera;
+use crate::settings::DriverKind;
+use crate::table::{ClothTable, TableCamera};
 use fab_base::files;
 use fab_picture::png;
 use fab_world::WorldError;
+use std::cell::RefCell;
 use std::path::Path;
+use std::rc::Rc;
 
 /// Name of a plan's file in a run folder.
 pub const PLAN_FILE: &str = "plan.json";
@@ -26,7 +29,14 @@ const MAX_BYTES: u64 = 1 << 20;
 impl ArmWorld {
     /// Sets up a table that this program simulates, to plan over it, for settings with the driver `simulated`.
     pub fn planning_simulated(parts: Parts) -> Result<ArmWorld, WorldError> {
-        let table = laid_table(&parts)?;
+        let settings = &parts.settings;
+        if settings.driver != DriverKind::Simulated {
+            let why = "its settings name another driver than `simulated`";
+            return Err(motion(why.to_owned()));
+        }
+        let table = ClothTable::new(settings, &base_from_world(settings))?;
+        let table = table.with_material(parts.material.as_ref());
+        let table = Rc::new(RefCell::new(table));
         let camera = Box::new(TableCamera(table.clone()));
         let planning = ArmWorld::planning(parts, camera)?;
         Ok(ArmWorld {

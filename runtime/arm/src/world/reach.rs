@@ -142,27 +142,15 @@ impl ArmReach {
             return stated.into_iter().next().or(Some(why));
         }
         let speed_m_s = manner.speed_m_s?;
-        let mut at = rest.clone();
-        for segment in &segments {
-            let to = tool_down(&segment.to_m.into(), turn_rad);
-            let carries = matches!(
-                segment.name,
-                SegmentName::Lift | SegmentName::Over | SegmentName::DownToPlace
-            );
-            let most_m_s = self.guard.joints_allow_m_s(&at, &to);
-            if carries && speed_m_s > most_m_s {
-                return Some(format!(
-                    "`speed` of {speed_m_s} m/s is not possible: on this way the arm's joints allow at most {most_m_s:.3} m/s"
-                ));
-            }
-            at.tool = to;
-            at.joints_rad = segment
-                .joints_deg
-                .iter()
-                .map(|deg| deg.to_radians())
-                .collect();
-        }
-        None
+        let carries = |name| (SegmentName::Lift..=SegmentName::DownToPlace).contains(&name);
+        let carried = segments.iter().filter(|segment| carries(segment.name));
+        let allowed_m_s = carried.map(|segment| segment.joints_allow_m_s);
+        let most_m_s = allowed_m_s.fold(f64::INFINITY, f64::min);
+        (speed_m_s > most_m_s).then(|| {
+            format!(
+                "`speed` of {speed_m_s} m/s is not possible: on this way the arm's joints allow at most {most_m_s:.3} m/s"
+            )
+        })
     }
 
     /// Returns why no way can have this speed.

@@ -20,19 +20,6 @@ pub struct Rehearsal {
     pub arm: SharedArm,
 }
 
-/// Sets up the table that this program simulates, for settings with the driver `simulated`.
-pub(super) fn laid_table(parts: &Parts) -> Result<Rc<RefCell<ClothTable>>, WorldError> {
-    let settings = &parts.settings;
-    if settings.driver != DriverKind::Simulated {
-        let why = "its settings name another driver than `simulated`";
-        return Err(motion(why.to_owned()));
-    }
-    let table = ClothTable::new(settings, &base_from_world(settings))?;
-    Ok(Rc::new(RefCell::new(
-        table.with_material(parts.material.as_ref()),
-    )))
-}
-
 impl ArmWorld {
     /// Sets up the arm and the table that this program simulates.
     pub fn simulated(parts: Parts) -> Result<ArmWorld, WorldError> {
@@ -43,8 +30,16 @@ impl ArmWorld {
     ///
     /// - `faults`: their times are on the arm's clock, which starts at 0 and advances only while the arm works.
     pub fn rehearsed(parts: Parts, faults: Vec<Fault>) -> Result<Rehearsal, WorldError> {
-        let table = laid_table(&parts)?;
         let settings = &parts.settings;
+        if settings.driver != DriverKind::Simulated {
+            return Err(motion(
+                "its settings name another driver than `simulated`".to_owned(),
+            ));
+        }
+        let base_from_world = base_from_world(settings);
+        let table = Rc::new(RefCell::new(
+            ClothTable::new(settings, &base_from_world)?.with_material(parts.material.as_ref()),
+        ));
         let simulation = Simulation {
             faults,
             ..Simulation::of(settings).map_err(motion)?

@@ -174,7 +174,7 @@ fn places(settings: &Settings, guard: &Guard) -> Vec<NamedPose> {
             name,
             needed,
             at_m,
-            why_not: out_of_reach.map(|why| why.to_string()).or_else(out_of_box),
+            why_not: out_of_reach.or_else(out_of_box),
         }
     });
     checked.into()

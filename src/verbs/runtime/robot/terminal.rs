@@ -166,7 +166,7 @@ fn question(request: &MotionRequest<'_>) -> String {
 }
 
 fn describe(segment: &Segment) -> String {
-    let name = segment.name.text();
+    let name = segment.name.name();
     match segment.act {
         Act::Move(to) => {
             let to = to.translation.vector;

@@ -46,7 +46,7 @@ fn table(plan: &Plan, settings: &Settings) -> String {
     let titles = "segment;x, m;y, m;z, m;way, mm;time, s;joints, degrees";
     let mut rows = vec![titles.split(';').map(str::to_owned).collect()];
     rows.extend(plan.segments.iter().map(|segment| {
-        let mut row = vec![segment.name.text().to_owned()];
+        let mut row = vec![segment.name.name().to_owned()];
         match segment.hand {
             Some(opening) => row.push(format!("{opening:?}").to_lowercase()),
             None => {

@@ -258,3 +258,25 @@ fn peer_robots_mujoco_finds_plans_of_a_panda_above_the_table() {
     let tips_m = 0.0584 + 0.045_25 + 0.009_25 - 0.1034;
     Arm::of("panda", "panda_description").plans_stay_above_the_table(tips_m);
 }
+
+/// Every description of the collection is read: what is wrong with parts that no arm uses is no fault.
+#[test]
+#[ignore = "needs example-robot-data"]
+fn peer_robots_every_description_is_read() {
+    let robots = std::env::var_os("FABC_PEER_ROBOTS").expect("make test-all names them");
+    let (mut folders, mut read) = (vec![PathBuf::from(robots)], 0);
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|it| it == "urdf") {
+                let text = std::fs::read_to_string(&path).unwrap();
+                let robot = super::super::urdf::read(&text);
+                robot.unwrap_or_else(|why| panic!("{}: {why}", path.display()));
+                read += 1;
+            }
+        }
+    }
+    assert!(read >= 60, "{read}");
+}

@@ -1,7 +1,6 @@
 //! Tests of inverse kinematics: its solutions, limits, nearness, and refusals.
 
 use super::*;
-use crate::kinematics::inverse::NoSolution;
 use crate::kinematics::tool_down::tool_down;
 use nalgebra::{Point3, UnitQuaternion};
 use std::time::{Duration, Instant};
@@ -62,12 +61,10 @@ proptest! {
 #[test]
 fn what_is_out_of_reach_is_told_with_how_near_the_arm_came() {
     let chain = chain_of("j2n6s200");
-    let nearest_m = |x_m: f64, z_m: f64| {
+    let nearest_m = |x_m: f64, z_m: f64| -> f64 {
         let pose = tool_down(&Point3::new(x_m, 0.0, z_m), 0.0);
-        match chain.solve(&pose, &HOME_RAD).unwrap_err() {
-            NoSolution::NotReached { distance_m, .. } => distance_m,
-            other => panic!("{other}"),
-        }
+        let why = chain.solve(&pose, &HOME_RAD).unwrap_err();
+        why.split('`').nth(1).unwrap().parse::<f64>().unwrap() / 1e3
     };
     assert!((2.0..2.6).contains(&nearest_m(3.0, 0.0)));
     assert!((0.0..0.1).contains(&nearest_m(0.80, 0.0)));
@@ -80,19 +77,7 @@ fn what_is_no_pose_is_refused_as_such() {
         let pose = Isometry3::translation(0.3, bad, 0.1);
         assert_eq!(
             chain_of("j2s6s200").solve(&pose, &HOME_RAD),
-            Err(NoSolution::NotAPose)
+            Err("the requested pose holds a number that is not finite".to_owned())
         );
     }
-}
-
-#[test]
-fn a_refusal_says_what_was_reached() {
-    let error = NoSolution::NotReached {
-        distance_m: 0.0123,
-        angle_rad: 0.1,
-        at_limit: Some(3),
-    };
-    let said =
-        "the arm came to `12.3` mm and `5.73` degrees of the pose: joint `3` is at its limit";
-    assert_eq!(error.to_string(), said);
 }

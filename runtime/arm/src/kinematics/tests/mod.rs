@@ -4,7 +4,6 @@
 
 mod chain;
 mod inverse;
-mod peer;
 mod reach;
 mod shape;
 mod straight;

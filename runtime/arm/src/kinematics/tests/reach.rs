@@ -1,7 +1,7 @@
 //! Tests of the reach of a hand pointing down, and of refusal messages.
 
 use super::*;
-use crate::kinematics::reach::{OutOfReach, Range, Reach, WhyUnreachable};
+use crate::kinematics::reach::Reach;
 use crate::kinematics::tool_down::tool_down;
 use nalgebra::Point3;
 
@@ -74,7 +74,7 @@ proptest! {
         let joints = match reach.check(&point, &[]) {
             Ok(joints) => joints,
             Err(refused) => {
-                prop_assert!(refused.why == WhyUnreachable::Gap && refused.radius_m < 0.2, "{}", refused);
+                prop_assert!(refused.ends_with("but not there") && point.x.hypot(point.y) < 0.2, "{}", refused);
                 return Ok(());
             }
         };
@@ -85,10 +85,10 @@ proptest! {
         prop_assert!(chain.is_within_limits(&joints));
         prop_assert!(chain.frames(&joints).unwrap()[2].translation.z > height_m + 0.049);
         let refused = reach.check(&at(range.farthest_m + 0.011 + part, azimuth, height_m), &[]).unwrap_err();
-        prop_assert_eq!(refused.why, WhyUnreachable::OutOfRange);
+        prop_assert!(!refused.contains("but not"), "{}", refused);
         let near_m = (range.nearest_m - 0.011) * (1.0 - part * part);
         if let Err(refused) = reach.check(&at(near_m, azimuth, height_m), &[]) {
-            prop_assert_eq!(refused.why, WhyUnreachable::OutOfRange);
+            prop_assert!(!refused.contains("but not"), "{}", refused);
         }
     }
 
@@ -117,7 +117,7 @@ proptest! {
     ) {
         let reach = Reach::tool_down(&chain_of("j2n6s300"), 0.0);
         if let Err(refused) = reach.check(&place.into(), &heights) {
-            prop_assert!(!refused.to_string().is_empty());
+            prop_assert!(!refused.is_empty());
         }
     }
 }
@@ -125,8 +125,7 @@ proptest! {
 #[test]
 fn a_refusal_says_how_far_and_what_is_reached() {
     let reach = Reach::tool_down(&chain_of("j2n6s200"), 0.0);
-    let said =
-        |point: Point3<f64>, heights: &[f64]| reach.check(&point, heights).unwrap_err().to_string();
+    let said = |point: Point3<f64>, heights: &[f64]| reach.check(&point, heights).unwrap_err();
     let far = said(at(0.82, 1.0, 0.0), &[0.005, 0.1]);
     assert_eq!(
         far,
@@ -152,17 +151,6 @@ fn a_refusal_says_how_far_and_what_is_reached() {
         nowhere,
         "the point or a height above it is not within 10 m of the arm's base"
     );
-    let stuck = OutOfReach {
-        radius_m: 0.4,
-        above_m: 0.0,
-        range: Some(Range {
-            nearest_m: 0.18,
-            farthest_m: 0.70,
-        }),
-        why: WhyUnreachable::WayUp,
-    };
-    let said = "0.40 m from the arm's base; at this height it reaches 0.18 to 0.70 m, but not straight up from there";
-    assert_eq!(stuck.to_string(), said);
 }
 
 #[test]
@@ -174,5 +162,5 @@ fn the_elbow_does_not_go_below_the_point() {
     let refused = Reach::tool_down(&chain, 0.0)
         .check(&point, &[])
         .unwrap_err();
-    assert_eq!(refused.why, WhyUnreachable::OutOfRange);
+    assert!(!refused.contains("but not"), "{refused}");
 }

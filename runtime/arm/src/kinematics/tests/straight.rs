@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::kinematics::reach::Reach;
-use crate::kinematics::straight::{MAX_JUMP_RAD, NotStraight};
+use crate::kinematics::straight::MAX_JUMP_RAD;
 use crate::kinematics::tool_down::tool_down;
 use nalgebra::Point3;
 
@@ -63,12 +63,9 @@ fn a_way_that_leaves_the_reach_says_where() {
     let chain = chain_of("j2n6s200");
     let [from, to] = [0.60, 0.80].map(|x| tool_down(&Point3::new(x, 0.0, 0.0), 0.0));
     let start = chain.solve(&from, &HOME_RAD).unwrap();
-    match chain.straight(&from, &to, &start, 0.01).unwrap_err() {
-        NotStraight::NoSolution { after_m, .. } | NotStraight::Jump { after_m, .. } => {
-            assert!((0.09..0.12).contains(&after_m), "{after_m}");
-        }
-        other => panic!("{other}"),
-    }
+    let why = chain.straight(&from, &to, &start, 0.01).unwrap_err();
+    let after_m: f64 = why.split('`').nth(1).unwrap().parse().unwrap();
+    assert!((0.09..0.12).contains(&after_m), "{why}");
 }
 
 #[test]
@@ -78,13 +75,7 @@ fn a_jump_to_another_posture_is_refused() {
     let [from, to] = [0.2, -0.2].map(|x| tool_down(&Point3::new(x, 0.012, 0.25), 0.0));
     let start = chain.solve(&from, &HOME_RAD).unwrap();
     let error = chain.straight(&from, &to, &start, 0.05).unwrap_err();
-    assert!(
-        matches!(
-            error,
-            NotStraight::Jump { .. } | NotStraight::NoSolution { .. }
-        ),
-        "{error}"
-    );
+    assert!(error.contains("along the straight path"), "{error}");
 }
 
 #[test]
@@ -93,7 +84,7 @@ fn steps_that_are_none_are_refused() {
     let [from, to] = [0.4, 0.5].map(|x| tool_down(&Point3::new(x, 0.0, 0.0), 0.0));
     for step_m in [0.0, -0.01, f64::NAN, 1e-9] {
         let error = chain.straight(&from, &to, &HOME_RAD, step_m).unwrap_err();
-        assert!(matches!(error, NotStraight::Steps { .. }), "{error}");
+        assert!(error.contains("cannot be divided into steps"), "{error}");
     }
     let nowhere = Isometry3::translation(f64::NAN, 0.0, 0.0);
     assert!(chain.straight(&from, &nowhere, &HOME_RAD, 0.01).is_err());

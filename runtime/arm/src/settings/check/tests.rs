@@ -227,7 +227,7 @@ fn an_unknown_key_is_refused_with_the_one_that_was_meant() {
         ("position_m", "did you mean `tolerance.position_m`?"),
         ("tolerence", "did you mean `tolerance`?"),
         ("motion.Lift_m", "did you mean `motion.lift_m`?"),
-        ("tolerance.settle_s", "here may stand `position_m`"),
+        ("tolerance.settle_s", "did you mean `tolerance.stale_s`?"),
         ("table.sideways", "here may stand `center_m`, `turn_deg`"),
         ("camera.intrinsics.focal", "did you mean"),
     ] {
