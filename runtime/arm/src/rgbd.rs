@@ -21,6 +21,28 @@ pub struct Shot {
     pub intrinsics: Option<Intrinsics>,
 }
 
+impl Shot {
+    /// Joins colour with its depth; fails if their sizes differ.
+    pub(crate) fn aligned(
+        rgb: RgbImage,
+        depth_m: DepthImage,
+        intrinsics: Option<Intrinsics>,
+    ) -> Result<Shot, String> {
+        let ((width, height), (deep_width, deep_height)) = (rgb.dimensions(), depth_m.dimensions());
+        if rgb.dimensions() != depth_m.dimensions() {
+            return Err(format!(
+                "the picture has {width} x {height} px and its depth {deep_width} x {deep_height}: use the depth that is \
+                 aligned with the colour"
+            ));
+        }
+        Ok(Shot {
+            rgb,
+            depth_m,
+            intrinsics,
+        })
+    }
+}
+
 /// A camera's projection, in the terms of `sensor_msgs/CameraInfo`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

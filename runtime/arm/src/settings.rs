@@ -228,10 +228,6 @@ pub struct CameraSettings {
     pub window_px: [u32; 3],
     /// The camera's projection, if it does not report it itself.
     pub intrinsics: Option<Intrinsics>,
-    /// Height of the lens above the table, metres, by a tape measure; calibrations are compared with it.
-    pub height_m: Option<f64>,
-    /// Direction on the table of the picture's top, degrees about z from the base's x axis; likewise.
-    pub up_deg: Option<f64>,
     /// The camera's own picture of the flat cloth, whole and alone on the table, relative to this file; coverage is
     /// measured against it.
     pub flat: Option<PathBuf>,

@@ -4,9 +4,9 @@
 //! new point against the earlier ones, so that a mistake shows while the arm is still there. Reading and writing lines
 //! is left to the caller.
 
+use super::accuracy::{check_point, check_terms};
 use super::fit::{error, fit, sightings};
-use super::judge::{check_point, check_terms};
-use super::pairs::typed_pair;
+use super::points::typed_pair;
 use super::{MAX_PAIRS, Pair, SeenTags, Terms, Window};
 
 /// Returns the tool's position with the arm at rest, metres, base frame, or says why there is none.
@@ -98,10 +98,8 @@ impl<'a> Session<'a> {
         if self.pairs.len() >= MAX_PAIRS {
             return Err(format!("there are {MAX_PAIRS} points already; type `done`"));
         }
-        match check_point(self.terms, self.pairs.len() + 1, &pair) {
-            Some(fault) => Err(fault.to_string()),
-            None => Ok(pair),
-        }
+        check_point(self.terms, self.pairs.len() + 1, &pair)?;
+        Ok(pair)
     }
 
     /// Describes how a new point fits the earlier ones.
@@ -115,8 +113,9 @@ impl<'a> Session<'a> {
         }
         let off_mm = || {
             let lens = check_terms(self.terms).ok()?;
-            let before = fit(&lens, &sightings(&lens, &self.pairs).ok()?)?;
-            let point = *sightings(&lens, &[*pair]).ok()?.first()?;
+            let lens = lens.as_ref();
+            let before = fit(lens, &sightings(lens, &self.pairs).ok()?)?;
+            let point = *sightings(lens, &[*pair]).ok()?.first()?;
             Some(error(&before, &point)?.norm() * 1000.0)
         };
         match off_mm() {

@@ -54,6 +54,18 @@ impl Window {
         let fits = |start, size| ends(start).is_some_and(|end| end <= size);
         self.side_px > 0 && fits(self.left_px, size_px[0]) && fits(self.top_px, size_px[1])
     }
+
+    /// Fails if it does not lie in a picture of this size.
+    pub fn check_in(&self, size_px: [u32; 2]) -> Result<(), String> {
+        if self.is_in(size_px) {
+            return Ok(());
+        }
+        let ([left, top, side], [width, height]) = (<[u32; 3]>::from(*self), size_px);
+        Err(format!(
+            "the window `{left}, {top}, {side}` does not lie in the camera's picture of {width} x {height} px; its left and \
+             its side come to {width} at the most, its top and its side to {height}"
+        ))
+    }
 }
 
 impl Calibration {

@@ -156,21 +156,11 @@ impl<L> TopicCamera<L> {
             Some(depth) => picture::depth(depth)?,
             None => DepthImage::new(rgb.width(), rgb.height()),
         };
-        if depth_m.dimensions() != rgb.dimensions() {
-            let found = [depth_m.width(), depth_m.height()];
-            return Err(format!(
-                "its depth has {found:?} pixels and its colour {size_px:?}: use the topic of the depth that is aligned with the colour"
-            ));
-        }
         let intrinsics = info
             .map(|info| picture::intrinsics(info, size_px))
             .transpose()?
             .flatten();
-        Ok(Shot {
-            rgb,
-            depth_m,
-            intrinsics,
-        })
+        Shot::aligned(rgb, depth_m, intrinsics)
     }
 }
 

@@ -544,20 +544,6 @@ pub(super) const KEYS: &[Key] = &[
          coverage is measured against it",
     ),
     key(
-        "camera.height_m",
-        Number(from(0.1, 10.0)),
-        Nothing,
-        "height of the lens above the table, by a tape measure; a calibration of a real camera is refused without it, \
-         or if it implies a height that is 5 % off",
-    ),
-    key(
-        "camera.up_deg",
-        Number(from(-360.0, 360.0)),
-        Nothing,
-        "direction on the table of the picture's top, about z from the base's x axis; a calibration of a real camera is \
-         refused without it, or if it is 5 degrees off",
-    ),
-    key(
         "camera.timeout_s",
         Number(above(0.0, 60.0)),
         Is("5.0"),

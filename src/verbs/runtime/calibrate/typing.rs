@@ -7,7 +7,7 @@ use super::keep_copy;
 use crate::exit::Failure;
 use crate::io::{Io, write_file};
 use fab_arm::calibration::{
-    LineOutcome, Pair, SeenTags, Session, Terms, ToolReader, csv_line, grid,
+    LineOutcome, Pair, SeenTags, Session, Terms, ToolReader, Window, csv_line, grid,
 };
 use fab_picture::png;
 use fab_program::PixelPoint;
@@ -19,10 +19,12 @@ use std::path::Path;
 const MAX_LINE: u64 = 1000;
 
 pub struct TypingSetup<'a> {
+    /// The square of the picture that tasks see.
+    pub window: Window,
     /// Columns and rows of the grid of points to touch.
     pub grid: Option<[u32; 2]>,
     pub path: &'a Path,
-    pub seen: Option<&'a RgbImage>,
+    pub seen: &'a RgbImage,
     pub tags: SeenTags<'a>,
 }
 
@@ -36,7 +38,7 @@ pub fn type_points(
     io: &Io,
 ) -> Result<Vec<Pair>, Failure> {
     let targets = match setup.grid {
-        Some([columns, rows]) => grid(&terms.window, columns, rows),
+        Some([columns, rows]) => grid(&setup.window, columns, rows),
         None => Vec::new(),
     };
     show(&targets, setup, io)?;
@@ -83,9 +85,9 @@ pub fn type_points(
 }
 
 fn show(targets: &[[f64; 2]], setup: &TypingSetup<'_>, io: &Io) -> Result<(), Failure> {
-    let (Some(seen), false) = (setup.seen, targets.is_empty()) else {
+    if targets.is_empty() {
         return Ok(());
-    };
+    }
     let pixel = |[u, v]: &[f64; 2]| PixelPoint::new(*u as i32, *v as i32);
     let at: Vec<_> = targets.iter().map(pixel).collect();
     let dots = DrawnShape::Dots {
@@ -95,7 +97,7 @@ fn show(targets: &[[f64; 2]], setup: &TypingSetup<'_>, io: &Io) -> Result<(), Fa
     let numbers = DrawnShape::Numbers { at };
     let layers = [([255, 220, 0], dots), ([255; 3], numbers)];
     let layers = layers.map(|(rgb, shape)| DrawnLayer { rgb, shape });
-    let drawn = draw_layers(seen, &layers)?;
+    let drawn = draw_layers(setup.seen, &layers)?;
     let path = setup.path.with_extension("grid.png");
     write_file(&path, &png::encode(&drawn))?;
     let path = path.display();

@@ -23,11 +23,11 @@ fn files_with_and_without_names_are_read() {
         "# a table\n\nu,v,x,y,z\n10.5, 20.5, 0.3, -0.1, 0.02  # first\n30,40,0.4,0.1,0.02",
         "10.5 20.5 0.3 -0.1 0.02\r\n30 40 0.4 0.1 0.02\r\n",
         "\"u\",\"v\",\"x\",\"y\",\"z\"\r\n\"10.5\",\"20.5\",\"0.3\",\"-0.1\",\"0.02\"\r\n30,40,0.4,0.1,0.02\r\n",
-        "sep=;\nu;v;x;y;z\n10,5;20,5;0,3;-0,1;0,02\n\n30;40;0,4;0,1;0,02\n;;;;\n",
+        "u;v;x;y;z\n10,5;20,5;0,3;-0,1;0,02\n\n30;40;0,4;0,1;0,02\n;;;;\n",
         "\"10,5\",\"20,5\",\"0,3\",\"-0,1\",\"0,02\"\n30,40,0.4,0.1,0.02\n",
         ",u,v,x,y,z\n0,10.5,20.5,0.3,-0.1,0.02\n1,30,40,0.4,0.1,0.02\n",
         "\tu\tv\tx\ty\tz\n0\t10.5\t20.5\t0.3\t-0.1\t0.02\n1\t30\t40\t0.4\t0.1\t0.02",
-        "Unnamed: 0;u;v;x_mm;y_mm;z_mm\na;10,5;20,5;300;-100;20\nb;30;40;400;100;20",
+        ";u;v;x_mm;y_mm;z_mm\na;10,5;20,5;300;-100;20\nb;30;40;400;100;20",
         "u,v,x,y,z,,\n10.5,20.5,0.3,-0.1,0.02,,\n,,,,,,\n30,40,0.4,0.1,0.02,,\n",
         "X_m,Y_mm,z,u_px,v\n0.3,-100,0.02,10.5,20.5\n0.4,100,0.02,30,40",
     ] {
@@ -155,7 +155,7 @@ fn an_arm_says_where_its_tool_is() {
     let mut session = Session::new(&terms, Vec::new(), Ok(&[]), Some(Box::new(tool)));
     let [u, v] = grid[0].pixel;
     assert!(
-        matches!(session.line("1,2,3,4,5"), LineOutcome::Invalid(why) if why.contains("5 numbers, and there are 2 columns"))
+        matches!(session.line("1,2,3,4,5"), LineOutcome::Invalid(why) if why.contains("a point is typed as `u,v`"))
     );
     assert!(matches!(
         session.line(&format!("{u},{v}")),
