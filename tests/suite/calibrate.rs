@@ -77,11 +77,7 @@ fn touched(pixel: [f64; 2], index: i32) -> Pair {
         round(-(pixel[0] - 320.0) / 600.0 + off(3)),
         round(0.02 + off(0)),
     ];
-    Pair {
-        pixel,
-        base_m,
-        tag: None,
-    }
+    Pair { pixel, base_m }
 }
 
 fn write_pairs(folder: &Path, pairs: &[Pair]) {
@@ -388,7 +384,6 @@ fn peer_opencv_draws_tags_by_which_a_known_camera_is_found() {
         let rms_mm = json(&said)["rms_mm"].as_f64().unwrap();
         assert!(rms_mm < 0.3, "seed {seed}: {rms_mm} mm");
         let made = Calibration::load(&path.join("lab.toml")).unwrap();
-        assert!(made.pairs.iter().all(|pair| pair.tag.is_some()));
         let truth = fs::read_to_string(path.join("truth.json")).unwrap();
         let truth: Value = serde_json::from_str(&truth).unwrap();
         for shown in truth["shown"].as_array().unwrap() {

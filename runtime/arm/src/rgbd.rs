@@ -2,7 +2,6 @@
 //!
 //! Out: a [`Shot`] at the camera's full resolution; the world crops the task's square picture from it.
 
-mod pairs;
 mod picture;
 pub mod topics;
 

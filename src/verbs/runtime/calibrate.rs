@@ -40,7 +40,7 @@ pub struct CalibrateArguments {
     /// The arm's settings.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub robot: PathBuf,
-    /// Points, one a line, commas between; a first line may name the columns (`x_mm` is millimetres).
+    /// Points, one a line, commas between; a first line may name the columns.
     #[arg(long, value_name = "CSV", value_hint = ValueHint::FilePath)]
     pub pairs: Option<PathBuf>,
     /// Read the tool's position from the arm, which a person guides by hand or by the vendor's joystick; fabc moves nothing.

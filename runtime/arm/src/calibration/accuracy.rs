@@ -24,6 +24,8 @@ const MAX_OUTLIERS: usize = 4;
 const MAX_LIMIT_MM: f64 = 20.0;
 /// The least share of the table's part that tasks see and the arm reaches, over which the points must be spread.
 const LEAST_COVER: f64 = 0.4;
+/// A smaller part is none, square metres.
+const SMALLEST_TABLE_M2: f64 = 1e-3;
 /// How far the window's middle may lie from `table.center_m`, millimetres: a window is placed to within a few pixels,
 /// and a turned or shifted base frame puts the table elsewhere.
 const MAX_MIDDLE_MM: f64 = 50.0;
@@ -94,7 +96,7 @@ pub(super) fn fitted(terms: &Terms, pairs: &[Pair]) -> Result<Fitted, Refusal> {
     let lens = lens.as_ref();
     let invalid: Vec<String> = (1..)
         .zip(pairs)
-        .filter_map(|(point, pair)| check_point(terms, point, pair).err())
+        .filter_map(|(point, pair)| terms.check_point(point, pair).err())
         .collect();
     if !invalid.is_empty() {
         return Err(invalid.join("\n").into());
@@ -169,27 +171,29 @@ pub(super) fn check_terms(terms: &Terms) -> Result<Option<Lens>, String> {
     fit::lens(intrinsics).map(Some)
 }
 
-/// Fails if a point is invalid on its own.
-pub(super) fn check_point(terms: &Terms, point: usize, pair: &Pair) -> Result<(), String> {
-    let Pair { pixel, base_m, .. } = pair;
-    let [width, height] = terms.size_px;
-    if !pixel.iter().chain(base_m).all(|number| number.is_finite()) {
-        return Err(format!("point {point} has a number that is not finite"));
+impl Terms {
+    /// Fails if a point is invalid on its own; `point` is its number.
+    pub fn check_point(&self, point: usize, pair: &Pair) -> Result<(), String> {
+        let Pair { pixel, base_m, .. } = pair;
+        let [width, height] = self.size_px;
+        if !pixel.iter().chain(base_m).all(|number| number.is_finite()) {
+            return Err(format!("point {point} has a number that is not finite"));
+        }
+        let is_inside = |(at, side): (&f64, u32)| (0.0..=f64::from(side)).contains(at);
+        if !pixel.iter().zip(self.size_px).all(is_inside) {
+            return Err(format!(
+                "point {point} is at the pixel {:.1}, {:.1}, outside of the picture of {width} x {height} px",
+                pixel[0], pixel[1]
+            ));
+        }
+        if base_m.iter().any(|number| number.abs() > FAR_M) {
+            return Err(format!(
+                "point {point} is at {}, {}, {}; an arm reaches about a metre, and positions are metres",
+                base_m[0], base_m[1], base_m[2]
+            ));
+        }
+        Ok(())
     }
-    let is_inside = |(at, side): (&f64, u32)| (0.0..=f64::from(side)).contains(at);
-    if !pixel.iter().zip(terms.size_px).all(is_inside) {
-        return Err(format!(
-            "point {point} is at the pixel {:.1}, {:.1}, outside of the picture of {width} x {height} px",
-            pixel[0], pixel[1]
-        ));
-    }
-    if base_m.iter().any(|number| number.abs() > FAR_M) {
-        return Err(format!(
-            "point {point} is at {}, {}, {}; an arm reaches about a metre, and positions are metres",
-            base_m[0], base_m[1], base_m[2]
-        ));
-    }
-    Ok(())
 }
 
 /// Returns for each point the fit of the others, and its error under it, millimetres.
@@ -397,7 +401,7 @@ impl Calibration {
             .map(|pair| [pair.base_m[0], pair.base_m[1]]);
         let covered = area_m2(hull::around(touched)) / table;
         let wider = "touch a grid of 4 x 4 over all that tasks see, as `--grid 4x4` shows it";
-        if table == 0.0 {
+        if table < SMALLEST_TABLE_M2 {
             faults.push(
                 "the window shows nothing that the arm reaches: move it, or `workspace`".to_owned(),
             );

@@ -12,7 +12,6 @@ mod file;
 mod fit;
 mod moved;
 mod points;
-mod session;
 #[cfg(test)]
 mod tests;
 mod touch;
@@ -21,8 +20,7 @@ mod view;
 pub use accuracy::{Accuracy, Corner, Refusal};
 pub use file::FileError;
 pub use fit::tilt_deg;
-pub use points::{MAX_PAIRS, SeenTags, TagName, csv_line, parse_pairs, read_pairs};
-pub use session::{LineOutcome, Session, ToolReader, grid};
+pub use points::{MAX_PAIRS, SeenTags, ToolReader, csv_line, parse_pairs, read_pairs, typed_pair};
 pub use touch::place_at_rest;
 pub use view::Window;
 
@@ -48,9 +46,6 @@ pub struct Pair {
     pub pixel: [f64; 2],
     /// Position of the tool when the fingertips touch the point, metres, base frame.
     pub base_m: [f64; 3],
-    /// The printed tag in which the pixel was found, if it was not given as numbers.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub tag: Option<TagName>,
 }
 
 /// The camera that saw the points, and how well they must agree.
@@ -84,6 +79,18 @@ impl Terms {
     pub fn check(&self) -> Result<(), Refusal> {
         accuracy::check_terms(self)?;
         Ok(())
+    }
+
+    /// The fewest points whose fit can predict another one.
+    pub const MIN_PREDICTING: usize = 5;
+
+    /// Returns how far a point is from where others put it, millimetres; `None` if they do not determine that.
+    pub fn off_mm(&self, others: &[Pair], pair: &Pair) -> Option<f64> {
+        let lens = accuracy::check_terms(self).ok()?;
+        let lens = lens.as_ref();
+        let fit = fit::fit(lens, &fit::sightings(lens, others).ok()?)?;
+        let point = *fit::sightings(lens, &[*pair]).ok()?.first()?;
+        Some(fit::error(&fit, &point)?.norm() * 1000.0)
     }
 }
 

@@ -231,6 +231,6 @@ fn motions_are_sent_in_one_place() {
         }
     }
     senders.sort();
-    // A boxed port and a shared simulated arm hand on what they are sent.
-    assert_eq!(senders, ["goal.rs", "port.rs", "shared.rs"]);
+    // A boxed port hands on what it is sent.
+    assert_eq!(senders, ["goal.rs", "port.rs"]);
 }

@@ -44,7 +44,6 @@ impl Truth {
         Pair {
             pixel,
             base_m: self.table(pixel).into(),
-            tag: None,
         }
     }
 
