@@ -143,7 +143,7 @@ pub fn run(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
     })?;
     let earlier = keep_copy(&path)?;
     keep_copy(&Calibration::picture_beside(&path))?;
-    calibration.save(&path)?;
+    calibration.save(&path).map_err(Failure::environment)?;
     // A picture in which nothing can be found again would stop every run.
     if let Err(why) = calibration.check_camera(&seen, &SIGHT) {
         io.talk(&format!(

@@ -115,39 +115,48 @@ pub(super) fn fitted(terms: &Terms, pairs: &[Pair]) -> Result<Fitted, Refusal> {
             places.len()
         )));
     }
-    let points = sightings(lens, pairs)?;
-    let fit = fit::fit(lens, &points).ok_or_else(|| {
+    let (points, limit_mm) = (sightings(lens, pairs)?, terms.limit_mm);
+    let left_out = LeftOut::of(lens, &points);
+    let fit = fit::fit(lens, &points);
+    if !left_out.agrees(limit_mm)
+        && let Some(refusal) = outliers(limit_mm, lens, pairs, &points)
+    {
+        return Err(refusal);
+    }
+    let fit = fit.ok_or_else(|| {
         "the points lie on a line, or all but one do, and determine no fit: spread them over the table, as a grid of 4 x 4"
             .to_owned()
     })?;
-    let (others, left_out_mm): (Vec<Plane>, Vec<f64>) =
-        left_out(lens, &points)?.into_iter().unzip();
     let residual_mm: Vec<f64> = points.iter().map(|point| error_mm(&fit, point)).collect();
     let accuracy = Accuracy {
         rms_mm: root_mean_square(&residual_mm),
-        left_out_rms_mm: root_mean_square(&left_out_mm),
+        left_out_rms_mm: root_mean_square(&left_out.errors_mm),
         residual_mm,
-        left_out_mm,
+        left_out_mm: left_out.errors_mm.clone(),
     };
-    if agree(&accuracy.left_out_mm, terms.limit_mm) {
+    let (worst, worst_mm) = accuracy.worst();
+    let against = |why: String| Refusal {
+        why,
+        fit: Some(Box::new(fit)),
+    };
+    let others: Option<Vec<Plane>> = left_out.fits.iter().copied().collect();
+    let others = others.ok_or_else(|| {
+        against(format!(
+            "without point {worst} the others do not determine a fit: touch more points, away from their line"
+        ))
+    })?;
+    if left_out.agrees(limit_mm) {
         return Ok(Fitted {
             fit,
             others,
             accuracy,
         });
     }
-    let limit_mm = terms.limit_mm;
-    Err(outliers(limit_mm, lens, pairs, &points).unwrap_or_else(|| {
-        let (worst, worst_mm) = accuracy.worst();
-        Refusal {
-            why: format!(
-                "the points are {:.1} mm from where the others put them (root mean square); at most {limit_mm} mm are \
-                 accepted: point {worst} is the worst, {worst_mm:.1} mm off; touch it anew, or all with more care",
-                accuracy.left_out_rms_mm
-            ),
-            fit: Some(Box::new(fit)),
-        }
-    }))
+    Err(against(format!(
+        "the points are {:.1} mm from where the others put them (root mean square); at most {limit_mm} mm are accepted: \
+         point {worst} is the worst, {worst_mm:.1} mm off; touch it anew, or all with more care",
+        accuracy.left_out_rms_mm
+    )))
 }
 
 /// Returns the lens of the camera, if its projection is known; fails if no points could meet the terms.
@@ -196,27 +205,32 @@ impl Terms {
     }
 }
 
-/// Returns for each point the fit of the others, and its error under it, millimetres.
-fn left_out(lens: Option<&Lens>, points: &[Sighting]) -> Result<Vec<(Plane, f64)>, String> {
-    let without = |out: usize| {
-        let others = [&points[..out], &points[out + 1..]].concat();
-        let fit = fit::fit(lens, &others).ok_or_else(|| {
-            format!(
-                "without point {} the others do not determine a fit: touch more points, away from their line",
-                out + 1
-            )
-        })?;
-        Ok((fit, error_mm(&fit, &points[out])))
-    };
-    (0..points.len()).map(without).collect()
+/// Each point under the fit of the others.
+struct LeftOut {
+    /// `None` where they do not determine one.
+    fits: Vec<Option<Plane>>,
+    /// The errors of the points, millimetres.
+    errors_mm: Vec<f64>,
 }
 
-/// Returns whether points are as near to where the others put them as the limit says.
-fn agree(left_out_mm: &[f64], limit_mm: f64) -> bool {
-    root_mean_square(left_out_mm) <= limit_mm
-        && left_out_mm
-            .iter()
-            .all(|error| *error <= STANDS_OUT * limit_mm)
+impl LeftOut {
+    fn of(lens: Option<&Lens>, points: &[Sighting]) -> LeftOut {
+        let without = |out: usize| fit::fit(lens, &[&points[..out], &points[out + 1..]].concat());
+        let fits: Vec<Option<Plane>> = (0..points.len()).map(without).collect();
+        let pairs = fits.iter().zip(points);
+        let errors_mm =
+            pairs.map(|(fit, point)| fit.map_or(f64::INFINITY, |fit| error_mm(&fit, point)));
+        LeftOut {
+            errors_mm: errors_mm.collect(),
+            fits,
+        }
+    }
+
+    /// Returns whether the points are as near to where the others put them as the limit says.
+    fn agrees(&self, limit_mm: f64) -> bool {
+        let most_mm = self.errors_mm.iter().copied().fold(0.0, f64::max);
+        root_mean_square(&self.errors_mm) <= limit_mm && most_mm <= STANDS_OUT * limit_mm
+    }
 }
 
 /// Names the few points without which the others agree; `None` if there are none.
@@ -229,26 +243,24 @@ fn outliers(
     let mut kept: Vec<usize> = (0..points.len()).collect();
     let mut removed = Vec::new();
     let chosen = |kept: &[usize]| -> Vec<Sighting> { kept.iter().map(|it| points[*it]).collect() };
-    let mut left = left_out(lens, points).ok()?;
-    while removed.len() < MAX_OUTLIERS && kept.len() >= MIN_PAIRS {
+    let mut left_out = LeftOut::of(lens, points);
+    while !left_out.agrees(limit_mm) {
+        if removed.len() == MAX_OUTLIERS || kept.len() < MIN_PAIRS {
+            return None;
+        }
         // The wrong one is not always the farthest, but without it the others fit best.
         let spread_mm = |out: usize| {
+            let Some(fit) = left_out.fits[out] else {
+                return f64::INFINITY;
+            };
             let others = kept.iter().enumerate().filter(|(index, _)| *index != out);
-            let errors = others.map(|(_, point)| error_mm(&left[out].0, &points[*point]));
+            let errors = others.map(|(_, point)| error_mm(&fit, &points[*point]));
             root_mean_square(&errors.collect::<Vec<f64>>())
         };
         let spreads: Vec<f64> = (0..kept.len()).map(spread_mm).collect();
         let worst = (0..kept.len()).min_by(|a, b| spreads[*a].total_cmp(&spreads[*b]))?;
         removed.push(kept.remove(worst));
-        left = left_out(lens, &chosen(&kept)).ok()?;
-        let errors: Vec<f64> = left.iter().map(|(_, error)| *error).collect();
-        if agree(&errors, limit_mm) {
-            break;
-        }
-    }
-    let errors: Vec<f64> = left.iter().map(|(_, error)| *error).collect();
-    if !agree(&errors, limit_mm) {
-        return None;
+        left_out = LeftOut::of(lens, &chosen(&kept));
     }
     let fit = fit::fit(lens, &chosen(&kept))?;
     removed.sort_unstable();

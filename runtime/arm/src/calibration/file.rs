@@ -16,16 +16,6 @@ const FORMAT: i64 = 2;
 /// The longest file accepted.
 pub(super) const MAX_BYTES: u64 = 1 << 20;
 
-/// Why a calibration cannot be read or written.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{file}` {why}")]
-pub struct FileError {
-    /// The file.
-    pub file: String,
-    /// What is wrong.
-    pub why: String,
-}
-
 /// A file's content, in its order.
 #[derive(Serialize, Deserialize)]
 struct Stored {
@@ -43,10 +33,10 @@ impl Calibration {
         path.with_extension("png")
     }
 
-    /// Writes it, picture first; replaces existing files.
+    /// Writes it, picture first; replaces existing files. The error names the file.
     ///
     /// A crash between the two leaves a file that [`Calibration::load`] refuses, because it names its picture's hash.
-    pub fn save(&self, path: &Path) -> Result<(), FileError> {
+    pub fn save(&self, path: &Path) -> Result<(), String> {
         let write = |path: &Path, bytes: &[u8]| {
             files::write_whole(path, bytes)
                 .map_err(|error| refused(path, format!("cannot be written: {error}")))
@@ -57,8 +47,8 @@ impl Calibration {
         write(path, self.to_toml().as_bytes())
     }
 
-    /// Reads a file, and its picture if it names one, and fits its points.
-    pub fn load(path: &Path) -> Result<Calibration, FileError> {
+    /// Reads a file, and its picture if it names one, and fits its points. The error names the file.
+    pub fn load(path: &Path) -> Result<Calibration, String> {
         let unusable = |why: String| refused(path, format!("is not a usable calibration: {why}"));
         let text = files::read_text(path, MAX_BYTES)
             .map_err(|why| refused(path, format!("cannot be read: {why}")))?;
@@ -106,11 +96,8 @@ impl Calibration {
     }
 }
 
-fn refused(path: &Path, why: String) -> FileError {
-    FileError {
-        file: path.display().to_string(),
-        why,
-    }
+fn refused(path: &Path, why: String) -> String {
+    format!("`{}` {why}", path.display())
 }
 
 fn hash_of(picture: &GrayImage) -> String {

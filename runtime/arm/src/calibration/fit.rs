@@ -32,29 +32,18 @@ pub(super) struct Sighting {
 
 /// Makes a lens from intrinsics; the error says what is wrong with them.
 pub(super) fn lens(intrinsics: &Intrinsics) -> Result<Lens, String> {
-    let Intrinsics {
-        focal_px,
-        middle_px,
-        distortion: given,
-        ..
-    } = intrinsics;
-    let mut numbers = focal_px.iter().chain(middle_px).chain(given);
-    if !numbers.all(|number| number.is_finite()) || focal_px.iter().any(|focal| *focal <= 0.0) {
-        return Err(format!(
-            "the camera's intrinsics cannot be used: their numbers are finite, and `focal_px` is positive, and they are {intrinsics:?}"
-        ));
-    }
+    let given = &intrinsics.distortion;
     let mut distortion = [0.0; 5];
     if !matches!(given.len(), 0 | 4 | 5) {
         return Err(format!(
-            "the camera's intrinsics cannot be used: `distortion` has {} coefficients; `plumb_bob` has 4 or 5, and none is right too",
+            "`distortion` has {} coefficients; `plumb_bob` has 4 or 5, and none is right too",
             given.len()
         ));
     }
     distortion[..given.len()].copy_from_slice(given);
     Ok(Lens {
-        focal_px: *focal_px,
-        middle_px: *middle_px,
+        focal_px: intrinsics.focal_px,
+        middle_px: intrinsics.middle_px,
         distortion,
     })
 }
@@ -88,12 +77,6 @@ pub(super) fn fit(lens: Option<&Lens>, points: &[Sighting]) -> Option<Plane> {
 pub(super) fn error(fit: &Plane, point: &Sighting) -> Option<Vector3<f64>> {
     let [x, y] = through(&fit.world_from_pixel, point.pixel)?;
     Some(Point3::new(x, y, height_at(&fit.height, [x, y])) - point.base)
-}
-
-/// Returns the angle between the table and the base's horizontal plane, degrees.
-pub fn tilt_deg(fit: &Plane) -> f64 {
-    let [_, along_x, along_y] = fit.height;
-    along_x.hypot(along_y).atan().to_degrees()
 }
 
 /// Returns a plane's height at `x`, `y`.

@@ -18,8 +18,6 @@ mod touch;
 mod view;
 
 pub use accuracy::{Accuracy, Corner, Refusal};
-pub use file::FileError;
-pub use fit::tilt_deg;
 pub use points::{MAX_PAIRS, SeenTags, ToolReader, csv_line, parse_pairs, read_pairs, typed_pair};
 pub use touch::place_at_rest;
 pub use view::Window;

@@ -42,10 +42,6 @@ pub struct SimulatedArm {
     readings: Readings,
     read_s: f64,
     stamps: Stamps,
-    /// The tool's pose when the arm was stopped, and its largest distance from there since, metres.
-    since_stop: Option<(Isometry3<f64>, f64)>,
-    /// Bounds of all tool positions so far, metres: least and largest.
-    extent_m: [[f64; 3]; 2],
 }
 
 /// How an arm is simulated.
@@ -95,7 +91,6 @@ impl SimulatedArm {
         table: Option<Rc<RefCell<dyn SimulatedTable>>>,
     ) -> SimulatedArm {
         let body = Body::new(simulation, table);
-        let at: [f64; 3] = body.tool().translation.vector.into();
         let mut arm = SimulatedArm {
             body,
             node: Node::default(),
@@ -103,8 +98,6 @@ impl SimulatedArm {
             readings: Readings::default(),
             read_s: f64::NEG_INFINITY,
             stamps: Stamps::default(),
-            since_stop: None,
-            extent_m: [at, at],
         };
         arm.read();
         arm
@@ -113,17 +106,6 @@ impl SimulatedArm {
     /// Returns whether the arm is stopped.
     pub fn is_stopped(&self) -> bool {
         self.node.is_stopped()
-    }
-
-    /// Returns the largest distance of the tool from its position at the last stop, metres; `None` if the arm is not
-    /// stopped.
-    pub fn moved_after_stop_m(&self) -> Option<f64> {
-        self.since_stop.map(|(_, moved_m)| moved_m)
-    }
-
-    /// Returns the least and the largest coordinates of the tool so far, metres, base frame.
-    pub fn extent_m(&self) -> [[f64; 3]; 2] {
-        self.extent_m
     }
 
     /// Returns the true pose of the tool, `base_from_tool`; readings of it arrive later.
@@ -155,16 +137,6 @@ impl SimulatedArm {
         self.clock_s += TICK_S;
         self.body.advance(TICK_S);
         self.node.advance(self.clock_s, &mut self.body);
-        let tool = self.body.tool();
-        for axis in 0..3 {
-            let at = tool.translation.vector[axis];
-            self.extent_m[0][axis] = self.extent_m[0][axis].min(at);
-            self.extent_m[1][axis] = self.extent_m[1][axis].max(at);
-        }
-        if let Some((at, moved_m)) = &mut self.since_stop {
-            let away_m = (tool.translation.vector - at.translation.vector).norm();
-            *moved_m = moved_m.max(away_m);
-        }
         if self.clock_s - self.read_s >= READING_S - 1e-9 {
             self.read();
         }
@@ -232,8 +204,6 @@ impl Port for SimulatedArm {
 
     fn stop(&mut self) -> Result<(), PortError> {
         self.node.stop(&mut self.body);
-        // A second stop must not reset the distance since the first.
-        self.since_stop.get_or_insert((self.body.tool(), 0.0));
         Ok(())
     }
 
@@ -243,7 +213,6 @@ impl Port for SimulatedArm {
 
     fn start(&mut self) -> Result<(), PortError> {
         self.node.start(&mut self.body);
-        self.since_stop = None;
         Ok(())
     }
 

@@ -39,6 +39,10 @@ pub struct Faulty {
     /// What the sender hears of goals, where it is not the truth.
     heard: HashMap<GoalId, GoalState>,
     readings: Readings,
+    /// The tool's place when the arm was stopped, and its largest distance from there since, metres.
+    since_stop: Option<(Vector3<f64>, f64)>,
+    /// Bounds of all places of the tool so far, metres: least and largest.
+    extent_m: [[f64; 3]; 2],
 }
 
 impl Faulty {
@@ -52,8 +56,11 @@ impl Faulty {
     }
 
     pub fn of(mut arm: SimulatedArm, chain: Chain, faults: Vec<Fault>) -> Faulty {
+        let at: [f64; 3] = arm.tool().translation.vector.into();
         Faulty {
             readings: arm.state(),
+            since_stop: None,
+            extent_m: [at, at],
             arm,
             chain,
             pending: faults,
@@ -62,6 +69,17 @@ impl Faulty {
             n_lost: 0,
             heard: HashMap::new(),
         }
+    }
+
+    /// Returns the largest distance of the tool from its place at the last stop, metres; `None` if the arm is not
+    /// stopped.
+    pub fn moved_after_stop_m(&self) -> Option<f64> {
+        self.since_stop.map(|(_, moved_m)| moved_m)
+    }
+
+    /// Returns the least and the largest coordinates of the tool so far, metres, base frame.
+    pub fn extent_m(&self) -> [[f64; 3]; 2] {
+        self.extent_m
     }
 
     /// Injects a fault from now on.
@@ -103,7 +121,7 @@ impl Faulty {
     fn tick(&mut self) {
         let now_s = self.arm.now_s() + TICK_S;
         if self.take(FaultKind::PressedStop, now_s) {
-            let _ = self.arm.stop();
+            let _ = self.stop_arm();
         }
         if self.is_active(FaultKind::StuckJoint, now_s) {
             self.arm.jam_joints();
@@ -116,9 +134,24 @@ impl Faulty {
             self.arm.run_away(RUNAWAY_RAD_S * TICK_S);
         }
         self.arm.wait(TICK_S);
+        let at = self.arm.tool().translation.vector;
+        for axis in 0..3 {
+            self.extent_m[0][axis] = self.extent_m[0][axis].min(at[axis]);
+            self.extent_m[1][axis] = self.extent_m[1][axis].max(at[axis]);
+        }
+        if let Some((from, moved_m)) = &mut self.since_stop {
+            *moved_m = moved_m.max((at - *from).norm());
+        }
         if !self.is_silent(now_s) {
             self.readings = self.arm.state();
         }
+    }
+
+    fn stop_arm(&mut self) -> Result<(), PortError> {
+        // A second stop must not reset the distance since the first.
+        let at = self.arm.tool().translation.vector;
+        self.since_stop.get_or_insert((at, 0.0));
+        self.arm.stop()
     }
 
     /// Sends a goal, unless something happens to it.
@@ -265,7 +298,7 @@ impl Port for Faulty {
 
     fn stop(&mut self) -> Result<(), PortError> {
         if !self.take(FaultKind::LostStop, self.arm.now_s()) {
-            return self.arm.stop();
+            return self.stop_arm();
         }
         self.wait(1.0);
         Err(PortError {
@@ -279,6 +312,7 @@ impl Port for Faulty {
     }
 
     fn start(&mut self) -> Result<(), PortError> {
+        self.since_stop = None;
         self.arm.start()
     }
 

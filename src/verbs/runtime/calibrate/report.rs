@@ -1,6 +1,6 @@
 //! Reports a calibration as text and as JSON.
 
-use fab_arm::calibration::{Accuracy, Calibration, Corner, Pair, tilt_deg};
+use fab_arm::calibration::{Accuracy, Calibration, Corner, Pair};
 use fab_base::table::{Align, aligned};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -14,7 +14,6 @@ pub struct Calibrated<'a> {
     #[serde(flatten)]
     accuracy: &'a Accuracy,
     corners: [Corner; 4],
-    tilt_deg: f64,
     file: PathBuf,
     /// The picture by which a moved camera is noticed.
     reference: PathBuf,
@@ -40,7 +39,6 @@ impl<'a> Calibrated<'a> {
             limit_mm: made.terms.limit_mm,
             accuracy: &made.accuracy,
             corners,
-            tilt_deg: tilt_deg(&made.fit),
             reference: Calibration::picture_beside(&file),
             file,
             drawn,
@@ -73,10 +71,7 @@ impl<'a> Calibrated<'a> {
             format!("{x:.3}, {y:.3} to {error_mm:.1} mm")
         });
         let corners = corners.collect::<Vec<String>>().join("; ");
-        lines.push(format!(
-            "the table's corners are known: {corners}; it is tilted by {:.1} degrees against the base",
-            self.tilt_deg
-        ));
+        lines.push(format!("the table's corners are known: {corners}"));
         let earlier = self.earlier.iter();
         lines.extend(earlier.map(|file| format!("kept: {}", file.display())));
         let files = [&self.file, &self.reference, &self.drawn].into_iter();

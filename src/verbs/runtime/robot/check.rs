@@ -182,7 +182,7 @@ fn calibration(robot: &Path, settings: &Settings) -> Result<MadeCalibration, [St
         robot.display()
     );
     let made = Calibration::load(&path);
-    let made = made.map_err(|error| [error.to_string(), calibrate.clone()])?;
+    let made = made.map_err(|error| [error, calibrate.clone()])?;
     let corners = made.over_table(settings).map_err(|refusal| {
         let file = robot.display();
         [

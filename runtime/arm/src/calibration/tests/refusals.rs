@@ -193,6 +193,30 @@ fn a_mistyped_point_is_named_among_any_number() {
     }
 }
 
+/// Slips of the keyboard: a decimal point, a digit, a sign, two numbers exchanged.
+#[test]
+fn a_slip_of_the_keyboard_is_named() {
+    let slips: [fn(&mut Pair); 6] = [
+        |it| it.base_m[0] *= 0.1,
+        |it| it.base_m[1] = -it.base_m[1] + 0.05,
+        |it| it.base_m.swap(0, 1),
+        |it| it.pixel[0] = (it.pixel[0] / 10.0).floor(),
+        |it| it.pixel[1] = 479.0 - it.pixel[1] / 3.0,
+        |it| it.base_m[2] += 0.1,
+    ];
+    for point in 0..16 {
+        for (number, slip) in slips.iter().enumerate() {
+            let refusal = refused("a slip", |it| slip(&mut it[point]));
+            let expected = format!("point {} is ", point + 1);
+            assert!(
+                refusal.why.starts_with(&expected),
+                "{number}: {expected}: {refusal}"
+            );
+            assert_eq!(refusal.why.lines().count(), 1, "{refusal}");
+        }
+    }
+}
+
 #[test]
 fn a_point_below_the_limit_stands_out() {
     let mut pairs = measured_grid(11, 4, 0.8);
