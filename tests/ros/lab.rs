@@ -3,11 +3,11 @@
 //! In: a driver, a seed. Out: a [`Lab`] to calibrate and run tasks in, and the true state, without going through ROS:
 //! where the tool was, whether the arm is stopped, where the cloth lies.
 
+use super::fault::FaultKind;
 use super::nodes::{Driver, PATIENCE_S, Ros};
 use fab_agent::record::RECORD_FILE;
 use fab_arm::journal::ARM_FILE;
 use fab_arm::settings::Settings;
-use fab_arm::simulated::FaultKind;
 use fab_base::chance::Chance;
 use serde_json::{Value, json};
 use std::fs::File;
@@ -27,7 +27,7 @@ const SIDE_PX: u32 = 480;
 
 /// The camera's settings, but for its source.
 fn camera() -> String {
-    format!("window_px = [0, 0, {SIDE_PX}]\ntimeout_s = 10.0\nheight_m = 1.0\nup_deg = 90.0\n")
+    format!("window_px = [0, 0, {SIDE_PX}]\ntimeout_s = 10.0\n")
 }
 
 /// Settings shared by the arm and the program that simulates it.

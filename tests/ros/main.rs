@@ -6,6 +6,8 @@
 mod arm;
 mod camera;
 mod definitions;
+#[path = "../../runtime/arm/src/tests/fault.rs"]
+mod fault;
 mod faults;
 mod folds;
 mod key;

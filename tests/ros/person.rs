@@ -104,7 +104,7 @@ fn peer_ros_an_arm_that_is_guided_gives_its_places() {
     let settings = lab.settings();
     let mut child = lab
         .fabc()
-        .args(["calibrate", "--robot", "robot.toml", "--jog", "--shoot"])
+        .args(["calibrate", "--robot", "robot.toml", "--jog"])
         .stdin(Stdio::piped())
         .stdout(Stdio::null())
         .stderr(Stdio::piped())

@@ -3,13 +3,13 @@
 //!
 //! A fault begins during the first pick and place, at a segment that the arm's journal names.
 
+use super::fault::FaultKind;
+use super::fault::FaultKind::*;
 use super::key::Key;
 use super::lab::{BOX_M, Ended, Lab, Truth};
 use super::nodes::Driver;
 use super::touching::{Touching, calibrate};
 use fab_arm::port::Port;
-use fab_arm::simulated::FaultKind;
-use fab_arm::simulated::FaultKind::*;
 use serde_json::Value;
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};

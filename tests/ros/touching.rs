@@ -50,7 +50,7 @@ pub fn calibrate(lab: &mut Lab, touching: Touching) {
     let output = lab
         .fabc()
         .args(["calibrate", "--robot", "robot.toml"])
-        .args(["--pairs", "pairs.csv", "--shoot"])
+        .args(["--pairs", "pairs.csv"])
         .output()
         .unwrap();
     assert!(

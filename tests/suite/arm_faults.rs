@@ -1,7 +1,14 @@
 //! Whole rollouts with faults of the simulated arm, on its own clock: each ends in a named outcome, within its box, at
 //! rest once stopped, and with journals that say how it was left.
 
+#[path = "../../runtime/arm/src/tests/fault.rs"]
+mod fault;
+#[path = "../../runtime/arm/src/tests/faulty.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
+mod faulty;
+
 use super::support::{self, Trial, root, task};
+use ::fab_arm as arm;
 use fab_agent::arm_sight::SIGHT;
 use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
@@ -10,11 +17,12 @@ use fab_agent::record::RECORD_FILE;
 use fab_agent::rollout::{self, Job};
 use fab_arm::calibration::{Calibration, Pair, Terms};
 use fab_arm::journal::{ARM_FILE, Begun, Entry, run_state};
-use fab_arm::port::Port;
+use fab_arm::port::{AfterStop, GoalId, GoalState, Port, PortError, Readings, Waypoint};
+use fab_arm::rgbd::{RgbdError, RgbdSource, Shot};
 use fab_arm::route::SegmentName;
 use fab_arm::settings::Settings;
-use fab_arm::simulated::{Fault, FaultKind, SharedArm};
 use fab_arm::supervisor::{MotionRequest, NoWatchdog, Supervisor};
+use fab_arm::table::TableCamera;
 use fab_arm::world;
 use fab_arm::world::ArmWorld;
 use fab_arm::world::Parts;
@@ -26,11 +34,15 @@ use fab_program::Program;
 use fab_standins::Geometric;
 use fab_world::start::Start;
 use fab_world::{Look, World, WorldError};
+use fault::{Fault, FaultKind};
+use faulty::Faulty;
+use nalgebra::Isometry3;
 use serde_json::Value;
-use std::cell::RefCell;
+use std::cell::{RefCell, RefMut};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
+use std::rc::Rc;
 use std::time::Instant;
 
 /// How far a runaway arm may leave its box, metres: it turns at 0.3 rad/s, the farthest corner of the box is 0.92 m
@@ -134,6 +146,87 @@ impl Trouble {
     }
 }
 
+/// A shared handle to a faulty arm, which a driver moves while a test inspects it; clones refer to the same arm.
+#[derive(Clone)]
+struct SharedArm(Rc<RefCell<Faulty>>);
+
+impl SharedArm {
+    /// Shares an arm.
+    fn new(arm: Faulty) -> SharedArm {
+        SharedArm(Rc::new(RefCell::new(arm)))
+    }
+
+    /// Borrows the arm for inspection; panics if an earlier borrow is still alive.
+    fn arm(&self) -> RefMut<'_, Faulty> {
+        self.0.borrow_mut()
+    }
+}
+
+impl Port for SharedArm {
+    fn now_s(&self) -> f64 {
+        self.0.borrow().now_s()
+    }
+
+    fn wait(&mut self, seconds: f64) {
+        self.arm().wait(seconds);
+    }
+
+    fn send_trajectory(&mut self, points: &[Waypoint]) -> Result<GoalId, PortError> {
+        self.arm().send_trajectory(points)
+    }
+
+    fn send_pose(&mut self, tool: &Isometry3<f64>) -> Result<GoalId, PortError> {
+        self.arm().send_pose(tool)
+    }
+
+    fn send_fingers(&mut self, positions: &[f64]) -> Result<GoalId, PortError> {
+        self.arm().send_fingers(positions)
+    }
+
+    fn goal(&mut self, goal: &GoalId) -> GoalState {
+        self.arm().goal(goal)
+    }
+
+    fn cancel(&mut self, goal: &GoalId) -> Result<(), PortError> {
+        self.arm().cancel(goal)
+    }
+
+    fn stop(&mut self) -> Result<(), PortError> {
+        self.arm().stop()
+    }
+
+    fn after_stop(&self) -> AfterStop {
+        self.0.borrow().after_stop()
+    }
+
+    fn start(&mut self) -> Result<(), PortError> {
+        self.arm().start()
+    }
+
+    fn state(&mut self) -> Readings {
+        self.arm().state()
+    }
+}
+
+/// A camera that fails as the arm's faults say.
+struct FaultyCamera(TableCamera, SharedArm);
+
+impl RgbdSource for FaultyCamera {
+    fn name(&self) -> String {
+        self.0.name()
+    }
+
+    fn shoot(&mut self) -> Result<Shot, RgbdError> {
+        if self.1.arm().has_lost_camera() {
+            return Err(RgbdError {
+                camera: self.name(),
+                why: "nothing comes from it any more".to_owned(),
+            });
+        }
+        self.0.shoot()
+    }
+}
+
 /// How a rollout ended.
 struct Ended {
     report: rollout::Ended,
@@ -190,9 +283,14 @@ fn run(trial: &Trial<'_>, trouble: &Trouble, folder: &Path) -> Ended {
             watchdog: Box::new(NoWatchdog),
             folder: Some(folder.to_owned()),
         };
-        let rehearsal = ArmWorld::rehearsed(parts, trouble.faults.clone())?;
-        ARM.set(Some(rehearsal.arm));
-        Ok(Box::new(rehearsal.world))
+        let (chain, faults) = (parts.settings.chain().clone(), trouble.faults.clone());
+        let world = ArmWorld::simulated_behind(parts, |arm, camera| {
+            let arm = SharedArm::new(Faulty::of(arm, chain, faults));
+            ARM.set(Some(arm.clone()));
+            let camera = FaultyCamera(camera, arm.clone());
+            (Box::new(arm), Box::new(camera))
+        });
+        Ok(Box::new(world?))
     };
     let models = Models {
         vision: &Geometric,

@@ -35,8 +35,6 @@ tolerance = 200.0
 source = \"directory\"
 folder = \"shots\"
 window_px = [80, 0, 480]
-height_m = 1.0
-up_deg = 0.0
 
 [camera.intrinsics]
 size_px = [640, 480]
@@ -79,11 +77,7 @@ fn touched(pixel: [f64; 2], index: i32) -> Pair {
         round(-(pixel[0] - 320.0) / 600.0 + off(3)),
         round(0.02 + off(0)),
     ];
-    Pair {
-        pixel,
-        base_m,
-        tag: None,
-    }
+    Pair { pixel, base_m }
 }
 
 fn write_pairs(folder: &Path, pairs: &[Pair]) {
@@ -134,11 +128,7 @@ fn its_json_has_the_fields_that_scripts_rely_on() {
     let said = calibrate(folder.path(), &["--pairs", "pairs.csv", "--json"]);
     assert_eq!(said.code, 0, "{}", said.stderr);
     let value = json(&said);
-    for (field, expected) in [
-        ("method", "plane"),
-        ("camera", "shots"),
-        ("file", "lab.toml"),
-    ] {
+    for (field, expected) in [("camera", "shots"), ("file", "lab.toml")] {
         assert_eq!(value[field], expected);
     }
     assert_eq!(value["made_on"].as_str().unwrap().len(), 10);
@@ -153,18 +143,10 @@ fn its_json_has_the_fields_that_scripts_rely_on() {
         let error_mm = value[field].as_f64().unwrap();
         assert!((0.05..1.5).contains(&error_mm), "{value}");
     }
-    assert!(
-        value["spread"]["length_m"].as_f64().unwrap() > 0.6,
-        "{value}"
-    );
-    assert!((value["height_m"].as_f64().unwrap() - 0.02).abs() < 0.001);
-    assert!(value["tilt_deg"].as_f64().unwrap() < 0.3);
-    assert_eq!(value["corners"].as_array().unwrap().len(), 4);
-    for check in value["checks"].as_array().unwrap() {
-        assert!(
-            check["value"].as_f64() <= check["bound"].as_f64(),
-            "{check}"
-        );
+    let corners = value["corners"].as_array().unwrap();
+    assert_eq!(corners.len(), 4);
+    for corner in corners {
+        assert!(corner["error_mm"].as_f64().unwrap() < 1.5, "{corner}");
     }
 }
 
@@ -225,21 +207,6 @@ fn each_slip_is_named_and_nothing_is_written() {
 }
 
 #[test]
-fn a_camera_of_which_nothing_is_stated_is_refused_before_anybody_touches_points() {
-    let (folder, pairs) = lab();
-    write_pairs(folder.path(), &pairs);
-    let silent = ROBOT
-        .replace("height_m = 1.0\n", "")
-        .replace("up_deg = 0.0\n", "");
-    fs::write(folder.path().join("robot.toml"), silent).unwrap();
-    let mut command = fabc(folder.path());
-    let said = finish(command.args(["calibrate", "--robot", "robot.toml"]));
-    assert_eq!(said.code, 2);
-    let words = "error: `camera.height_m`, `camera.up_deg` are not stated in the settings";
-    assert!(said.stderr.starts_with(words), "{}", said.stderr);
-}
-
-#[test]
 fn only_a_limit_on_errors_may_be_raised() {
     let (folder, mut pairs) = lab();
     // If every other point is off, the fault is not that of a few points.
@@ -250,9 +217,9 @@ fn only_a_limit_on_errors_may_be_raised() {
     let refused = calibrate(folder.path(), &["--pairs", "pairs.csv"]);
     assert_eq!(refused.code, 2);
     assert!(
-        refused
-            .stderr
-            .contains("mm (root mean square); at most 3 mm are accepted"),
+        refused.stderr.contains(
+            "mm from where the others put them (root mean square); at most 4 mm are accepted"
+        ),
         "{}",
         refused.stderr
     );
@@ -281,20 +248,19 @@ fn what_was_there_is_kept() {
     write_pairs(folder.path(), &pairs);
     let path = folder.path().join("lab.toml");
     fs::write(&path, "mine").unwrap();
-    for number in [1, 2] {
+    for _ in 0..2 {
         let before = fs::read(&path).unwrap();
         let said = calibrate(folder.path(), &["--pairs", "pairs.csv"]);
         assert_eq!(said.code, 0, "{}", said.stderr);
         assert!(
-            said.stdout
-                .contains(&format!("kept: lab.toml.before-{number}")),
+            said.stdout.contains("kept: lab.toml.before"),
             "{}",
             said.stdout
         );
-        let kept = folder.path().join(format!("lab.toml.before-{number}"));
+        let kept = folder.path().join("lab.toml.before");
         assert_eq!(fs::read(kept).unwrap(), before);
     }
-    assert!(folder.path().join("lab.png.before-1").exists());
+    assert!(folder.path().join("lab.png.before").exists());
 }
 
 #[test]
@@ -311,12 +277,13 @@ fn doubts_are_said() {
     );
     assert_eq!(said.code, 0, "{}", said.stderr);
     insta::assert_snapshot!(said.stderr);
-    fs::remove_dir_all(folder.path().join("shots")).unwrap();
-    fs::create_dir(folder.path().join("shots")).unwrap();
+    fs::remove_file(folder.path().join("shots/0001.png")).unwrap();
     let said = calibrate(folder.path(), &["--pairs", "pairs.csv"]);
+    assert_eq!(said.code, 2);
     assert!(
-        said.stderr
-            .contains("without a picture, a moved camera could not be noticed"),
+        said.stderr.contains(
+            "it holds no picture `NAME.png` or `NAME.jpg`; or give a picture with `--image PNG`"
+        ),
         "{}",
         said.stderr
     );
@@ -416,7 +383,6 @@ fn peer_opencv_draws_tags_by_which_a_known_camera_is_found() {
         let rms_mm = json(&said)["rms_mm"].as_f64().unwrap();
         assert!(rms_mm < 0.3, "seed {seed}: {rms_mm} mm");
         let made = Calibration::load(&path.join("lab.toml")).unwrap();
-        assert!(made.pairs.iter().all(|pair| pair.tag.is_some()));
         let truth = fs::read_to_string(path.join("truth.json")).unwrap();
         let truth: Value = serde_json::from_str(&truth).unwrap();
         for shown in truth["shown"].as_array().unwrap() {

@@ -189,7 +189,7 @@ impl fmt::Display for RunState {
         let Some(last) = &self.last else {
             return f.write_str("no motion is open, and the hand holds nothing");
         };
-        write!(f, "`{}` of action {} ", last.segment.text(), last.action)?;
+        write!(f, "`{}` of action {} ", last.segment.name(), last.action)?;
         f.write_str(match self.phase {
             Phase::Ready => "was verified and is the last there is",
             _ => "was begun and not verified",

@@ -2,7 +2,6 @@
 //!
 //! Out: a [`Shot`] at the camera's full resolution; the world crops the task's square picture from it.
 
-mod pairs;
 mod picture;
 pub mod topics;
 
@@ -21,6 +20,28 @@ pub struct Shot {
     pub depth_m: DepthImage,
     /// The camera's projection, if it reports it.
     pub intrinsics: Option<Intrinsics>,
+}
+
+impl Shot {
+    /// Joins colour with its depth; fails if their sizes differ.
+    pub(crate) fn aligned(
+        rgb: RgbImage,
+        depth_m: DepthImage,
+        intrinsics: Option<Intrinsics>,
+    ) -> Result<Shot, String> {
+        let ((width, height), (deep_width, deep_height)) = (rgb.dimensions(), depth_m.dimensions());
+        if rgb.dimensions() != depth_m.dimensions() {
+            return Err(format!(
+                "the picture has {width} x {height} px and its depth {deep_width} x {deep_height}: use the depth that is \
+                 aligned with the colour"
+            ));
+        }
+        Ok(Shot {
+            rgb,
+            depth_m,
+            intrinsics,
+        })
+    }
 }
 
 section! {

@@ -186,12 +186,6 @@ section! {
         /// A picture of the flat cloth, whole and alone on the table, relative to the settings; coverage is measured
         /// against it.
         flat: Option<PathBuf>;
-        /// Height of the lens above the table, by a tape measure; a calibration of a real camera is refused without it,
-        /// or if it implies a height that is 5 % off.
-        height_m: Option<f64>, from(0.1, 10.0);
-        /// Direction on the table of the picture's top, about z from the base's x axis; a calibration of a real camera
-        /// is refused without it, or if it is 5 degrees off.
-        up_deg: Option<f64>, from(-360.0, 360.0);
         /// How long a picture is waited for, with the arm at rest.
         timeout_s: f64 = 5.0, above(0.0, 60.0);
         /// The camera's projection, if it does not report it itself, with the keys below, as in

@@ -40,7 +40,6 @@ pub struct ClothTable {
     /// The hand's last position, world frame, while it holds cloth.
     holds_at: Option<[f32; 3]>,
     broken: Option<String>,
-    is_unseen: bool,
 }
 
 impl ClothTable {
@@ -68,7 +67,6 @@ impl ClothTable {
             world_from_base: base_from_world.inverse(),
             holds_at: None,
             broken: None,
-            is_unseen: false,
         })
     }
 
@@ -230,10 +228,6 @@ impl SimulatedTable for ClothTable {
     fn is_cloth_between_fingers(&self, tool: &Isometry3<f64>) -> bool {
         self.holds_at.is_some() || self.between(self.tip(tool)).is_some()
     }
-
-    fn lose_camera(&mut self) {
-        self.is_unseen = true;
-    }
 }
 
 /// The camera over a simulated table.
@@ -252,9 +246,6 @@ impl RgbdSource for TableCamera {
         };
         if let Some(why) = &table.broken {
             return Err(failed(why.clone()));
-        }
-        if table.is_unseen {
-            return Err(failed("nothing comes from it any more".to_owned()));
         }
         let cloth = table.cloth.as_ref();
         let cloth = cloth.ok_or_else(|| failed("no cloth has been laid yet".to_owned()))?;

@@ -8,15 +8,13 @@ mod parts;
 mod picture;
 mod planning;
 mod reach;
-mod rehearsal;
+mod simulated;
 
 pub use parts::{Parts, about, base_from_world, guard, load};
 pub use picture::{FlatPicture, simulated_table};
 pub use planning::{PLAN_FILE, PLAN_PICTURE, read_plan};
 pub use reach::WithinReach;
-pub use rehearsal::Rehearsal;
 
-use crate::calibration::Moved;
 use crate::driver::{Arm, ArmError, ArmState, HandContents};
 use crate::execute::{Execution, FailedAction};
 use crate::guard::Checked;
@@ -81,7 +79,7 @@ impl ArmWorld {
         let settings = &parts.settings;
         parts
             .calibration
-            .check_settings(settings)
+            .over_table(settings)
             .map_err(|why| motion(format!("the calibration does not fit the settings: {why}")))?;
         let guard = parts.guard();
         let log = parts.folder.as_deref().map(Journal::open).transpose();
@@ -123,24 +121,13 @@ impl ArmWorld {
         if self.is_camera_checked || is_fixed {
             return Ok(());
         }
-        let why = match self.parts.calibration.moved(shot, &self.parts.sight) {
-            Moved::No { .. } => {
-                self.is_camera_checked = true;
-                return Ok(());
-            }
-            Moved::ByPx {
-                by_px, turn_deg, ..
-            } => format!(
-                "it was moved since it was calibrated, by {by_px:.1} px and {turn_deg:.1} degrees; calibrate anew"
-            ),
-            Moved::Changed { what } => {
-                format!("its pictures are not those of the calibration: {what}")
-            }
-            Moved::Unsure { why } => {
-                format!("whether it was moved since it was calibrated cannot be said: {why}")
-            }
-        };
-        Err(WorldError::Camera { why })
+        let Parts {
+            calibration, sight, ..
+        } = &self.parts;
+        let checked = calibration.check_camera(&shot.rgb, sight);
+        checked.map_err(|why| WorldError::Camera { why })?;
+        self.is_camera_checked = true;
+        Ok(())
     }
 }
 

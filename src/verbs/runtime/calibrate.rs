@@ -1,8 +1,8 @@
 //! `fabc calibrate`: from points that the arm touched to a file that maps the camera's pixels to the arm's frame.
 //!
 //! In: the arm's settings; points from a file, typed, or touched by an arm that a person guides; the camera's picture.
-//! Out: the calibration file, its picture, a drawing of the errors, and their summary. Nothing is lost: an existing
-//! file is kept under another name.
+//! Out: the calibration file, its picture, a drawing of the errors, and their summary. An existing file is kept under
+//! another name.
 
 pub mod report;
 mod typing;
@@ -12,18 +12,16 @@ use crate::io::{Io, write_file};
 use crate::verbs::runtime::robot::connect;
 use crate::verbs::runtime::setting::{self, catalogue};
 use clap::{Args, ValueHint};
-use fab_agent::arm_sight::draw_errors;
+use fab_agent::arm_sight::{SIGHT, draw_errors};
 use fab_arm::calibration::{
-    Calibration, LIMIT_MM, Pair, Terms, ToolReader, place_at_rest, read_pairs,
+    Calibration, LIMIT_MM, Pair, Terms, ToolReader, Window, place_at_rest, read_pairs,
 };
-use fab_arm::directory::{PictureSelection, last_picture};
+use fab_arm::directory::PictureSelection;
 use fab_arm::rgbd::Intrinsics;
 use fab_arm::settings::{CameraSource, Settings};
 use fab_arm::world;
 use fab_picture::png;
 use image::RgbImage;
-use std::fs::File;
-use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 const POINTS: &str = "\
@@ -42,7 +40,7 @@ pub struct CalibrateArguments {
     /// The arm's settings.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub robot: PathBuf,
-    /// Points, one a line, commas between; a first line may name the columns (`x_mm` is millimetres).
+    /// Points, one a line, commas between; a first line may name the columns.
     #[arg(long, value_name = "CSV", value_hint = ValueHint::FilePath)]
     pub pairs: Option<PathBuf>,
     /// Read the tool's position from the arm, which a person guides by hand or by the vendor's joystick; fabc moves nothing.
@@ -54,18 +52,14 @@ pub struct CalibrateArguments {
     /// Print the pixels where points are best touched: a grid of this many columns and rows over the window.
     #[arg(long, value_name = "4x4", value_parser = columns_and_rows)]
     pub grid: Option<[u32; 2]>,
-    /// The largest root mean square error that is accepted, millimetres; default: 3.
+    /// The largest error of a point that the others predict, root mean square, millimetres; default: 4.
     #[arg(long, value_name = "MM", allow_hyphen_values = true)]
     pub limit: Option<f64>,
-    /// The camera's own picture of the table, by which a moved camera is noticed; default: the newest of its folder,
-    /// where the settings name one.
+    /// The camera's own picture of the table, by which a moved camera is noticed; default: one from the camera itself, or
+    /// the newest of its folder.
     #[arg(long, value_name = "PNG", value_hint = ValueHint::FilePath)]
     pub image: Option<PathBuf>,
-    /// Take that picture from the camera itself now, of topics or of its folder, and its intrinsics where the settings state
-    /// none.
-    #[arg(long, conflicts_with = "image")]
-    pub shoot: bool,
-    /// The calibration file to write; default: the one that the settings name. An existing file is kept as FILE.before-N.
+    /// The calibration file to write; default: the one that the settings name. An existing file is kept as FILE.before.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub out: Option<PathBuf>,
     /// Print one JSON document.
@@ -97,50 +91,66 @@ pub fn run(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
         tool = Some(Box::new(move || place_at_rest(port.as_mut(), stale_s)));
     }
     let settings = Settings::load(&arguments.robot)?;
-    let (seen, told) = seen(arguments, &settings)?.unzip();
-    let stated_px = settings.camera.intrinsics.as_ref().map(|it| it.size_px);
-    let shown_px = seen.as_ref().map(|seen| [seen.width(), seen.height()]);
-    let size_px = shown_px.or(stated_px).ok_or_else(|| {
-        Failure::usage(
-            "the size of the camera's picture is not known: give a picture with `--image PNG`, or state \
-             `camera.intrinsics` in the settings",
-        )
-    })?;
+    let (seen, reported) = seen(arguments, &settings)?;
     let limit_mm = arguments.limit.unwrap_or(LIMIT_MM);
-    let mut terms = Terms::of(&settings, size_px, limit_mm);
+    let mut terms = Terms::of(&settings, [seen.width(), seen.height()], limit_mm);
     // Intrinsics in the settings were chosen by the user, so they override the camera's own.
-    terms.intrinsics = terms.intrinsics.or(told.flatten());
+    terms.intrinsics = terms.intrinsics.or(reported);
     // Before anybody touches points in vain.
-    terms.check()?;
-    let named = || beside(&arguments.robot, &settings.calibration);
-    let path = arguments.out.clone().unwrap_or_else(named);
-    let pairs = pairs(arguments, &terms, tool, &path, seen.as_ref(), io)?;
+    let window = Window::from(settings.camera.window_px);
+    terms
+        .check()
+        .and_then(|()| Ok(window.check_in(terms.size_px)?))
+        .map_err(|refusal| Failure::environment(refusal.to_string()))?;
+    let path = match &arguments.out {
+        Some(path) => path.clone(),
+        None => arguments
+            .robot
+            .parent()
+            .unwrap_or(Path::new(""))
+            .join(&settings.calibration),
+    };
+    let tags = fab_vision::tags(&seen).map_err(|why| why.to_string());
+    let setup = typing::TypingSetup {
+        window,
+        grid: arguments.grid,
+        path: &path,
+        seen: &seen,
+        // It matters only to points that name a tag.
+        tags: tags.as_deref().map_err(String::as_str),
+    };
+    let pairs = pairs(arguments, &terms, tool, &setup, io)?;
     let day = catalogue::today(io).to_string();
-    let reference = seen.as_ref().map(image::imageops::grayscale);
-    let made = Calibration::make(terms, pairs.clone(), &day, reference);
+    let reference = image::imageops::grayscale(&seen);
+    let made = Calibration::make(terms, pairs.clone(), &day, Some(reference));
+    let made = made.and_then(|made| {
+        let corners = made.over_table(&settings)?;
+        Ok((made, corners))
+    });
     let fit = match &made {
-        Ok(calibration) => Some(&calibration.fit),
+        Ok((calibration, _)) => Some(&calibration.fit),
         Err(refusal) => refusal.fit.as_deref(),
     };
-    let mut drawn = None;
-    if let Some(mut seen) = seen {
-        draw_errors(&mut seen, &pairs, fit)?;
-        let file = drawn.insert(path.with_extension("points.png"));
-        write_file(file, &png::encode(&seen))?;
-    }
-    let calibration = made.map_err(|refusal| {
-        let shown = drawn.iter();
-        let shown = shown.map(|drawn| format!("\n`{}` shows the points", drawn.display()));
-        let shown: String = shown.collect();
+    let mut picture = seen.clone();
+    draw_errors(&mut picture, &pairs, fit)?;
+    let drawn = path.with_extension("points.png");
+    write_file(&drawn, &png::encode(&picture))?;
+    let (calibration, corners) = made.map_err(|refusal| {
         Failure::environment(format!(
-            "the points are refused and no calibration is written\n{refusal}{shown}"
+            "the points are refused and no calibration is written\n{refusal}\n`{}` shows the points",
+            drawn.display()
         ))
     })?;
     let earlier = keep_copy(&path)?;
     keep_copy(&Calibration::picture_beside(&path))?;
-    calibration.save(&path)?;
-    report::say_doubts(&calibration, io);
-    let calibrated = report::Calibrated::of(&calibration, &settings, path, drawn, earlier);
+    calibration.save(&path).map_err(Failure::environment)?;
+    // A picture in which nothing can be found again would stop every run.
+    if let Err(why) = calibration.check_camera(&seen, &SIGHT) {
+        io.talk(&format!(
+            "note: a moved camera could not be noticed by this picture: {why}"
+        ));
+    }
+    let calibrated = report::Calibrated::of(&calibration, corners, path, drawn, earlier);
     io.either(arguments.json, &calibrated, || calibrated.text());
     Ok(Exit::Done)
 }
@@ -149,19 +159,12 @@ fn pairs(
     arguments: &CalibrateArguments,
     terms: &Terms,
     tool: Option<Box<ToolReader<'_>>>,
-    path: &Path,
-    seen: Option<&RgbImage>,
+    setup: &typing::TypingSetup<'_>,
     io: &Io,
 ) -> Result<Vec<Pair>, Failure> {
-    let tags = match seen {
-        Some(seen) => fab_vision::tags(seen).map_err(|why| why.to_string()),
-        None => Ok(Vec::new()),
-    };
-    // It matters only to points that name a tag.
-    let tags = tags.as_deref().map_err(String::as_str);
     let mut given = Vec::new();
     if let Some(file) = &arguments.pairs {
-        given = read_pairs(file, tags).map_err(|why| {
+        given = read_pairs(file, setup.tags).map_err(|why| {
             let file = file.display();
             Failure::environment(format!("the points in `{file}` cannot be used: {why}"))
         })?;
@@ -169,80 +172,42 @@ fn pairs(
             return Ok(given);
         }
     }
-    let asked = typing::TypingSetup {
-        grid: arguments.grid,
-        path,
-        seen,
-        tags,
-    };
-    io.read(|stdin| typing::type_points(terms, given, tool, &asked, stdin, io))
+    io.read(|stdin| typing::type_points(terms, given, tool, setup, stdin, io))
 }
 
-/// Returns the camera's picture: one given or taken now, the newest of its folder, or that of a simulated table. With
-/// it come the camera's intrinsics, if it reports them.
+/// Returns the camera's picture: the given one, that of a simulated table, or one from the camera; and the camera's
+/// intrinsics, if it reports them.
 fn seen(
     arguments: &CalibrateArguments,
     settings: &Settings,
-) -> Result<Option<(RgbImage, Option<Intrinsics>)>, Failure> {
-    if arguments.image.is_none() && settings.camera.source == CameraSource::Simulated {
-        return Ok(Some((world::simulated_table(settings)?, None)));
+) -> Result<(RgbImage, Option<Intrinsics>), Failure> {
+    if let Some(path) = &arguments.image {
+        return Ok((png::load(path)?, None));
     }
-    if arguments.shoot {
-        let timeout_s = settings.camera.timeout_s;
-        let fresh = PictureSelection::Fresh { timeout_s };
-        let camera = connect::camera(settings, &arguments.robot, fresh);
-        let shot = camera.map_err(Failure::environment)?.shoot()?;
-        return Ok(Some((shot.rgb, shot.intrinsics)));
+    if settings.camera.source == CameraSource::Simulated {
+        return Ok((world::simulated_table(settings)?, None));
     }
-    let camera = &settings.camera;
-    let path = match (&arguments.image, camera.source, &camera.folder) {
-        (Some(path), _, _) => Some(path.clone()),
-        (None, CameraSource::Directory, Some(folder)) => {
-            let folder = beside(&arguments.robot, folder);
-            last_picture(&folder).map_err(|why| {
-                let folder = folder.display();
-                Failure::environment(format!("cannot read the folder `{folder}`: {why}"))
-            })?
-        }
-        _ => None,
-    };
-    let seen = path.map(|path| png::load(&path)).transpose()?;
-    Ok(seen.map(|rgb| (rgb, None)))
+    let camera = connect::camera(settings, &arguments.robot, PictureSelection::Newest);
+    let shot = camera
+        .map_err(Failure::environment)?
+        .shoot()
+        .map_err(|error| {
+            Failure::environment(format!("{error}; or give a picture with `--image PNG`"))
+        })?;
+    Ok((shot.rgb, shot.intrinsics))
 }
 
-/// Resolves a path that a settings file names, relative to it.
-fn beside(robot: &Path, named: &Path) -> PathBuf {
-    robot.parent().unwrap_or(Path::new("")).join(named)
-}
-
-const MAX_BACKUPS: u32 = 9999;
-
-/// Copies a file to the first free `FILE.before-N`; returns that name, or `None` if there is no file.
+/// Copies a file to `FILE.before`; returns that name, or `None` if there is no file.
 fn keep_copy(path: &Path) -> Result<Option<PathBuf>, Failure> {
-    copied(path).map_err(|error| {
+    if !path.exists() {
+        return Ok(None);
+    }
+    let earlier = path.with_added_extension("before");
+    std::fs::copy(path, &earlier).map_err(|error| {
         Failure::environment(format!(
             "cannot keep a copy of `{}`, so it is not replaced: {error}",
             path.display()
         ))
-    })
-}
-
-fn copied(path: &Path) -> io::Result<Option<PathBuf>> {
-    let mut old = match File::open(path) {
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-        old => old?,
-    };
-    for number in 1..=MAX_BACKUPS {
-        let earlier = path.with_added_extension(format!("before-{number}"));
-        match File::create_new(&earlier) {
-            Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
-            file => {
-                let mut file = file?;
-                io::copy(&mut old, &mut file)?;
-                file.sync_all()?;
-                return Ok(Some(earlier));
-            }
-        }
-    }
-    Err(ErrorKind::AlreadyExists.into())
+    })?;
+    Ok(Some(earlier))
 }

@@ -55,7 +55,7 @@ fn an_interrupted_session_is_gone_on_with() {
     assert_eq!(json(&said)["points"].as_array().unwrap().len(), 16);
     assert!(
         said.stderr
-            .contains("the points of an earlier session are in `lab.pairs.csv.before-1`"),
+            .contains("the points of an earlier session are in `lab.pairs.csv.before`"),
         "{}",
         said.stderr
     );

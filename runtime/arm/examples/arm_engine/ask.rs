@@ -3,8 +3,8 @@
 //! In: requests. Out: JSON, with the bytes of pictures beside it. The stage executes them.
 
 use super::Stage;
+use super::fault::FaultKind;
 use fab_arm::port::{Ending, GoalId, GoalState, PortError, Waypoint};
-use fab_arm::simulated::FaultKind;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use serde::Deserialize;
 use serde_json::{Value, json};

@@ -8,13 +8,19 @@
 
 mod ask;
 mod control;
+#[path = "../../src/tests/fault.rs"]
+mod fault;
+#[path = "../../src/tests/faulty.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
+mod faulty;
 mod scene;
 mod straight;
 
+use ::fab_arm as arm;
 use ask::{Request, answer};
 use fab_arm::port::Port;
 use fab_arm::rgbd::RgbdSource;
-use fab_arm::simulated::FaultKind;
+use fault::FaultKind;
 use serde_json::{Value, json};
 use std::io::{self, Read, Write};
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};

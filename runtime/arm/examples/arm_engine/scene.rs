@@ -4,10 +4,12 @@
 //! client; the other faults belong to the simulated arm. Before the cloth is laid, the camera sees the bare table.
 
 use super::Stage;
+use super::fault::{Fault, FaultKind};
+use super::faulty::Faulty;
 use fab_arm::port::{AfterStop, GoalId, GoalState, Port, PortError, Readings, Waypoint};
 use fab_arm::rgbd::{RgbdError, RgbdSource, Shot};
 use fab_arm::settings::Settings;
-use fab_arm::simulated::{Fault, FaultKind, SimulatedArm, Simulation};
+use fab_arm::simulated::Simulation;
 use fab_arm::table::{ClothTable, TableCamera};
 use fab_arm::world::base_from_world;
 use fab_program::{Cloth, ClothStart};
@@ -41,7 +43,7 @@ pub struct Plan {
 
 /// An arm over a table.
 pub struct Scene {
-    arm: SimulatedArm,
+    arm: Faulty,
     camera: TableCamera,
     table: Rc<RefCell<ClothTable>>,
     settings: Settings,
@@ -65,12 +67,11 @@ impl Scene {
             .partition(|fault| is_of_messages(fault.kind));
         let simulation = Simulation {
             seed: plan.seed,
-            faults,
             ..Simulation::of(&settings)?
         };
         let (dimx, dimy, spacing_m) = plan.cloth;
         Ok(Scene {
-            arm: SimulatedArm::new(simulation, Some(table.clone())),
+            arm: Faulty::new(simulation, Some(table.clone()), faults),
             camera: TableCamera(table.clone()),
             table,
             settings,
@@ -188,6 +189,12 @@ impl RgbdSource for Scene {
     }
 
     fn shoot(&mut self) -> Result<Shot, RgbdError> {
+        if self.arm.has_lost_camera() {
+            return Err(RgbdError {
+                camera: self.name(),
+                why: "nothing comes from it any more".to_owned(),
+            });
+        }
         if self.is_laid {
             return self.camera.shoot();
         }

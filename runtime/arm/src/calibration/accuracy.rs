@@ -1,98 +1,55 @@
-//! The accuracy of a fit, and its comparison with what is stated of table and camera.
+//! Decides whether points make a calibration, and whether a calibration holds over the settings' table.
 //!
-//! In: a fit, its points, the terms. Out: the error of each point, and one [`Check`] per measured value. Their bounds
-//! stand here, each with its reason.
+//! In: points and their limit; the settings. Out: the errors of the points, each predicted from the others, and how well
+//! the table's corners are known; or a [`Refusal`] with each value and its bound. Nothing is corrected silently: a
+//! mistyped point may also have been touched wrongly.
 
-use super::fault::Fault;
-use super::fit::{Sighting, error, fit, height_at};
-use super::{Terms, implied, plane};
+use super::fit::{self, Sighting, error, sightings};
+use super::{Calibration, MIN_PAIRS, Pair, Terms, Window};
+use crate::settings::Settings;
 use fab_picture::camera::{Lens, Plane};
-use nalgebra::Point3;
-use serde::{Deserialize, Serialize};
+use fab_picture::hull;
+use nalgebra::{Point3, Vector3};
+use serde::Serialize;
 
-/// Factor by which left-out errors may be larger: they measure the uncertainty at places without a touched point.
-const LEFT_OUT_SHARE: f64 = 5.0 / 3.0;
-/// How much 1 mm of error in the points may become at a corner of what tasks see and the arm reaches, millimetres. A
-/// grid of 4 x 4 over the middle 60 % of a window gives 1.5, over its middle half 2.2, and two rows 25 mm apart 15
-/// (`tests/errors.rs`).
-const MAX_GAIN: f64 = 2.0;
-/// A hundred careful calibrations stay within 0.6 degrees and 1 % (`tests/refusals.rs`); stated focal lengths are
-/// within about 1 %.
-const MAX_SHEAR_DEG: f64 = 2.0;
-/// See [`MAX_SHEAR_DEG`].
-const MAX_STRETCH_PERCENT: f64 = 3.0;
-/// A tape measures a metre to within 1 %, and a stated focal length is within 2 %.
-const MAX_CAMERA_HEIGHT_PERCENT: f64 = 5.0;
-/// A direction is stated with a ruler and a protractor on the table.
-const MAX_UP_DEG: f64 = 5.0;
-/// How far the window's middle may lie from the table's, millimetres: a window is placed to within a few pixels.
+/// No arm on a table reaches farther than this, metres: twice the largest of the supported ones.
+const FAR_M: f64 = 2.0;
+/// Pixels closer than this are the same place.
+const SAME_PX: f64 = 3.0;
+/// No point may be off by more than this multiple of the limit; one that is was mistyped.
+const STANDS_OUT: f64 = 3.0;
+/// The most points that are named as contradicting the others; more are no slips.
+const MAX_OUTLIERS: usize = 4;
+/// The largest limit that may be requested, millimetres: beyond it a fold's corner is missed.
+const MAX_LIMIT_MM: f64 = 20.0;
+/// The least share of the table's part that tasks see and the arm reaches, over which the points must be spread.
+const LEAST_COVER: f64 = 0.4;
+/// A smaller part is none, square metres.
+const SMALLEST_TABLE_M2: f64 = 1e-3;
+/// How far the window's middle may lie from `table.center_m`, millimetres: a window is placed to within a few pixels,
+/// and a turned or shifted base frame puts the table elsewhere.
 const MAX_MIDDLE_MM: f64 = 50.0;
-/// How far the touched table may be from `table.center_m`, millimetres: 3 for the driver, and what careful touches
-/// scatter by.
-const MAX_HEIGHT_MM: f64 = 5.0;
-/// How far a corner may be from the height of the table's middle, millimetres: fingers that close so far above a cloth
-/// miss it.
-const MAX_CORNER_MM: f64 = 10.0;
+/// How far the table's middle and corners may be from the height in `table.center_m`, millimetres: fingers that close
+/// so far above a cloth miss it.
+const MAX_HEIGHT_MM: f64 = 10.0;
 
-/// A measured value and its bound.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Check {
-    /// Its name in files and JSON.
-    pub name: &'static str,
-    /// The value, never negative.
-    pub value: f64,
-    /// The largest value accepted.
-    pub bound: f64,
-    /// What was measured, with the value.
-    #[serde(skip)]
-    pub text: String,
-    /// What to do if it is too large.
-    #[serde(skip)]
-    pub next: String,
+/// Why a calibration is refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{why}")]
+pub struct Refusal {
+    /// What is wrong, one fault per line; points are numbered from 1.
+    pub why: String,
+    /// The fit of the points that agree, if there is one, as a reference for the others.
+    pub fit: Option<Box<Plane>>,
 }
 
-impl Check {
-    /// Returns whether it compares the points with the settings, rather than with each other.
-    pub fn is_comparison(&self) -> bool {
-        !matches!(
-            self.name,
-            "rms_mm" | "left_out_mm" | "plane_gain" | "height_gain"
-        )
-    }
-
-    /// Returns whether the value is within its bound; a value that is not a number is not.
-    pub fn holds(&self) -> bool {
-        self.value <= self.bound
+impl From<String> for Refusal {
+    fn from(why: String) -> Refusal {
+        Refusal { why, fit: None }
     }
 }
 
-/// The area covered by points.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Spread {
-    /// Their extent along the narrowest strip of the table that contains them, metres.
-    pub length_m: f64,
-    /// Their extent across that strip, metres.
-    pub width_m: f64,
-    /// Error amplification in the plane, at the worst corner of what the window shows and the arm reaches; ratio of
-    /// standard deviations.
-    pub plane_gain: f64,
-    /// Error amplification in height, at the worst such corner.
-    pub height_gain: f64,
-}
-
-/// A corner of the part of the table that tasks see and the arm reaches.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Corner {
-    /// Its place by the fit, metres, base frame.
-    pub at_m: [f64; 3],
-    /// Its height above that of the table's stated middle, millimetres.
-    pub above_mm: f64,
-    /// The standard error of the fit there, in the plane, if points scatter by 1 mm or by `rms_mm`, whichever is more;
-    /// millimetres.
-    pub error_mm: f64,
-}
-
-/// The accuracy of a fit. Errors are distances in space between the tool and the fit's position for the pixel.
+/// The errors of points: distances in space between the tool and the fit's position for the pixel.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Accuracy {
     /// The error of each point, millimetres, in the order of the points.
@@ -103,327 +60,393 @@ pub struct Accuracy {
     pub rms_mm: f64,
     /// Root mean square of the left-out errors, millimetres.
     pub left_out_rms_mm: f64,
-    /// The area covered by the points, and how their errors propagate beyond it.
-    pub spread: Spread,
-    /// The residual at the table's corners, from the window's top left clockwise.
-    pub corners: Vec<Corner>,
-    /// Every value that has a bound.
-    pub checks: Vec<Check>,
 }
 
 impl Accuracy {
-    /// Returns the points, numbered from 1, that contradict the others although all together are accepted.
-    ///
-    /// The error of such a point exceeds `limit_mm` and three times that of the others.
-    pub fn outliers(&self, limit_mm: f64) -> Vec<usize> {
-        let others_rms = |out: usize| {
-            let kept = self.left_out_mm.iter().enumerate();
-            let kept: Vec<f64> = kept.filter(|it| it.0 != out).map(|it| *it.1).collect();
-            root_mean_square(&kept)
-        };
-        let stands_out = |(index, error): &(usize, &f64)| {
-            **error > limit_mm && **error > 3.0 * others_rms(*index)
-        };
-        let found = self.left_out_mm.iter().enumerate().filter(stands_out);
-        found.map(|(index, _)| index + 1).collect()
+    /// Returns the point, numbered from 1, that is farthest from where the others put it, and how far, millimetres.
+    pub fn worst(&self) -> (usize, f64) {
+        let numbered = (1..).zip(self.left_out_mm.iter().copied());
+        let worst = numbered.max_by(|a, b| a.1.total_cmp(&b.1));
+        worst.unwrap_or_default()
     }
 }
 
-/// Measures a fit and compares it with the terms; fails if it depends on a single point, or shows no table.
-pub(super) fn measure(
-    terms: &Terms,
-    lens: &Lens,
-    made: &Plane,
-    points: &[Sighting],
-) -> Result<Accuracy, Fault> {
-    let residual_mm = errors_mm(made, points).ok_or(Fault::Undetermined)?;
-    let left_out_mm = left_out(lens, points)?;
-    let (rms_mm, left_out_rms_mm) = (
-        root_mean_square(&residual_mm),
-        root_mean_square(&left_out_mm),
-    );
-    let corners = corners(terms, lens, made, points, rms_mm.max(1.0))?;
-    let [length_m, width_m] = extent_m(points);
-    let worst = |of: fn(&Gains) -> f64| {
-        corners
-            .iter()
-            .map(|(_, gains)| of(gains))
-            .fold(0.0, f64::max)
-    };
-    let spread = Spread {
-        length_m,
-        width_m,
-        plane_gain: worst(|gains| gains.plane),
-        height_gain: worst(|gains| gains.height),
-    };
-    let corners: Vec<Corner> = corners.into_iter().map(|(corner, _)| corner).collect();
-    let mut accuracy = Accuracy {
+/// A corner of the part of the table that tasks see and the arm reaches.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Corner {
+    /// Its place by the fit, metres, base frame.
+    pub at_m: [f64; 3],
+    /// Its height above that of the table's stated middle, millimetres.
+    pub above_mm: f64,
+    /// How well the points know it, millimetres: the standard error by leaving out each of them (the jackknife).
+    pub error_mm: f64,
+}
+
+/// The fit of accepted points.
+pub(super) struct Fitted {
+    pub fit: Plane,
+    /// For each point, the fit of the others.
+    pub others: Vec<Plane>,
+    pub accuracy: Accuracy,
+}
+
+/// Fits points; refuses those that are invalid on their own, then those that contradict the others.
+pub(super) fn fitted(terms: &Terms, pairs: &[Pair]) -> Result<Fitted, Refusal> {
+    let lens = check_terms(terms)?;
+    let lens = lens.as_ref();
+    let invalid: Vec<String> = (1..)
+        .zip(pairs)
+        .filter_map(|(point, pair)| terms.check_point(point, pair).err())
+        .collect();
+    if !invalid.is_empty() {
+        return Err(invalid.join("\n").into());
+    }
+    let mut places: Vec<[f64; 2]> = Vec::new();
+    for Pair { pixel, .. } in pairs {
+        let is_same = |other: &[f64; 2]| (other[0] - pixel[0]).hypot(other[1] - pixel[1]) < SAME_PX;
+        if !places.iter().any(is_same) {
+            places.push(*pixel);
+        }
+    }
+    if places.len() < MIN_PAIRS {
+        return Err(Refusal::from(format!(
+            "{} distinct points are too few: at least {MIN_PAIRS} are needed, because any four points fit exactly; touch \
+             a grid of 4 x 4 over the table",
+            places.len()
+        )));
+    }
+    let (points, limit_mm) = (sightings(lens, pairs)?, terms.limit_mm);
+    let left_out = LeftOut::of(lens, &points);
+    let fit = fit::fit(lens, &points);
+    if !left_out.agrees(limit_mm)
+        && let Some(refusal) = outliers(limit_mm, lens, pairs, &points)
+    {
+        return Err(refusal);
+    }
+    let fit = fit.ok_or_else(|| {
+        "the points lie on a line, or all but one do, and determine no fit: spread them over the table, as a grid of 4 x 4"
+            .to_owned()
+    })?;
+    let residual_mm: Vec<f64> = points.iter().map(|point| error_mm(&fit, point)).collect();
+    let accuracy = Accuracy {
+        rms_mm: root_mean_square(&residual_mm),
+        left_out_rms_mm: root_mean_square(&left_out.errors_mm),
         residual_mm,
-        left_out_mm,
-        rms_mm,
-        left_out_rms_mm,
-        spread,
-        corners,
-        checks: Vec::new(),
+        left_out_mm: left_out.errors_mm.clone(),
     };
-    accuracy.checks = scatter(terms, &accuracy);
-    accuracy
-        .checks
-        .extend(comparison(terms, lens, made, &accuracy)?);
-    Ok(accuracy)
-}
-
-/// How well the points agree with each other and cover the table.
-fn scatter(terms: &Terms, accuracy: &Accuracy) -> Vec<Check> {
-    let Accuracy {
-        rms_mm,
-        left_out_rms_mm,
-        spread,
-        ..
-    } = accuracy;
-    let numbered = accuracy.left_out_mm.iter().copied().zip(1..);
-    let worst = numbered.max_by(|a, b| a.0.total_cmp(&b.0));
-    let (worst_mm, worst) = worst.unwrap_or_default();
-    let anew = format!(
-        "point {worst} is the worst, {worst_mm:.1} mm from where the others put it; touch it anew, or all with more care"
-    );
-    let covered = format!(
-        "the points cover {:.0} x {:.0} mm",
-        spread.length_m * 1000.0,
-        spread.width_m * 1000.0
-    );
-    let wider = "touch a grid of 4 x 4 over all that tasks see, as `--grid 4x4` shows it";
-    vec![
-        Check {
-            name: "rms_mm",
-            value: *rms_mm,
-            bound: terms.limit_mm,
-            text: format!("the points fit to {rms_mm:.1} mm (root mean square)"),
-            next: anew.clone(),
-        },
-        Check {
-            name: "left_out_mm",
-            value: *left_out_rms_mm,
-            bound: terms.limit_mm * LEFT_OUT_SHARE,
-            text: format!(
-                "the points are {left_out_rms_mm:.1} mm from where the others put them (root mean square)"
-            ),
-            next: anew,
-        },
-        Check {
-            name: "plane_gain",
-            value: spread.plane_gain,
-            bound: MAX_GAIN,
-            text: format!(
-                "{covered}, and 1 mm of error in them becomes {:.1} mm in the plane at a corner of the table",
-                spread.plane_gain
-            ),
-            next: wider.to_owned(),
-        },
-        Check {
-            name: "height_gain",
-            value: spread.height_gain,
-            bound: MAX_GAIN,
-            text: format!(
-                "{covered}, and 1 mm of error in them becomes {:.1} mm in height at a corner of the table",
-                spread.height_gain
-            ),
-            next: wider.to_owned(),
-        },
-    ]
-}
-
-/// How a fit compares with the stated table and the stated camera.
-fn comparison(
-    terms: &Terms,
-    lens: &Lens,
-    made: &Plane,
-    accuracy: &Accuracy,
-) -> Result<Vec<Check>, Fault> {
-    // What is not stated has been refused before; not a number would be refused again.
-    let [height_m, up_deg] = [terms.height_m, terms.up_deg].map(|it| it.unwrap_or(f64::NAN));
-    let implied = implied::camera(made, lens).ok_or(Fault::Undetermined)?;
-    let shown = |share| {
-        made.world_from_pixel(terms.window.pixel_at(share))
-            .ok_or(Fault::Horizon)
+    let (worst, worst_mm) = accuracy.worst();
+    let against = |why: String| Refusal {
+        why,
+        fit: Some(Box::new(fit)),
     };
-    let (middle, top, bottom) = (shown([0.5, 0.5])?, shown([0.5, 0.4])?, shown([0.5, 0.6])?);
-    let found_up_deg = (top.y - bottom.y).atan2(top.x - bottom.x).to_degrees();
-    let off_deg = (found_up_deg - up_deg + 180.0).rem_euclid(360.0) - 180.0;
-    let [x, y, z] = terms.center_m;
-    let middle_mm = (middle.x - x).hypot(middle.y - y) * 1000.0;
-    let touched_m = height_at(&made.height, [x, y]);
-    let higher = accuracy
-        .corners
-        .iter()
-        .max_by(|a, b| a.above_mm.abs().total_cmp(&b.above_mm.abs()));
-    let corner = higher.ok_or(Fault::Horizon)?;
-    let share = implied.height_m / height_m;
-    let fitting_px = lens.focal_px[0] / share;
-    let places = "the pixels or the places of the points are wrong, or `camera.intrinsics`";
-    Ok(vec![
-        Check {
-            name: "shear_deg",
-            value: implied.shear_deg,
-            bound: MAX_SHEAR_DEG,
-            text: format!(
-                "by the points and `camera.intrinsics`, the table is sheared by {:.1} degrees",
-                implied.shear_deg
-            ),
-            next: places.to_owned(),
-        },
-        Check {
-            name: "stretch_percent",
-            value: (implied.stretch - 1.0) * 100.0,
-            bound: MAX_STRETCH_PERCENT,
-            text: format!(
-                "by the points and `camera.intrinsics`, the table is stretched by {:.1} % along one direction",
-                (implied.stretch - 1.0) * 100.0
-            ),
-            next: places.to_owned(),
-        },
-        Check {
-            name: "camera_height_percent",
-            value: (share - 1.0).abs() * 100.0,
-            bound: MAX_CAMERA_HEIGHT_PERCENT,
-            text: format!(
-                "by the points the lens is {:.3} m above the table, {:.1} % from `camera.height_m`, which is {height_m}",
-                implied.height_m,
-                (share - 1.0).abs() * 100.0
-            ),
-            next: format!(
-                "the pixels are of a picture of another size, the places of another unit, or `focal_px` (by the points {fitting_px:.0}) or the height is wrong"
-            ),
-        },
-        Check {
-            name: "up_deg",
-            value: off_deg.abs(),
-            bound: MAX_UP_DEG,
-            text: format!(
-                "by the points the picture's top lies at {found_up_deg:.1} degrees, {:.1} degrees from `camera.up_deg`, which is {up_deg}",
-                off_deg.abs()
-            ),
-            next: "the points are in another frame than the arm's base, or the picture is turned"
-                .to_owned(),
-        },
-        Check {
-            name: "middle_mm",
-            value: middle_mm,
-            bound: MAX_MIDDLE_MM,
-            text: format!(
-                "by the points the window's middle shows {:.3}, {:.3}, {middle_mm:.0} mm from `table.center_m`",
-                middle.x, middle.y
-            ),
-            next: "move the window until its middle shows the table's, or touch the points anew"
-                .to_owned(),
-        },
-        Check {
-            name: "height_mm",
-            value: (touched_m - z).abs() * 1000.0,
-            bound: MAX_HEIGHT_MM,
-            text: format!(
-                "at `table.center_m` the points put the table at {touched_m:.4} m, {:.1} mm from its height there",
-                (touched_m - z).abs() * 1000.0
-            ),
-            next: "touch the table's middle, and state that height".to_owned(),
-        },
-        Check {
-            name: "corner_mm",
-            value: corner.above_mm.abs(),
-            bound: MAX_CORNER_MM,
-            text: format!(
-                "at the corner {:.3}, {:.3} the points put the table {:.1} mm from the height in `table.center_m`",
-                corner.at_m[0],
-                corner.at_m[1],
-                corner.above_mm.abs()
-            ),
-            next: "level the table, and touch each point with the fingertips on it".to_owned(),
-        },
-    ])
+    let others: Option<Vec<Plane>> = left_out.fits.iter().copied().collect();
+    let others = others.ok_or_else(|| {
+        against(format!(
+            "without point {worst} the others do not determine a fit: touch more points, away from their line"
+        ))
+    })?;
+    if left_out.agrees(limit_mm) {
+        return Ok(Fitted {
+            fit,
+            others,
+            accuracy,
+        });
+    }
+    Err(against(format!(
+        "the points are {:.1} mm from where the others put them (root mean square); at most {limit_mm} mm are accepted: \
+         point {worst} is the worst, {worst_mm:.1} mm off; touch it anew, or all with more care",
+        accuracy.left_out_rms_mm
+    )))
 }
 
-/// How the points' errors grow at a place: standard deviations there, divided by those of the points.
-struct Gains {
-    plane: f64,
-    height: f64,
+/// Returns the lens of the camera, if its projection is known; fails if no points could meet the terms.
+pub(super) fn check_terms(terms: &Terms) -> Result<Option<Lens>, String> {
+    let limit_mm = terms.limit_mm;
+    if !(limit_mm > 0.0 && limit_mm <= MAX_LIMIT_MM) {
+        return Err(format!(
+            "the limit is {limit_mm} mm; it must be larger than 0 and at most {MAX_LIMIT_MM}; the default is {}",
+            super::LIMIT_MM
+        ));
+    }
+    let Some(intrinsics) = &terms.intrinsics else {
+        return Ok(None);
+    };
+    let ([width, height], [stated_width, stated_height]) = (terms.size_px, intrinsics.size_px);
+    if intrinsics.size_px != terms.size_px {
+        return Err(format!(
+            "the camera's intrinsics are for a picture of {stated_width} x {stated_height} px, and the picture has {width} x {height} px"
+        ));
+    }
+    fit::lens(intrinsics).map(Some)
 }
 
-/// Returns the corners of what the window shows, drawn in to what the arm reaches.
-fn corners(
-    terms: &Terms,
-    lens: &Lens,
-    made: &Plane,
+impl Terms {
+    /// Fails if a point is invalid on its own; `point` is its number.
+    pub fn check_point(&self, point: usize, pair: &Pair) -> Result<(), String> {
+        let Pair { pixel, base_m, .. } = pair;
+        let [width, height] = self.size_px;
+        if !pixel.iter().chain(base_m).all(|number| number.is_finite()) {
+            return Err(format!("point {point} has a number that is not finite"));
+        }
+        let is_inside = |(at, side): (&f64, u32)| (0.0..=f64::from(side)).contains(at);
+        if !pixel.iter().zip(self.size_px).all(is_inside) {
+            return Err(format!(
+                "point {point} is at the pixel {:.1}, {:.1}, outside of the picture of {width} x {height} px",
+                pixel[0], pixel[1]
+            ));
+        }
+        if base_m.iter().any(|number| number.abs() > FAR_M) {
+            return Err(format!(
+                "point {point} is at {}, {}, {}; an arm reaches about a metre, and positions are metres",
+                base_m[0], base_m[1], base_m[2]
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// Each point under the fit of the others.
+struct LeftOut {
+    /// `None` where they do not determine one.
+    fits: Vec<Option<Plane>>,
+    /// The errors of the points, millimetres.
+    errors_mm: Vec<f64>,
+}
+
+impl LeftOut {
+    fn of(lens: Option<&Lens>, points: &[Sighting]) -> LeftOut {
+        let without = |out: usize| fit::fit(lens, &[&points[..out], &points[out + 1..]].concat());
+        let fits: Vec<Option<Plane>> = (0..points.len()).map(without).collect();
+        let pairs = fits.iter().zip(points);
+        let errors_mm =
+            pairs.map(|(fit, point)| fit.map_or(f64::INFINITY, |fit| error_mm(&fit, point)));
+        LeftOut {
+            errors_mm: errors_mm.collect(),
+            fits,
+        }
+    }
+
+    /// Returns whether the points are as near to where the others put them as the limit says.
+    fn agrees(&self, limit_mm: f64) -> bool {
+        let most_mm = self.errors_mm.iter().copied().fold(0.0, f64::max);
+        root_mean_square(&self.errors_mm) <= limit_mm && most_mm <= STANDS_OUT * limit_mm
+    }
+}
+
+/// Names the few points without which the others agree; `None` if there are none.
+fn outliers(
+    limit_mm: f64,
+    lens: Option<&Lens>,
+    pairs: &[Pair],
     points: &[Sighting],
-    scatter_mm: f64,
-) -> Result<Vec<(Corner, Gains)>, Fault> {
-    let gain = plane::Gain::of(points).ok_or(Fault::Undetermined)?;
-    let [least, most] = terms.reach_m;
-    let corner = |share| {
-        let shown = made
-            .world_from_pixel(terms.window.pixel_at(share))
-            .ok_or(Fault::Horizon)?;
-        let [x, y] = [0, 1].map(|axis| shown[axis].max(least[axis]).min(most[axis]));
-        let z = height_at(&made.height, [x, y]);
-        let place = Point3::new(x, y, z);
-        let pixel = made.pixel_from_world(place).ok_or(Fault::Horizon)?;
-        let straight = lens.straightened(pixel).ok_or(Fault::Horizon)?;
-        let plane = gain.in_plane(straight).ok_or(Fault::Horizon)?;
-        let height = gain.in_height(place).ok_or(Fault::Undetermined)?;
-        let corner = Corner {
-            at_m: [x, y, z],
-            above_mm: (z - terms.center_m[2]) * 1000.0,
-            error_mm: plane * scatter_mm,
+) -> Option<Refusal> {
+    let mut kept: Vec<usize> = (0..points.len()).collect();
+    let mut removed = Vec::new();
+    let chosen = |kept: &[usize]| -> Vec<Sighting> { kept.iter().map(|it| points[*it]).collect() };
+    let mut left_out = LeftOut::of(lens, points);
+    while !left_out.agrees(limit_mm) {
+        if removed.len() == MAX_OUTLIERS || kept.len() < MIN_PAIRS {
+            return None;
+        }
+        // The wrong one is not always the farthest, but without it the others fit best.
+        let spread_mm = |out: usize| {
+            let Some(fit) = left_out.fits[out] else {
+                return f64::INFINITY;
+            };
+            let others = kept.iter().enumerate().filter(|(index, _)| *index != out);
+            let errors = others.map(|(_, point)| error_mm(&fit, &points[*point]));
+            root_mean_square(&errors.collect::<Vec<f64>>())
         };
-        Ok((corner, Gains { plane, height }))
-    };
-    [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
-        .map(corner)
-        .into_iter()
-        .collect()
+        let spreads: Vec<f64> = (0..kept.len()).map(spread_mm).collect();
+        let worst = (0..kept.len()).min_by(|a, b| spreads[*a].total_cmp(&spreads[*b]))?;
+        removed.push(kept.remove(worst));
+        left_out = LeftOut::of(lens, &chosen(&kept));
+    }
+    let fit = fit::fit(lens, &chosen(&kept))?;
+    removed.sort_unstable();
+    let why = removed.iter().map(|index| {
+        let (off_mm, given) = (error_mm(&fit, &points[*index]), pairs[*index].base_m);
+        let shown = error(&fit, &points[*index]).map_or_else(
+            || "beyond the table's horizon".to_owned(),
+            |error| {
+                let [x, y, z]: [f64; 3] = (Vector3::from(given) + error).into();
+                format!("at {x:.4}, {y:.4}, {z:.4}")
+            },
+        );
+        format!(
+            "point {} is {off_mm:.1} mm off: the other points put its pixel {shown}, but it was given as {:.4}, {:.4}, {:.4}",
+            index + 1,
+            given[0],
+            given[1],
+            given[2]
+        )
+    });
+    Some(Refusal {
+        why: why.collect::<Vec<String>>().join("\n"),
+        fit: Some(Box::new(fit)),
+    })
 }
 
-/// Returns the error of each point, millimetres; `None` if the fit cannot locate one.
-fn errors_mm(made: &Plane, points: &[Sighting]) -> Option<Vec<f64>> {
-    let length = |point| Some(error(made, point)?.norm() * 1000.0);
-    points.iter().map(length).collect()
-}
-
-/// Returns the error of each point under the fit of the others, millimetres.
-pub(super) fn left_out(lens: &Lens, points: &[Sighting]) -> Result<Vec<f64>, Fault> {
-    let length = |out: usize| {
-        let others: Vec<Sighting> = points[..out]
-            .iter()
-            .chain(&points[out + 1..])
-            .copied()
-            .collect();
-        Some(error(&fit(lens, &others)?, &points[out])?.norm() * 1000.0)
-    };
-    (0..points.len())
-        .map(|out| length(out).ok_or(Fault::HangsOn { point: out + 1 }))
-        .collect()
+/// Returns the error of a point, millimetres; infinity if the fit puts it beyond the horizon.
+fn error_mm(fit: &Plane, point: &Sighting) -> f64 {
+    error(fit, point).map_or(f64::INFINITY, |error| error.norm() * 1000.0)
 }
 
 /// Returns the root mean square; 0 for no values.
-pub(super) fn root_mean_square(errors: &[f64]) -> f64 {
+fn root_mean_square(errors: &[f64]) -> f64 {
     let squares: f64 = errors.iter().map(|error| error * error).sum();
     (squares / errors.len().max(1) as f64).sqrt()
 }
 
-/// Returns the extents of points on the table, metres: across the narrowest strip that contains them, and along it; the
-/// longer first.
-fn extent_m(points: &[Sighting]) -> [f64; 2] {
-    let along = |turn_deg: f64| {
-        let (sin, cos) = turn_deg.to_radians().sin_cos();
-        let places = points
+impl Calibration {
+    /// Judges it over the settings' table; returns the table's corners, from the window's top left clockwise.
+    ///
+    /// Fails if the points mirror the table, lie elsewhere than the settings say, or do not determine its corners.
+    pub fn over_table(&self, settings: &Settings) -> Result<[Corner; 4], Refusal> {
+        let against = |why: String| Refusal {
+            why,
+            fit: Some(Box::new(self.fit)),
+        };
+        let stated = &settings.camera.intrinsics;
+        if stated.is_some() && *stated != self.terms.intrinsics {
+            return Err(against(format!(
+                "the settings state another camera than the calibrated one: `camera.intrinsics` is {stated:?}, and was {:?}; \
+                 calibrate anew, or state the camera as it was",
+                self.terms.intrinsics
+            )));
+        }
+        let window = Window::from(settings.camera.window_px);
+        window.check_in(self.terms.size_px)?;
+        let middle_px = window.pixel_at([0.5; 2]);
+        // From columns to rows is clockwise; seen from above, from x to y is counter-clockwise. The sign of the map's
+        // determinant at a pixel is that of det(H) / w^3.
+        let at_middle = self.fit.world_from_pixel * Vector3::new(middle_px[0], middle_px[1], 1.0);
+        if self.fit.world_from_pixel.determinant() * at_middle.z >= 0.0 {
+            return Err(against(
+                "the points make the picture a mirror image of the table, which no camera above it sees: columns and rows are \
+                 swapped, or x and y, or a sign is lost, or the camera mirrors its picture"
+                    .to_owned(),
+            ));
+        }
+        let shares = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let corners = shares.map(|share| self.corner(settings, window.pixel_at(share)));
+        let ([Some(first), Some(second), Some(third), Some(fourth)], Some(middle)) =
+            (corners, self.fit.world_from_pixel(middle_px))
+        else {
+            return Err(against(
+                "by the points, a part of the window shows no table but what lies beyond its horizon: their pixels or places \
+                 are wrong"
+                    .to_owned(),
+            ));
+        };
+        let corners = [first, second, third, fourth];
+        let faults = self.faults(settings, &corners, middle);
+        if faults.is_empty() {
+            Ok(corners)
+        } else {
+            Err(against(faults.join("\n")))
+        }
+    }
+
+    /// Returns the place that a pixel shows, drawn in to what the arm reaches; `None` beyond the horizon.
+    fn corner(&self, settings: &Settings, pixel: [f64; 2]) -> Option<Corner> {
+        let shown = self.fit.world_from_pixel(pixel)?;
+        let (least, most) = (settings.workspace.min_m, settings.workspace.max_m);
+        let [x, y] = [0, 1].map(|axis| shown[axis].max(least[axis]).min(most[axis]));
+        let at = Point3::new(x, y, self.table_height_m([x, y]));
+        let pixel = self.fit.pixel_from_world(at)?;
+        let squares: f64 = self
+            .others
             .iter()
-            .map(|point| point.base.x * cos + point.base.y * sin);
-        let ends = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), it| {
-            (least.min(it), most.max(it))
-        });
-        (ends.1 - ends.0).max(0.0)
-    };
-    let turns = (0..180).map(f64::from);
-    let sides = turns.map(|turn_deg| [along(turn_deg + 90.0), along(turn_deg)]);
-    let narrowest = sides.min_by(|a, b| a[1].total_cmp(&b[1]));
-    narrowest.unwrap_or_default()
+            .map(|other| match other.world_from_pixel(pixel) {
+                Some(elsewhere) => (elsewhere - at).norm_squared(),
+                None => f64::INFINITY,
+            })
+            .sum();
+        let n = self.others.len() as f64;
+        Some(Corner {
+            at_m: at.into(),
+            above_mm: (at.z - settings.table.center_m[2]) * 1000.0,
+            error_mm: ((n - 1.0) / n * squares).sqrt() * 1000.0,
+        })
+    }
+
+    /// Returns what is wrong with the table by the points.
+    fn faults(
+        &self,
+        settings: &Settings,
+        corners: &[Corner; 4],
+        middle: Point3<f64>,
+    ) -> Vec<String> {
+        let mut faults = Vec::new();
+        let center = Point3::from(settings.table.center_m);
+        let middle_mm = (middle - center).xy().norm() * 1000.0;
+        if middle_mm > MAX_MIDDLE_MM {
+            faults.push(format!(
+                "by the points the window's middle shows {:.3}, {:.3}, {middle_mm:.0} mm from `table.center_m`; at most \
+                 {MAX_MIDDLE_MM} mm are accepted: move the window, or the points are in another frame than the arm's base, \
+                 or their pixels are of another picture",
+                middle.x, middle.y
+            ));
+        }
+        let touched = Point3::new(
+            center.x,
+            center.y,
+            self.table_height_m([center.x, center.y]),
+        );
+        let places = corners.iter().map(|corner| Point3::from(corner.at_m));
+        for place in [touched].into_iter().chain(places) {
+            let off_mm = (place.z - center.z).abs() * 1000.0;
+            if off_mm > MAX_HEIGHT_MM {
+                faults.push(format!(
+                    "at {:.3}, {:.3} the points put the table at {:.4} m, {off_mm:.1} mm from the height in `table.center_m`; \
+                     at most {MAX_HEIGHT_MM} mm are accepted: level the table, and touch each point with the fingertips on it",
+                    place.x, place.y, place.z
+                ));
+                break;
+            }
+        }
+        let table = area_m2(corners.map(|corner| [corner.at_m[0], corner.at_m[1]]));
+        let touched = self
+            .pairs
+            .iter()
+            .map(|pair| [pair.base_m[0], pair.base_m[1]]);
+        let covered = area_m2(hull::around(touched)) / table;
+        let wider = "touch a grid of 4 x 4 over all that tasks see, as `--grid 4x4` shows it";
+        if table < SMALLEST_TABLE_M2 {
+            faults.push(
+                "the window shows nothing that the arm reaches: move it, or `workspace`".to_owned(),
+            );
+        } else if covered < LEAST_COVER {
+            faults.push(format!(
+                "the points cover {:.0} % of the table that the window shows and the arm reaches; at least {:.0} % are needed: {wider}",
+                covered * 100.0,
+                LEAST_COVER * 100.0
+            ));
+        }
+        let least = corners
+            .iter()
+            .max_by(|a, b| a.error_mm.total_cmp(&b.error_mm));
+        let limit_mm = self.terms.limit_mm;
+        if let Some(corner) = least
+            && corner.error_mm > limit_mm
+        {
+            faults.push(format!(
+                "at the corner {:.3}, {:.3} the points know the table to {:.1} mm; at most {limit_mm} mm are accepted: {wider}",
+                corner.at_m[0], corner.at_m[1], corner.error_mm
+            ));
+        }
+        faults
+    }
+}
+
+/// Returns the area of a polygon, square metres.
+fn area_m2(outline: impl AsRef<[[f64; 2]]>) -> f64 {
+    let outline = outline.as_ref();
+    let next = outline.iter().cycle().skip(1);
+    let doubled = outline
+        .iter()
+        .zip(next)
+        .map(|(a, b)| a[0] * b[1] - b[0] * a[1]);
+    doubled.sum::<f64>().abs() / 2.0
 }

@@ -48,11 +48,39 @@ impl Window {
         ]
     }
 
+    /// Returns the pixels of a grid over it, row by row: the best places to touch.
+    ///
+    /// The outermost are a tenth of the side from the border, so that the fingertips around them are visible.
+    pub fn grid(&self, [columns, rows]: [u32; 2]) -> Vec<[f64; 2]> {
+        let share = |index: u32, n: u32| match n {
+            0 | 1 => 0.5,
+            _ => 0.1 + 0.8 * f64::from(index) / f64::from(n - 1),
+        };
+        let places = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
+        let pixel = |(column, row)| {
+            let pixel = self.pixel_at([share(column, columns), share(row, rows)]);
+            pixel.map(f64::round)
+        };
+        places.map(pixel).collect()
+    }
+
     /// Returns whether it has a nonzero side and lies in a picture of this size.
     pub fn is_in(&self, size_px: [u32; 2]) -> bool {
         let ends = |start: u32| start.checked_add(self.side_px);
         let fits = |start, size| ends(start).is_some_and(|end| end <= size);
         self.side_px > 0 && fits(self.left_px, size_px[0]) && fits(self.top_px, size_px[1])
+    }
+
+    /// Fails if it does not lie in a picture of this size.
+    pub fn check_in(&self, size_px: [u32; 2]) -> Result<(), String> {
+        if self.is_in(size_px) {
+            return Ok(());
+        }
+        let ([left, top, side], [width, height]) = (<[u32; 3]>::from(*self), size_px);
+        Err(format!(
+            "the window `{left}, {top}, {side}` does not lie in the camera's picture of {width} x {height} px; its left and \
+             its side come to {width} at the most, its top and its side to {height}"
+        ))
     }
 }
 

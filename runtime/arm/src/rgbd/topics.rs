@@ -4,13 +4,22 @@
 //! judged by the camera's own stamps. These are compared with this machine's clock, so a camera whose machine has
 //! another time is refused with an explanation.
 
-use super::pairs::{PAIR_NS, PairBuffer, Refused, now_ns, store};
 use super::{RgbdError, RgbdSource, Shot, picture};
 use fab_picture::DepthImage;
+use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 const POLL: Duration = Duration::from_millis(5);
+
+/// How far the stamps of colour and depth may be apart. Nothing moves while a picture is taken.
+const PAIR_NS: u64 = 50_000_000;
+
+/// How far a stamp may be ahead of this machine's clock.
+const AHEAD_NS: i64 = 50_000_000;
+
+/// The most pictures of a kind that wait for their counterpart.
+const MAX_PENDING: usize = 8;
 
 /// A picture in a message (`sensor_msgs/Image`); nothing in it has been checked.
 #[derive(Clone, Debug, Default)]
@@ -63,17 +72,42 @@ pub struct CameraTopics {
 
 /// Where messages of the camera's topics are put.
 #[derive(Clone, Default)]
-pub struct Inbox(Arc<Mutex<PairBuffer>>);
+pub struct Inbox(Arc<Mutex<Arrived>>);
+
+/// What arrived since the request.
+#[derive(Default)]
+struct Arrived {
+    /// The time of the request, nanoseconds since 1970; `None` without one.
+    from_ns: Option<i64>,
+    colors: Pictures,
+    depths: Pictures,
+    /// It outlives a request, because some cameras publish it only once.
+    info: Option<CameraInfo>,
+}
+
+/// The pictures of one topic.
+#[derive(Default)]
+struct Pictures {
+    pending: VecDeque<Image>,
+    /// By how much the last refused stamp was before the request (negative) or ahead of the clock.
+    off_ns: Option<i64>,
+}
 
 impl Inbox {
     /// Takes a colour picture.
     pub fn color(&self, image: Image) {
-        store(&mut self.lock(), image, |buffer| &mut buffer.colors);
+        let mut arrived = self.lock();
+        if let Some(from_ns) = arrived.from_ns {
+            arrived.colors.take(image, from_ns);
+        }
     }
 
     /// Takes a depth picture.
     pub fn depth(&self, image: Image) {
-        store(&mut self.lock(), image, |buffer| &mut buffer.depths);
+        let mut arrived = self.lock();
+        if let Some(from_ns) = arrived.from_ns {
+            arrived.depths.take(image, from_ns);
+        }
     }
 
     /// Takes a projection.
@@ -81,9 +115,59 @@ impl Inbox {
         self.lock().info = Some(info);
     }
 
-    fn lock(&self) -> MutexGuard<'_, PairBuffer> {
+    /// Forgets earlier pictures, and takes those from now on; or none, without a request.
+    fn request(&self, from_ns: Option<i64>) {
+        let mut arrived = self.lock();
+        let info = arrived.info.take();
+        *arrived = Arrived {
+            from_ns,
+            info,
+            ..Arrived::default()
+        };
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Arrived> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+impl Pictures {
+    /// Keeps a picture that was taken since the request.
+    fn take(&mut self, image: Image, from_ns: i64) {
+        let (before_ns, ahead_ns) = (
+            image.stamp_ns.saturating_sub(from_ns),
+            image.stamp_ns.saturating_sub(now_ns()),
+        );
+        if before_ns < 0 {
+            self.off_ns = Some(before_ns);
+        } else if ahead_ns > AHEAD_NS {
+            self.off_ns = Some(ahead_ns);
+        } else {
+            self.pending.truncate(MAX_PENDING - 1);
+            self.pending.push_front(image);
+        }
+    }
+}
+
+impl Arrived {
+    /// Returns a colour picture with the depth nearest in time, or with none if none is needed.
+    fn pair(&self, needs_depth: bool) -> Option<(Image, Option<Image>)> {
+        let mut colors = self.colors.pending.iter();
+        if !needs_depth {
+            return colors.next().map(|color| (color.clone(), None));
+        }
+        colors.find_map(|color| {
+            let apart_ns = |depth: &&Image| depth.stamp_ns.abs_diff(color.stamp_ns);
+            let nearest = self.depths.pending.iter().min_by_key(apart_ns)?;
+            let is_near = apart_ns(&nearest) <= PAIR_NS;
+            is_near.then(|| (color.clone(), Some(nearest.clone())))
+        })
+    }
+}
+
+fn now_ns() -> i64 {
+    let since_epoch = SystemTime::now().duration_since(UNIX_EPOCH);
+    i64::try_from(since_epoch.unwrap_or_default().as_nanos()).unwrap_or(i64::MAX / 2)
 }
 
 /// A camera behind topics.
@@ -108,36 +192,35 @@ impl<L> TopicCamera<L> {
     }
 
     /// Explains why no picture came in time.
-    fn missing(&self, buffer: &PairBuffer) -> String {
-        let seconds = self.timeout.as_secs_f64();
-        let silent = |topic: &str| {
-            format!("nothing came on `{topic}` within {seconds} s: is the camera's driver started?")
-        };
-        let refused = |topic: &str, refused: Refused| {
-            let (by_ns, side) = match refused {
-                Refused::Old { by_ns } => (by_ns, "before the picture was requested"),
-                Refused::Ahead { by_ns } => (by_ns, "in the future"),
-            };
-            let by_s = by_ns as f64 / 1e9;
-            format!(
-                "`{topic}` is stamped {by_s:.2} s {side}: do the clocks of both machines agree?"
-            )
-        };
+    fn missing(&self, arrived: &Arrived) -> String {
         let topics = [
-            (Some(&self.topics.color), &buffer.colors),
-            (self.topics.depth.as_ref(), &buffer.depths),
+            (Some(&self.topics.color), &arrived.colors),
+            (self.topics.depth.as_ref(), &arrived.depths),
         ];
-        for (topic, arrived) in topics {
-            let Some(topic) = topic else { continue };
-            match (arrived.pictures.is_empty(), arrived.refused) {
-                (false, _) => {}
-                (true, Some(last)) => return refused(topic, last),
-                (true, None) => return silent(topic),
+        let mut silent = topics.into_iter().filter_map(|(topic, pictures)| {
+            let is_silent = pictures.pending.is_empty();
+            topic
+                .filter(|_| is_silent)
+                .map(|topic| (topic, pictures.off_ns))
+        });
+        let info = self.topics.info.as_ref().filter(|_| arrived.info.is_none());
+        match silent.next().or(info.map(|topic| (topic, None))) {
+            Some((topic, None)) => format!(
+                "nothing came on `{topic}` within {} s: is the camera's driver started?",
+                self.timeout.as_secs_f64()
+            ),
+            Some((topic, Some(off_ns))) => {
+                let side = if off_ns < 0 {
+                    "before the picture was requested"
+                } else {
+                    "in the future"
+                };
+                let by_s = off_ns.abs() as f64 / 1e9;
+                format!(
+                    "`{topic}` is stamped {by_s:.2} s {side}: do the clocks of both machines agree?"
+                )
             }
-        }
-        match &self.topics.info {
-            Some(topic) if buffer.info.is_none() => silent(topic),
-            _ => format!(
+            None => format!(
                 "no colour and depth were stamped within {} ms of each other",
                 PAIR_NS / 1_000_000
             ),
@@ -156,21 +239,11 @@ impl<L> TopicCamera<L> {
             Some(depth) => picture::depth(depth)?,
             None => DepthImage::new(rgb.width(), rgb.height()),
         };
-        if depth_m.dimensions() != rgb.dimensions() {
-            let found = [depth_m.width(), depth_m.height()];
-            return Err(format!(
-                "its depth has {found:?} pixels and its colour {size_px:?}: use the topic of the depth that is aligned with the colour"
-            ));
-        }
         let intrinsics = info
             .map(|info| picture::intrinsics(info, size_px))
             .transpose()?
             .flatten();
-        Ok(Shot {
-            rgb,
-            depth_m,
-            intrinsics,
-        })
+        Shot::aligned(rgb, depth_m, intrinsics)
     }
 }
 
@@ -185,28 +258,26 @@ impl<L> RgbdSource for TopicCamera<L> {
             why,
         };
         let deadline = Instant::now() + self.timeout;
-        self.inbox.lock().start(now_ns());
+        self.inbox.request(Some(now_ns()));
         let found = loop {
-            let mut buffer = self.inbox.lock();
             let is_last = Instant::now() >= deadline;
-            let needs_info = self.topics.info.is_some() && buffer.info.is_none();
-            let pair = if needs_info {
-                None
-            } else {
-                buffer.pair(self.topics.depth.is_some(), is_last)
-            };
-            if let Some(pair) = pair {
-                break Ok((pair, buffer.info.clone()));
+            let arrived = self.inbox.lock();
+            let needs_info = self.topics.info.is_some() && arrived.info.is_none();
+            let pair = arrived.pair(self.topics.depth.is_some());
+            match pair.filter(|_| !needs_info) {
+                Some(pair) => break Ok((pair, arrived.info.clone())),
+                None if is_last => break Err(self.missing(&arrived)),
+                None => {}
             }
-            if is_last {
-                break Err(self.missing(&buffer));
-            }
-            drop(buffer);
+            drop(arrived);
             std::thread::sleep(POLL);
         };
-        self.inbox.lock().stop();
+        self.inbox.request(None);
         let ((color, depth), info) = found.map_err(failed)?;
         self.read(&color, depth.as_ref(), info.as_ref())
             .map_err(failed)
     }
 }
+
+#[cfg(test)]
+mod tests;

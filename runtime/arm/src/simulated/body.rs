@@ -16,9 +16,6 @@ const FINGER_S: f64 = 1.0;
 /// Cloth keeps the fingers open by this share of their travel.
 const CLOTH_SHARE: f64 = 0.08;
 
-/// Distance before its goal at which a motion with the fault `FallsShort` ends, metres.
-const SHORT_M: f64 = 0.007;
-
 /// A shorter way is no motion, metres.
 const LEAST_M: f64 = 1e-4;
 
@@ -32,9 +29,6 @@ pub trait SimulatedTable {
 
     /// Returns whether cloth is between the fingers at a tool pose.
     fn is_cloth_between_fingers(&self, tool: &Isometry3<f64>) -> bool;
-
-    /// Makes the camera over the table stop delivering pictures.
-    fn lose_camera(&mut self) {}
 }
 
 /// A joint motion in progress.
@@ -111,13 +105,7 @@ impl Body {
     }
 
     /// Starts a straight motion to a pose, within the repeatability; fails if there is no joint path.
-    ///
-    /// - `falls_short`: whether it ends before the pose.
-    pub(super) fn move_straight(
-        &mut self,
-        to: &Isometry3<f64>,
-        falls_short: bool,
-    ) -> Result<(), String> {
+    pub(super) fn move_straight(&mut self, to: &Isometry3<f64>) -> Result<(), String> {
         let is_motion = |from: &Isometry3<f64>| {
             (to.translation.vector - from.translation.vector).norm() > LEAST_M
         };
@@ -155,7 +143,7 @@ impl Body {
             }
             self.arrival = Some((reached, commanded));
         }
-        self.follow(&points, falls_short)
+        self.follow(&points)
     }
 
     /// Returns the angles to which the joints were commanded: of the goal that they have reached, else where they are.
@@ -167,9 +155,7 @@ impl Body {
     }
 
     /// Starts a motion through points; fails if they do not fit the arm.
-    ///
-    /// - `falls_short`: whether it ends before the last one.
-    pub(super) fn follow(&mut self, points: &[Waypoint], falls_short: bool) -> Result<(), String> {
+    pub(super) fn follow(&mut self, points: &[Waypoint]) -> Result<(), String> {
         let joints = self.joints_rad.len();
         let fit = points.iter().all(|point| {
             point.joints_rad.len() == joints
@@ -182,9 +168,6 @@ impl Body {
         // As a controller does, begin where the joints are.
         let mut way = vec![Waypoint::at_rest(self.joints_rad.clone(), 0.0)];
         way.extend(points.iter().filter(|point| point.at_s > 0.0).cloned());
-        if falls_short {
-            self.shorten(&mut way);
-        }
         self.motion = Some(Motion {
             points: way,
             for_s: 0.0,
@@ -193,38 +176,9 @@ impl Body {
         Ok(())
     }
 
-    /// Ends a way where the tool is still [`SHORT_M`] before its end, or where it begins.
-    fn shorten(&self, way: &mut Vec<Waypoint>) {
-        let place = |point: &Waypoint| {
-            let tool = self.chain().base_from_tool(&point.joints_rad);
-            tool.map_or(Vector3::zeros(), |tool| tool.translation.vector)
-        };
-        let Some(end) = way.last().map(place) else {
-            return;
-        };
-        let left_m: Vec<f64> = way
-            .iter()
-            .map(|point| (place(point) - end).norm())
-            .collect();
-        let last = left_m.iter().rposition(|left_m| *left_m >= SHORT_M);
-        let (kept, share) = match last {
-            Some(at) => (at, (left_m[at] - SHORT_M) / (left_m[at] - left_m[at + 1])),
-            None => (0, 0.0),
-        };
-        if let [before, after, ..] = &way[kept..] {
-            let angles = before.joints_rad.iter().zip(&after.joints_rad);
-            let angles = angles.map(|(before, after)| before + share * (after - before));
-            let rest = Waypoint::at_rest(angles.collect(), after.at_s);
-            way.truncate(kept + 1);
-            way.push(rest);
-        }
-    }
-
     /// Starts a motion through points that a stop only suspends; fails if they do not fit the arm.
-    ///
-    /// - `falls_short`: whether it ends before the last one.
-    pub(super) fn stream(&mut self, points: &[Waypoint], falls_short: bool) -> Result<(), String> {
-        self.follow(points, falls_short)?;
+    pub(super) fn stream(&mut self, points: &[Waypoint]) -> Result<(), String> {
+        self.follow(points)?;
         if let Some(motion) = &mut self.motion {
             motion.outlives_stop = true;
         }
@@ -262,18 +216,11 @@ impl Body {
         self.are_fingers_stuck = true;
     }
 
-    /// Loses the camera over the table.
-    pub(super) fn lose_camera(&mut self) {
-        if let Some(table) = &self.table {
-            table.borrow_mut().lose_camera();
-        }
-    }
-
     /// Turns the first joint, whatever the goal is.
-    pub(super) fn run_away(&mut self, seconds: f64) {
+    pub(super) fn run_away(&mut self, by_rad: f64) {
         self.motion = None;
         if !self.is_stuck {
-            self.joints_rad[0] += 0.3 * seconds;
+            self.joints_rad[0] += by_rad;
         }
     }
 

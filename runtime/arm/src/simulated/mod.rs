@@ -1,20 +1,16 @@
 //! A simulated arm that behaves like the node of the real one.
 //!
 //! In: the messages of a [`Port`], on a clock that only [`Port::wait`] advances. Out: moving joints and fingers,
-//! reports that arrive late or never, and cloth under the hand. As with kinova-ros, readings come ten times a second; a
+//! reports that arrive late, and cloth under the hand. As with kinova-ros, readings come ten times a second; a
 //! goal counts as reached within 10 mm and 2 degrees; a goal that is cancelled, preempted or stalls makes the node stop
 //! the arm and *start it again*; and a stopped arm aborts every goal, except a trajectory, which waits until the arm is
 //! enabled and is aborted after twice its duration. There are no dynamics: joints are where their motion says, which
 //! takes the time that plans state, and a stop ends it at once.
 
 mod body;
-mod faults;
 mod node;
-mod shared;
 
 pub use body::SimulatedTable;
-pub use faults::{Fault, FaultKind};
-pub use shared::SharedArm;
 
 use super::kinematics::chain::Chain;
 use super::kinematics::reach::Reach;
@@ -24,7 +20,6 @@ use super::port::{
 use super::settings::{FingerSettings, Settings};
 use super::timing::JointLimits;
 use body::Body;
-use faults::Faults;
 use nalgebra::{Isometry3, Point3};
 use node::{Goal, Node};
 use std::cell::RefCell;
@@ -46,18 +41,10 @@ const REPEATABILITY_M: f64 = 0.001;
 pub struct SimulatedArm {
     body: Body,
     node: Node,
-    faults: Faults,
     clock_s: f64,
     readings: Readings,
     read_s: f64,
-    /// The last stamp, on the arm's clock.
-    stamp_s: f64,
     stamps: Stamps,
-    /// The tool's pose when the arm was stopped, and its largest distance from there since, metres.
-    since_stop: Option<(Isometry3<f64>, f64)>,
-    /// Bounds of all tool positions so far, metres: least and largest.
-    extent_m: [[f64; 3]; 2],
-    has_lost_camera: bool,
 }
 
 /// How an arm is simulated.
@@ -77,8 +64,6 @@ pub struct Simulation {
     pub repeatability_m: f64,
     /// Seeds everything random.
     pub seed: u64,
-    /// The faults.
-    pub faults: Vec<Fault>,
 }
 
 impl Simulation {
@@ -98,7 +83,6 @@ impl Simulation {
             speed_m_s: settings.motion.speed_m_s,
             repeatability_m: REPEATABILITY_M,
             seed: 0,
-            faults: Vec::new(),
         })
     }
 }
@@ -109,21 +93,14 @@ impl SimulatedArm {
         simulation: Simulation,
         table: Option<Rc<RefCell<dyn SimulatedTable>>>,
     ) -> SimulatedArm {
-        let faults = Faults::new(simulation.faults.clone());
         let body = Body::new(simulation, table);
-        let at: [f64; 3] = body.tool().translation.vector.into();
         let mut arm = SimulatedArm {
             body,
             node: Node::default(),
-            faults,
             clock_s: 0.0,
             readings: Readings::default(),
             read_s: f64::NEG_INFINITY,
-            stamp_s: 0.0,
             stamps: Stamps::default(),
-            since_stop: None,
-            extent_m: [at, at],
-            has_lost_camera: false,
         };
         arm.read();
         arm
@@ -134,90 +111,44 @@ impl SimulatedArm {
         self.node.is_stopped()
     }
 
-    /// Returns the largest distance of the tool from its position at the last stop, metres; `None` if the arm is not
-    /// stopped.
-    pub fn moved_after_stop_m(&self) -> Option<f64> {
-        self.since_stop.map(|(_, moved_m)| moved_m)
-    }
-
-    /// Returns the least and the largest coordinates of the tool so far, metres, base frame.
-    pub fn extent_m(&self) -> [[f64; 3]; 2] {
-        self.extent_m
-    }
-
     /// Returns the true pose of the tool, `base_from_tool`; readings of it arrive later.
     pub fn tool(&self) -> Isometry3<f64> {
         self.body.tool()
     }
 
-    /// Injects a fault from now on.
-    pub fn fail(&mut self, kind: FaultKind) {
-        let from_s = self.clock_s;
-        self.faults.add(Fault { kind, from_s });
+    /// Returns whether a goal is being executed.
+    pub fn is_busy(&self) -> bool {
+        self.node.is_busy()
     }
 
-    /// Returns whether the camera has stopped delivering pictures.
-    pub fn has_lost_camera(&mut self) -> bool {
-        if self.faults.take(FaultKind::NoPicture, self.clock_s) {
-            self.has_lost_camera = true;
-            self.body.lose_camera();
-        }
-        self.has_lost_camera
+    /// Jams the joints for good, for tests.
+    pub fn jam_joints(&mut self) {
+        self.body.stick();
+    }
+
+    /// Jams the fingers for good, for tests.
+    pub fn jam_fingers(&mut self) {
+        self.body.stick_fingers();
+    }
+
+    /// Takes the first joint off its path, by an angle in radians, for tests.
+    pub fn run_away(&mut self, by_rad: f64) {
+        self.body.run_away(by_rad);
     }
 
     fn tick(&mut self) {
         self.clock_s += TICK_S;
-        if self.faults.take(FaultKind::PressedStop, self.clock_s) {
-            self.stop_body();
-        }
-        if self.faults.is_active(FaultKind::StuckJoint, self.clock_s) {
-            self.body.stick();
-        }
-        if self.faults.is_active(FaultKind::StuckFingers, self.clock_s) {
-            self.body.stick_fingers();
-        }
-        self.has_lost_camera();
-        let runs_away = !self.node.is_stopped()
-            && self.node.is_busy()
-            && self.faults.is_active(FaultKind::Runaway, self.clock_s);
-        if runs_away {
-            self.body.run_away(TICK_S);
-        }
         self.body.advance(TICK_S);
-        self.node
-            .advance(self.clock_s, &mut self.body, &mut self.faults);
-        let tool = self.body.tool();
-        for axis in 0..3 {
-            let at = tool.translation.vector[axis];
-            self.extent_m[0][axis] = self.extent_m[0][axis].min(at);
-            self.extent_m[1][axis] = self.extent_m[1][axis].max(at);
-        }
-        if let Some((at, moved_m)) = &mut self.since_stop {
-            let away_m = (tool.translation.vector - at.translation.vector).norm();
-            *moved_m = moved_m.max(away_m);
-        }
+        self.node.advance(self.clock_s, &mut self.body);
         if self.clock_s - self.read_s >= READING_S - 1e-9 {
             self.read();
         }
     }
 
     fn read(&mut self) {
-        if self.faults.is_active(FaultKind::Silence, self.clock_s) {
-            return;
-        }
-        if let Some(since_s) = self.faults.since_s(FaultKind::ShortSilence)
-            && (since_s..since_s + 0.6).contains(&self.clock_s)
-        {
-            return;
-        }
         self.read_s = self.clock_s;
-        if !self
-            .faults
-            .is_active(FaultKind::RepeatedReading, self.clock_s)
-        {
-            self.stamp_s = AHEAD_S + self.clock_s;
-        }
-        let Some(at_s) = self.stamps.taken_s(self.stamp_s, self.clock_s) else {
+        let stamp_s = AHEAD_S + self.clock_s;
+        let Some(at_s) = self.stamps.taken_s(stamp_s, self.clock_s) else {
             return;
         };
         self.readings = Readings {
@@ -237,13 +168,7 @@ impl SimulatedArm {
     }
 
     fn send(&mut self, goal: Goal) -> GoalId {
-        self.node.send(goal, self.clock_s, &mut self.faults)
-    }
-
-    fn stop_body(&mut self) {
-        self.node.stop(&mut self.body);
-        // A second stop must not reset the distance since the first.
-        self.since_stop.get_or_insert((self.body.tool(), 0.0));
+        self.node.send(goal, self.clock_s)
     }
 }
 
@@ -276,21 +201,12 @@ impl Port for SimulatedArm {
     }
 
     fn cancel(&mut self, goal: &GoalId) -> Result<(), PortError> {
-        if !self.faults.take(FaultKind::LostCancel, self.clock_s) {
-            self.node.cancel(goal, self.clock_s);
-        }
+        self.node.cancel(goal, self.clock_s);
         Ok(())
     }
 
     fn stop(&mut self) -> Result<(), PortError> {
-        if self.faults.take(FaultKind::LostStop, self.clock_s) {
-            self.wait(1.0);
-            return Err(PortError {
-                what: "the service `in/stop`".to_owned(),
-                why: "no answer within 1 s".to_owned(),
-            });
-        }
-        self.stop_body();
+        self.node.stop(&mut self.body);
         Ok(())
     }
 
@@ -300,7 +216,6 @@ impl Port for SimulatedArm {
 
     fn start(&mut self) -> Result<(), PortError> {
         self.node.start(&mut self.body);
-        self.since_stop = None;
         Ok(())
     }
 

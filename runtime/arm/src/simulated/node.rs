@@ -1,7 +1,6 @@
 //! The node that moves a simulated arm: its action servers, with the behaviour of the real ones.
 
 use super::body::Body;
-use super::faults::{FaultKind, Faults};
 use crate::driver::Deviation;
 use crate::port::{Ending, GoalId, GoalState, Waypoint};
 use nalgebra::Isometry3;
@@ -61,10 +60,8 @@ pub(super) struct Node {
     in_transit: Vec<(f64, Message)>,
     /// At most one for each server.
     active: Vec<Active>,
-    /// How goals ended, and when the report arrives; infinity if it never does.
+    /// How goals ended, and when the report arrives.
     ended: BTreeMap<GoalId, (Ending, f64)>,
-    /// A goal of which nothing is heard.
-    unheard: Option<GoalId>,
     is_stopped: bool,
     looked_s: f64,
 }
@@ -83,13 +80,11 @@ impl Node {
         !self.active.is_empty()
     }
 
-    pub(super) fn send(&mut self, goal: Goal, now_s: f64, faults: &mut Faults) -> GoalId {
+    pub(super) fn send(&mut self, goal: Goal, now_s: f64) -> GoalId {
         self.sent += 1;
         let id = GoalId(format!("goal-{:06}", self.sent));
-        if !faults.loses_goal(now_s) {
-            let message = Message::Goal(id.clone(), goal);
-            self.in_transit.push((now_s + LATENCY_S, message));
-        }
+        let message = Message::Goal(id.clone(), goal);
+        self.in_transit.push((now_s + LATENCY_S, message));
         id
     }
 
@@ -100,9 +95,6 @@ impl Node {
 
     /// Returns the state of a goal as its sender sees it by now.
     pub(super) fn goal_state(&self, goal: &GoalId, now_s: f64) -> GoalState {
-        if self.unheard.as_ref() == Some(goal) {
-            return GoalState::Sent;
-        }
         match self.ended.get(goal) {
             Some((ending, heard_s)) if *heard_s <= now_s => GoalState::Ended(*ending),
             Some(_) => GoalState::Active,
@@ -122,7 +114,7 @@ impl Node {
     }
 
     /// Handles messages that have arrived, and runs a server cycle when it is due.
-    pub(super) fn advance(&mut self, now_s: f64, body: &mut Body, faults: &mut Faults) {
+    pub(super) fn advance(&mut self, now_s: f64, body: &mut Body) {
         let arrived: Vec<Message> = {
             let (here, later) = std::mem::take(&mut self.in_transit)
                 .into_iter()
@@ -133,42 +125,25 @@ impl Node {
         };
         for message in arrived {
             match message {
-                Message::Goal(id, goal) => self.take(id, goal, now_s, body, faults),
-                Message::Cancel(id) => {
-                    self.preempt(|active| active.id == id, now_s, body, faults);
-                }
+                Message::Goal(id, goal) => self.take(id, goal, now_s, body),
+                Message::Cancel(id) => self.preempt(|active| active.id == id, now_s, body),
             }
         }
         if now_s - self.looked_s >= LOOK_S - 1e-9 {
             self.looked_s = now_s;
-            self.look(now_s, body, faults);
+            self.look(now_s, body);
         }
     }
 
-    fn take(&mut self, id: GoalId, goal: Goal, now_s: f64, body: &mut Body, faults: &mut Faults) {
+    fn take(&mut self, id: GoalId, goal: Goal, now_s: f64, body: &mut Body) {
         let server = discriminant(&goal);
         let same = |active: &Active| discriminant(&active.goal) == server;
-        self.preempt(same, now_s, body, faults);
-        // A goal at the current pose is a probe. It can neither fall short nor be aborted: such a fault waits for a
-        // motion.
-        let is_motion = match &goal {
-            Goal::Trajectory(points) => !is_near(body, points),
-            Goal::Pose(pose) => Deviation::between(&body.tool(), pose).position_m > REACHED_M,
-            Goal::Fingers(_) => true,
-        };
+        self.preempt(same, now_s, body);
         let started = match (self.is_stopped, &goal) {
             // The controller accepts a trajectory at any time; a stop only holds the joints.
-            (_, Goal::Trajectory(points)) => {
-                let falls_short = faults.is_active(FaultKind::FallsShortAlways, now_s)
-                    || is_motion && faults.take(FaultKind::FallsShort, now_s);
-                body.stream(points, falls_short)
-            }
+            (_, Goal::Trajectory(points)) => body.stream(points),
             (true, _) => Err(String::new()),
-            (false, Goal::Pose(pose)) => {
-                let falls_short = faults.is_active(FaultKind::FallsShortAlways, now_s)
-                    || is_motion && faults.take(FaultKind::FallsShort, now_s);
-                body.move_straight(pose, falls_short)
-            }
+            (false, Goal::Pose(pose)) => body.move_straight(pose),
             (false, Goal::Fingers(positions)) => match positions.first() {
                 Some(position) if position.is_finite() => {
                     body.move_fingers(*position);
@@ -177,16 +152,11 @@ impl Node {
                 _ => Err(String::new()),
             },
         };
-        if is_motion && faults.take(FaultKind::LostStatus, now_s) {
-            self.unheard = Some(id.clone());
-        }
-        let is_aborted =
-            started.is_err() || is_motion && faults.take(FaultKind::AbortedGoal, now_s);
-        if is_aborted {
+        if started.is_err() {
             if !self.is_stopped {
                 body.halt();
             }
-            self.end(id, Ending::Aborted, now_s, faults);
+            self.end(id, Ending::Aborted, now_s);
             return;
         }
         self.active.push(Active {
@@ -200,13 +170,7 @@ impl Node {
 
     /// Preempts an active goal as kinova-ros does: it stops the arm and starts it again; for a trajectory it empties
     /// the controller instead.
-    fn preempt(
-        &mut self,
-        is_meant: impl Fn(&Active) -> bool,
-        now_s: f64,
-        body: &mut Body,
-        faults: &mut Faults,
-    ) {
+    fn preempt(&mut self, is_meant: impl Fn(&Active) -> bool, now_s: f64, body: &mut Body) {
         let Some(index) = self.active.iter().position(is_meant) else {
             return;
         };
@@ -215,21 +179,17 @@ impl Node {
         if !matches!(active.goal, Goal::Trajectory(_)) {
             self.start(body);
         }
-        self.end(active.id, Ending::Preempted, now_s, faults);
+        self.end(active.id, Ending::Preempted, now_s);
     }
 
-    fn end(&mut self, id: GoalId, ending: Ending, now_s: f64, faults: &mut Faults) {
-        let heard_s = match faults.take(FaultKind::LostResult, now_s) {
-            true => f64::INFINITY,
-            false => now_s + LATENCY_S,
-        };
+    fn end(&mut self, id: GoalId, ending: Ending, now_s: f64) {
         while self.ended.len() >= MAX_REMEMBERED {
             self.ended.pop_first();
         }
-        self.ended.insert(id, (ending, heard_s));
+        self.ended.insert(id, (ending, now_s + LATENCY_S));
     }
 
-    fn look(&mut self, now_s: f64, body: &mut Body, faults: &mut Faults) {
+    fn look(&mut self, now_s: f64, body: &mut Body) {
         let is_stopped = self.is_stopped;
         let mut over = Vec::new();
         for active in &mut self.active {
@@ -239,11 +199,11 @@ impl Node {
         }
         for (id, ending) in over {
             match ending {
-                Ending::Preempted => self.preempt(|active| active.id == id, now_s, body, faults),
+                Ending::Preempted => self.preempt(|active| active.id == id, now_s, body),
                 // On success the arm continues to the goal by itself: only the server is done.
                 _ => {
                     self.active.retain(|active| active.id != id);
-                    self.end(id, ending, now_s, faults);
+                    self.end(id, ending, now_s);
                 }
             }
         }

@@ -126,7 +126,7 @@ fn fingers_are_told_by_their_place_in_whichever_units() {
             tolerance: 0.015 * way.abs(),
             ..settings.fingers
         };
-        let port = SimulatedArm::new(simulation(&settings, 0, &[]), None);
+        let port = faulty(&settings, 0, &[], None);
         let mut arm = by.drive(port, &settings);
         let close = |arm: &mut Driven| arm.move_fingers(Opening::Closed, &mut nobody);
         assert_eq!(
@@ -141,7 +141,7 @@ fn fingers_are_told_by_their_place_in_whichever_units() {
             is_grasped: false,
         };
         let table = Rc::new(RefCell::new(cloth));
-        let port = SimulatedArm::new(simulation(&settings, 0, &[]), Some(table));
+        let port = faulty(&settings, 0, &[], Some(table));
         let between = close(&mut by.drive(port, &settings));
         assert_eq!(between, Ok(HandContents::Something), "{open} to {closed}");
     }

@@ -231,8 +231,7 @@ fn motions_are_sent_in_one_place() {
         }
     }
     senders.sort();
-    // A shared simulated arm hands on what it is sent.
-    assert_eq!(senders, ["goal.rs", "shared.rs"]);
+    assert_eq!(senders, ["goal.rs"]);
 }
 
 /// A folded elbow brings the wrist to the upper arm.

@@ -4,7 +4,10 @@
 
 mod drivers;
 mod executions;
+mod fault;
 mod faults;
+#[allow(dead_code, reason = "tests of other packages use the rest")]
+mod faulty;
 mod journals;
 mod judged;
 mod limited;
@@ -22,10 +25,13 @@ use super::limits::Limited;
 use super::port::{AfterStop, GoalId, GoalState, Port, PortError, Readings, Waypoint};
 use super::route::Route;
 use super::settings::Settings;
-use super::simulated::{Fault, FaultKind, SimulatedArm, SimulatedTable, Simulation};
+use super::simulated::{SimulatedTable, Simulation};
 use super::supervisor::{Supervisor, Watchdog};
+use crate as arm;
 use fab_base::interrupt::Interrupt;
 use fab_program::Manner;
+use fault::{Fault, FaultKind};
+use faulty::Faulty;
 use nalgebra::{Isometry3, Point3};
 use std::cell::RefCell;
 use std::path::Path;
@@ -75,7 +81,7 @@ impl SimulatedTable for Patch {
     }
 }
 
-type Driven = PortArm<SimulatedArm>;
+type Driven = PortArm<Faulty>;
 
 /// The kind of commands that a driver sends.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,15 +110,18 @@ impl By {
     }
 }
 
-fn simulation(settings: &Settings, seed: u64, faults: &[(FaultKind, f64)]) -> Simulation {
-    let faults = faults.iter();
-    Simulation {
+fn faulty(
+    settings: &Settings,
+    seed: u64,
+    faults: &[(FaultKind, f64)],
+    table: Option<Rc<RefCell<dyn SimulatedTable>>>,
+) -> Faulty {
+    let simulation = Simulation {
         seed,
-        faults: faults
-            .map(|&(kind, from_s)| Fault { kind, from_s })
-            .collect(),
         ..Simulation::of(settings).unwrap()
-    }
+    };
+    let faults = faults.iter().map(|&(kind, from_s)| Fault { kind, from_s });
+    Faulty::new(simulation, table, faults.collect())
 }
 
 /// An arm above a patch of cloth, at rest, with all its surroundings.
@@ -133,11 +142,8 @@ impl Bench {
             at: Point3::from(PICK_M),
             is_grasped: false,
         }));
-        let simulation = simulation(&settings, seed, faults);
-        let arm = by.drive(
-            SimulatedArm::new(simulation, Some(cloth.clone())),
-            &settings,
-        );
+        let port = faulty(&settings, seed, faults, Some(cloth.clone()));
+        let arm = by.drive(port, &settings);
         Bench {
             arm: Limited::new(Box::new(arm), guard(&settings)),
             settings,
@@ -160,7 +166,7 @@ impl Bench {
         self.cloth.borrow_mut().at = Point3::new(0.6, 0.3, 0.02);
     }
 
-    fn port(&mut self) -> &mut SimulatedArm {
+    fn port(&mut self) -> &mut Faulty {
         self.arm.arm().port()
     }
 
@@ -236,7 +242,7 @@ impl Bench {
 /// An arm whose joint readings stop at a given time or are off by an angle, and which records when it moved and when a
 /// goal was cancelled; or one without the vendor's servers.
 struct Tapped {
-    arm: SimulatedArm,
+    arm: Faulty,
     deaf_s: f64,
     off_rad: f64,
     cancelled_s: Option<f64>,
@@ -247,7 +253,7 @@ struct Tapped {
 }
 
 impl Tapped {
-    fn deaf(arm: SimulatedArm, deaf_s: f64) -> Tapped {
+    fn deaf(arm: Faulty, deaf_s: f64) -> Tapped {
         Tapped {
             arm,
             deaf_s,
@@ -260,7 +266,7 @@ impl Tapped {
     }
 
     /// An arm that takes trajectories alone, and whose stop is their cancellation.
-    fn generic(arm: SimulatedArm) -> Tapped {
+    fn generic(arm: Faulty) -> Tapped {
         Tapped {
             after_stop: AfterStop::Accepts,
             ..Tapped::deaf(arm, f64::INFINITY)

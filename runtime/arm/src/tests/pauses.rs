@@ -65,7 +65,7 @@ fn a_stop_that_is_pressed_before_a_pause_is_not_lifted_unnoticed() {
         for hundredth in 0..70 {
             let pressed_s = f64::from(let_go_at_look) * 0.05 - 0.4 + f64::from(hundredth) * 0.01;
             let pressed = [(FaultKind::PressedStop, pressed_s)];
-            let port = SimulatedArm::new(simulation(&settings, 0, &pressed), None);
+            let port = faulty(&settings, 0, &pressed, None);
             let mut arm = by.drive(Tapped::deaf(port, f64::INFINITY), &settings);
             let mut looks = 0;
             let mut watch = |_: &ArmState| {

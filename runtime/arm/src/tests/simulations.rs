@@ -7,7 +7,7 @@ use crate::port::{Ending, GoalState};
 #[test]
 fn a_trajectory_goes_on_where_an_arm_is_let_go() {
     let settings = settings();
-    let mut port = SimulatedArm::new(simulation(&settings, 0, &[]), None);
+    let mut port = faulty(&settings, 0, &[], None);
     let mut turned = Simulation::of(&settings).unwrap().joints_rad;
     turned[0] += 0.2;
     let at = |at_s, joints_rad: &[f64]| Waypoint::at_rest(joints_rad.to_vec(), at_s);
@@ -29,10 +29,7 @@ fn a_trajectory_goes_on_where_an_arm_is_let_go() {
 #[test]
 fn the_next_three_goals_are_lost_and_no_fourth() {
     let settings = settings();
-    let mut port = SimulatedArm::new(
-        simulation(&settings, 0, &[(FaultKind::LostGoals, 0.0)]),
-        None,
-    );
+    let mut port = faulty(&settings, 0, &[(FaultKind::LostGoals, 0.0)], None);
     let here = port.tool();
     let arrived = [(); 5].map(|()| {
         let id = port.send_pose(&here).unwrap();

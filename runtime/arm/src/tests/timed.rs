@@ -223,7 +223,7 @@ fn joints_keep_their_limits_and_the_tool_its_line_in_many_plans() {
 fn the_simulated_arm_keeps_the_times_that_a_plan_states() {
     let settings = settings();
     for by in By::BOTH {
-        let port = SimulatedArm::new(simulation(&settings, 0, &[]), None);
+        let port = faulty(&settings, 0, &[], None);
         let mut arm = by.drive(Tapped::deaf(port, f64::INFINITY), &settings);
         let from = arm.state().unwrap();
         let points = [PICK_M, PLACE_M].map(Point3::from);
@@ -257,7 +257,7 @@ fn a_trajectory_begins_where_the_joints_are_or_not_at_all() {
     let settings = settings();
     let there = tool_down(&Point3::new(0.40, -0.25, 0.20), 0.0);
     for (off_rad, is_sent) in [(0.0, true), (0.01, true), (0.06, false)] {
-        let port = SimulatedArm::new(simulation(&settings, 0, &[]), None);
+        let port = faulty(&settings, 0, &[], None);
         let tapped = Tapped {
             off_rad,
             ..Tapped::deaf(port, f64::INFINITY)

@@ -107,7 +107,7 @@ fn a_trajectory_that_never_arrived_is_no_obstacle_to_a_stop() {
 fn joints_that_are_not_heard_are_silent_and_not_stopped() {
     let settings = settings();
     for (deaf_s, wait_s) in [(-1.0, 0.0), (0.0, 2.0), (ON_THE_WAY_S, 0.0)] {
-        let port = SimulatedArm::new(simulation(&settings, 0, &[]), None);
+        let port = faulty(&settings, 0, &[], None);
         let mut arm = By::Trajectories.drive(Tapped::deaf(port, deaf_s), &settings);
         arm.wait(wait_s);
         let mut moved = go(&mut arm);
@@ -118,7 +118,7 @@ fn joints_that_are_not_heard_are_silent_and_not_stopped() {
         let is_told = matches!(moved, Err(ArmError::Silent { what, .. }) if what == "joints are");
         assert!(is_told, "{deaf_s}: {moved:?}");
         // Tool poses do not need joint readings.
-        let port = SimulatedArm::new(simulation(&settings, 0, &[]), None);
+        let port = faulty(&settings, 0, &[], None);
         go(&mut By::Poses.drive(Tapped::deaf(port, deaf_s), &settings)).unwrap();
     }
 }
@@ -127,7 +127,7 @@ fn joints_that_are_not_heard_are_silent_and_not_stopped() {
 fn links_do_not_come_below_the_table() {
     let settings = settings();
     let state = |height_m: f64| {
-        let port = SimulatedArm::new(simulation(&settings, 0, &[]), None);
+        let port = faulty(&settings, 0, &[], None);
         let mut table = settings.clone();
         table.table.center_m[2] = height_m;
         // The box is another subject: only the table moves.
@@ -153,7 +153,7 @@ fn an_arm_without_the_vendors_servers_moves_and_is_stopped() {
     for (lost, is_verified) in [(0, true), (2, true), (20, false)] {
         let settings = settings();
         let faults = vec![(FaultKind::LostCancel, ON_THE_WAY_S); lost];
-        let port = SimulatedArm::new(simulation(&settings, 0, &faults), None);
+        let port = faulty(&settings, 0, &faults, None);
         let mut arm = By::Trajectories.drive(Tapped::generic(port), &settings);
         let mut watch = |state: &ArmState| match state.at_s > ON_THE_WAY_S {
             true => Err(Halt::Stop(ArmError::Interrupted)),

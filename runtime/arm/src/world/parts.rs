@@ -70,8 +70,7 @@ pub fn load(path: &Path) -> Result<(Settings, String, Calibration), String> {
     }
     let hash = digest::hex(&hash.finalize());
     let beside = path.parent().unwrap_or(Path::new("."));
-    let calibration = Calibration::load(&beside.join(&settings.calibration));
-    let calibration = calibration.map_err(|error| error.to_string())?;
+    let calibration = Calibration::load(&beside.join(&settings.calibration))?;
     Ok((settings, hash, calibration))
 }
 

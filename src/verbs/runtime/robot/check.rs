@@ -6,7 +6,7 @@
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use clap::{Args, ValueHint};
-use fab_arm::calibration::{Accuracy, Calibration, METHOD};
+use fab_arm::calibration::{Accuracy, Calibration, Corner};
 use fab_arm::guard::{Guard, Surface};
 use fab_arm::kinematics::reach::Reach;
 use fab_arm::settings::{CameraSource, Settings};
@@ -63,10 +63,10 @@ enum CalibrationCheck {
 struct MadeCalibration {
     usable: bool,
     made_on: String,
-    method: &'static str,
     camera: String,
     #[serde(flatten)]
     accuracy: Accuracy,
+    corners: [Corner; 4],
 }
 
 pub fn run(arguments: &RobotCheckArguments, io: &Io) -> Result<Exit, Failure> {
@@ -185,18 +185,13 @@ fn calibration(robot: &Path, settings: &Settings) -> Result<MadeCalibration, [St
     let beside = robot.parent().unwrap_or(Path::new(""));
     let path = beside.join(&settings.calibration);
     let is_simulated = settings.camera.source == CameraSource::Simulated;
-    let picture = match settings.camera.source {
-        CameraSource::Simulated => "",
-        CameraSource::Ros | CameraSource::Ros2 => " --shoot",
-        CameraSource::Directory => " --image PNG",
-    };
     let calibrate = format!(
-        "touch points and calibrate: `fabc calibrate --robot {} --grid 4x4{picture}`",
+        "touch points and calibrate: `fabc calibrate --robot {} --grid 4x4`",
         robot.display()
     );
     let made = Calibration::load(&path);
-    let made = made.map_err(|error| [error.to_string(), calibrate.clone()])?;
-    let compared = made.check_settings(settings).map_err(|refusal| {
+    let made = made.map_err(|error| [error, calibrate.clone()])?;
+    let corners = made.over_table(settings).map_err(|refusal| {
         let file = robot.display();
         [
             format!("it does not fit these settings: {refusal}"),
@@ -211,9 +206,9 @@ fn calibration(robot: &Path, settings: &Settings) -> Result<MadeCalibration, [St
     Ok(MadeCalibration {
         usable: true,
         made_on: made.made_on,
-        method: METHOD,
         camera: made.terms.camera,
-        accuracy: compared,
+        accuracy: made.accuracy,
+        corners,
     })
 }
 
@@ -223,12 +218,12 @@ impl Inspection {
         let mut lines = vec![format!("settings     {name}, {model}: can be used")];
         match &self.calibration {
             CalibrationCheck::Usable(made) => {
-                let (made_on, method, camera) = (&made.made_on, made.method, &made.camera);
+                let (made_on, camera) = (&made.made_on, &made.camera);
                 let left_out_mm = made.accuracy.left_out_rms_mm;
                 lines.push(format!(
-                    "calibration  of {made_on}, {method}, camera {camera}: can be used; a point left out is {left_out_mm:.1} mm off"
+                    "calibration  of {made_on}, camera {camera}: can be used; a point left out is {left_out_mm:.1} mm off"
                 ));
-                lines.extend(made.accuracy.corners.iter().map(|corner| {
+                lines.extend(made.corners.iter().map(|corner| {
                     let ([x, y, _], above_mm) = (corner.at_m, corner.above_mm.abs());
                     let side = if corner.above_mm < 0.0 { "below" } else { "above" };
                     format!(

@@ -11,7 +11,7 @@ use clap::{Args, ValueHint};
 use fab_agent::arm_sight::SIGHT;
 use fab_arm::directory::PictureSelection;
 use fab_arm::journal;
-use fab_arm::settings::{DriverKind, Settings};
+use fab_arm::settings::{CameraSource, DriverKind, Settings};
 use fab_arm::supervisor::{NoWatchdog, Supervisor, Unattended};
 use fab_arm::world::{self, ArmWorld, FlatPicture, Parts, WithinReach};
 use fab_program::{ClothStart, Program};
@@ -89,6 +89,13 @@ pub fn check(arguments: &ArmArguments, mode: ArmMode, io: &Io) -> Result<Setting
     if mode == ArmMode::PlanOnly {
         return Ok(settings);
     }
+    if settings.driver == DriverKind::Simulated && !has_simulated_camera(&settings) {
+        return Err(Failure::environment(format!(
+            "the arm of `{}` is simulated and would move a simulated cloth, and its `camera.source` shows another table: \
+             state `camera.source = \"simulated\"`, or plan for the camera's picture with `--plan-only`",
+            robot.display()
+        )));
+    }
     connect::check_built(&settings).map_err(Failure::environment)?;
     supervisor(arguments, &settings, io)?;
     Ok(settings)
@@ -129,6 +136,7 @@ pub fn world(
     };
     let supervisor = supervisor.map_err(|error| failed(error.to_string()))?;
     let is_simulated = settings.driver == DriverKind::Simulated;
+    let has_simulated_camera = has_simulated_camera(&settings);
     let watchdog_s = settings.tolerance.watchdog_s;
     let mut parts = Parts {
         settings,
@@ -149,10 +157,12 @@ pub fn world(
         camera.map_err(|why| WorldError::Camera { why })
     };
     Ok(match (mode, is_simulated) {
-        (ArmMode::PlanOnly, true) => Box::new(ArmWorld::planning_simulated(parts)?.with_flat(flat)),
+        (ArmMode::PlanOnly, _) if has_simulated_camera => {
+            Box::new(ArmWorld::planning_simulated(parts)?.with_flat(flat))
+        }
         (ArmMode::Execute, true) => Box::new(ArmWorld::simulated(parts)?.with_flat(flat)),
-        (ArmMode::PlanOnly, false) => {
-            let camera = camera(&parts.settings, PictureSelection::Last)?;
+        (ArmMode::PlanOnly, _) => {
+            let camera = camera(&parts.settings, PictureSelection::Newest)?;
             Box::new(ArmWorld::planning(parts, camera)?.with_flat(flat))
         }
         (ArmMode::Execute, false) => {
@@ -176,6 +186,10 @@ pub fn look(program: &Program, arguments: &ArmArguments) -> Result<Box<dyn World
     let (settings, _, calibration) = world::load(arguments.robot()).map_err(failed)?;
     let world = super::world(program)?;
     Ok(Box::new(WithinReach::new(world, settings, &calibration)))
+}
+
+fn has_simulated_camera(settings: &Settings) -> bool {
+    settings.camera.source == CameraSource::Simulated
 }
 
 /// Returns whether a person beside the arm judges the result, if the command line does not say.

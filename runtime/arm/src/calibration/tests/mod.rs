@@ -1,8 +1,8 @@
 //! Tests of calibrations with a simulated camera over a table and a simulated arm that touches it.
 #![allow(clippy::unwrap_used)]
 
-mod errors;
 mod files;
+mod fits;
 mod lines;
 mod refusals;
 mod touches;
@@ -11,7 +11,7 @@ mod views;
 
 use super::*;
 use nalgebra::{Isometry3, Point3, Vector3};
-use truth::{Noise, Truth, terms, window};
+use truth::{Noise, Truth, window};
 
 /// Returns a usual grid of `side * side` measured points, with errors of 0.5 mm and 0.3 pixels.
 fn measured_grid(seed: u64, side: u32, share: f64) -> Vec<Pair> {
@@ -22,9 +22,45 @@ fn measured_grid(seed: u64, side: u32, share: f64) -> Vec<Pair> {
         .collect()
 }
 
+fn terms() -> Terms {
+    Truth::usual().terms()
+}
+
 /// Calibrates without a picture.
-fn make(terms: Terms, pairs: Vec<Pair>) -> Result<Calibration, Refusal> {
-    Calibration::make(terms, pairs, "2026-11-22", None)
+fn make(pairs: Vec<Pair>) -> Result<Calibration, Refusal> {
+    Calibration::make(terms(), pairs, "2026-11-22", None)
+}
+
+/// Calibrates, and judges the table of the usual settings by it.
+fn judged(pairs: Vec<Pair>) -> Result<[Corner; 4], Refusal> {
+    make(pairs)?.over_table(&settings())
+}
+
+/// What a person would state in the settings of this camera and table.
+fn settings() -> Settings {
+    let truth = Truth::usual();
+    let [x, y, z]: [f64; 3] = truth.table(window().pixel_at([0.5; 2])).into();
+    let text = format!(
+        "
+name = 'lab'
+model = 'j2n6s200'
+driver = 'simulated'
+calibration = 'lab.toml'
+table = {{ center_m = [{x:.3}, {y:.3}, {z:.4}] }}
+workspace = {{ min_m = [0.15, -0.525, 0.012], max_m = [0.75, 0.525, 0.5], rest_m = [0.3, -0.4, 0.25] }}
+fingers = {{ count = 2, open = 0.0, closed = 6400.0, tolerance = 200.0 }}
+[camera]
+source = 'directory'
+folder = 'shots'
+window_px = [80, 0, 480]
+[camera.intrinsics]
+size_px = [640, 480]
+focal_px = [600.0, 602.0]
+middle_px = [322.0, 238.0]
+distortion = [0.0, 0.0, 0.0, 0.0, 0.0]
+"
+    );
+    Settings::parse(&text).unwrap()
 }
 
 impl Noise {

@@ -44,7 +44,6 @@ impl Truth {
         Pair {
             pixel,
             base_m: self.table(pixel).into(),
-            tag: None,
         }
     }
 
@@ -66,21 +65,11 @@ impl Truth {
             .collect()
     }
 
-    /// What a person would state of this camera and table.
     pub fn terms(&self) -> Terms {
-        let shown = |share| self.table(window().pixel_at(share));
-        let (middle, top, bottom) = (shown([0.5, 0.5]), shown([0.5, 0.4]), shown([0.5, 0.6]));
-        let up = top - bottom;
-        let height_m = self.base_from_camera.translation.z - middle.z;
         Terms {
             limit_mm: LIMIT_MM,
-            camera: "simulated".to_owned(),
+            camera: "shots".to_owned(),
             size_px: [640, 480],
-            window: window(),
-            height_m: Some((height_m * 1000.0).round() / 1000.0),
-            up_deg: Some(up.y.atan2(up.x).to_degrees().round()),
-            center_m: middle.into(),
-            reach_m: [[0.15, -0.525], [0.75, 0.525]],
             intrinsics: Some(self.intrinsics()),
         }
     }
@@ -88,10 +77,6 @@ impl Truth {
 
 pub fn window() -> Window {
     Window::from([80, 0, 480])
-}
-
-pub fn terms() -> Terms {
-    Truth::usual().terms()
 }
 
 /// Reproducible random numbers.

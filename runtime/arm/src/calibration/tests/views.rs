@@ -1,7 +1,6 @@
 //! Tests that the camera of the tasks' picture agrees with the calibration at every point.
 
 use super::*;
-use crate::calibration::view::Window;
 use proptest::prelude::*;
 
 #[test]
@@ -15,69 +14,30 @@ fn windows_lie_in_their_picture() {
     ] {
         assert_eq!(Window::from(window).is_in([640, 480]), is_in, "{window:?}");
     }
-    let mut terms = terms();
-    terms.window = Window::from([200, 0, 480]);
-    let refusal = make(terms, Truth::usual().grid(4, 0.8));
-    assert!(matches!(
-        refusal.unwrap_err().faults[..],
-        [Fault::Window { .. }]
-    ));
-}
-
-/// What a person would state in the settings.
-fn settings() -> Settings {
-    let Terms {
-        center_m,
-        height_m,
-        up_deg,
-        ..
-    } = terms();
-    let text = format!(
-        "
-name = 'lab'
-model = 'j2n6s200'
-driver = 'simulated'
-calibration = 'lab.toml'
-table = {{ center_m = {center_m:?} }}
-workspace = {{ min_m = [0.15, -0.525, 0.012], max_m = [0.75, 0.525, 0.5], rest_m = [0.3, -0.4, 0.25] }}
-fingers = {{ count = 2, open = 0.0, closed = 6400.0, tolerance = 200.0 }}
-[camera]
-source = 'directory'
-folder = 'shots'
-window_px = [80, 0, 480]
-height_m = {:?}
-up_deg = {:?}
-[camera.intrinsics]
-size_px = [640, 480]
-focal_px = [600.0, 602.0]
-middle_px = [322.0, 238.0]
-distortion = [0.0, 0.0, 0.0, 0.0, 0.0]
-",
-        height_m.unwrap(),
-        up_deg.unwrap()
+    let error = Window::from([200, 0, 480])
+        .check_in([640, 480])
+        .unwrap_err();
+    assert!(
+        error.contains("`200, 0, 480` does not lie in the camera's picture of 640 x 480 px"),
+        "{error}"
     );
-    Settings::parse(&text).unwrap()
 }
 
 type Edit = fn(&mut Settings);
 
 #[test]
 fn settings_that_disagree_with_the_calibration_are_refused() {
-    let expected = Terms {
-        camera: "shots".to_owned(),
-        ..terms()
-    };
-    assert_eq!(Terms::of(&settings(), [640, 480], 3.0), expected);
-    let made = make(expected, measured_grid(11, 4, 0.8)).unwrap();
-    made.check_settings(&settings()).unwrap();
-    let cases: [(Edit, &str); 9] = [
+    assert_eq!(Terms::of(&settings(), [640, 480], LIMIT_MM), terms());
+    let made = make(measured_grid(11, 4, 0.8)).unwrap();
+    made.over_table(&settings()).unwrap();
+    let cases: [(Edit, &str); 6] = [
         (
             |it| it.table.center_m[2] += 0.1,
-            "99.8 mm from its height there; at most 5 mm",
+            "mm from the height in `table.center_m`; at most 10 mm",
         ),
         (
             |it| it.table.center_m[0] -= 0.15,
-            "150 mm from `table.center_m`; at most 50 mm",
+            "151 mm from `table.center_m`; at most 50 mm",
         ),
         (
             |it| it.camera.window_px = [0, 0, 480],
@@ -88,54 +48,20 @@ fn settings_that_disagree_with_the_calibration_are_refused() {
             "does not lie in the camera's picture",
         ),
         (
-            |it| it.camera.height_m = Some(1.3),
-            "% from `camera.height_m`, which is 1.3",
-        ),
-        (
-            |it| it.camera.height_m = None,
-            "`camera.height_m` is not stated",
-        ),
-        (
-            |it| it.camera.up_deg = Some(90.0),
-            "degrees from `camera.up_deg`, which is 90",
-        ),
-        (
-            |it| it.camera.intrinsics.as_mut().unwrap().size_px = [1280, 960],
-            "its intrinsics are for [1280, 960] px, and were for [640, 480]",
-        ),
-        (
             |it| it.camera.intrinsics.as_mut().unwrap().focal_px = [780.0, 780.0],
-            "its focal length is [780.0, 780.0], and was [600.0, 602.0]",
+            "the settings state another camera than the calibrated one",
+        ),
+        (
+            |it| (it.workspace.min_m[0], it.workspace.max_m[0]) = (1.0, 1.5),
+            "the window shows nothing that the arm reaches",
         ),
     ];
     for (change, words) in cases {
         let mut settings = settings();
         change(&mut settings);
-        let refusal = made.check_settings(&settings).expect_err(words);
+        let refusal = made.over_table(&settings).expect_err(words);
         assert!(refusal.to_string().contains(words), "{words}: {refusal}");
     }
-}
-
-#[test]
-fn a_wider_window_than_was_measured_is_refused() {
-    let truth = Truth::usual();
-    let part = Window::from([200, 120, 240]);
-    let places = [0.1, 0.4, 0.6, 0.9];
-    let places = places.into_iter().flat_map(|v| places.map(|u| [u, v]));
-    let pairs = places.map(|share| truth.pair(part.pixel_at(share)));
-    let narrow = Terms {
-        window: part,
-        ..terms()
-    };
-    let made = make(narrow, pairs.collect()).unwrap();
-    let refusal = made.check_settings(&settings()).unwrap_err().to_string();
-    assert!(
-        refusal.contains("in the plane at a corner of the table; at most 2 mm"),
-        "{refusal}"
-    );
-    let mut fitting = settings();
-    fitting.camera.window_px = [200, 120, 240];
-    made.check_settings(&fitting).unwrap();
 }
 
 proptest! {
@@ -159,7 +85,7 @@ proptest! {
         let square = share.map(|share| share * f64::from(image_px));
         let pair = truth.pair(pixel);
         let wanted = world_from_base.transform_point(&Point3::from(pair.base_m));
-        let made = make(truth.terms(), truth.grid(4, 0.8)).unwrap();
+        let made = Calibration::make(truth.terms(), truth.grid(4, 0.8), "2026-11-22", None).unwrap();
         let camera = made.camera(&world_from_base, &window, image_px);
         prop_assert_eq!(camera.size_px, [image_px; 2]);
         let shown = camera.table_from_pixel(square).unwrap();

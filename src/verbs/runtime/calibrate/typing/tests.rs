@@ -22,7 +22,8 @@ fn guided(typed: &str, mut places: Vec<Result<[f64; 3], String>>) -> (Vec<Pair>,
     let setup = TypingSetup {
         grid: None,
         path: &path,
-        seen: None,
+        window: Window::from([0, 0, 720]),
+        seen: &RgbImage::new(720, 720),
         tags: Ok(&[]),
     };
     let mut lines = typed.as_bytes();

@@ -1,4 +1,4 @@
-//! Faults that can be injected into a simulated arm, for tests and rehearsals.
+//! What may go wrong with a simulated arm.
 
 use serde::{Deserialize, Serialize};
 
@@ -49,65 +49,5 @@ fab_base::named! {
         StuckFingers = "stuck_fingers",
         /// The camera never delivers a picture again.
         NoPicture = "no_picture",
-    }
-}
-
-/// Pending and active faults of an arm.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Faults {
-    pending: Vec<Fault>,
-    lasting: Vec<FaultKind>,
-    /// How many of the next goals do not arrive.
-    goals_to_lose: u32,
-}
-
-impl Faults {
-    pub(super) fn new(faults: Vec<Fault>) -> Faults {
-        Faults {
-            pending: faults,
-            ..Faults::default()
-        }
-    }
-
-    /// Adds a pending fault.
-    pub(super) fn add(&mut self, fault: Fault) {
-        self.pending.push(fault);
-    }
-
-    /// Consumes a due one-time fault of a kind; returns whether there was one.
-    pub(super) fn take(&mut self, kind: FaultKind, now_s: f64) -> bool {
-        let due = |fault: &Fault| fault.kind == kind && fault.from_s <= now_s;
-        let Some(index) = self.pending.iter().position(due) else {
-            return false;
-        };
-        self.pending.remove(index);
-        true
-    }
-
-    /// Returns whether a goal that is sent now is lost.
-    pub(super) fn loses_goal(&mut self, now_s: f64) -> bool {
-        if self.take(FaultKind::LostGoals, now_s) {
-            self.goals_to_lose += 3;
-        }
-        if self.take(FaultKind::LostGoal, now_s) {
-            self.goals_to_lose += 1;
-        }
-        let is_lost = self.goals_to_lose > 0;
-        self.goals_to_lose = self.goals_to_lose.saturating_sub(1);
-        is_lost
-    }
-
-    /// Returns whether a lasting fault of a kind has started.
-    pub(super) fn is_active(&mut self, kind: FaultKind, now_s: f64) -> bool {
-        if self.take(kind, now_s) {
-            self.lasting.push(kind);
-        }
-        self.lasting.contains(&kind)
-    }
-
-    /// Returns the start time of a pending fault of a kind.
-    pub(super) fn since_s(&self, kind: FaultKind) -> Option<f64> {
-        let fault = self.pending.iter().find(|fault| fault.kind == kind);
-        fault.map(|fault| fault.from_s)
     }
 }

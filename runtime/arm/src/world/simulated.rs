@@ -1,0 +1,43 @@
+//! The arm and the table that this program simulates, as a world like any other.
+
+use super::{ArmWorld, Parts, base_from_world, motion};
+use crate::driver::{Commands, PortArm};
+use crate::port::Port;
+use crate::rgbd::RgbdSource;
+use crate::settings::DriverKind;
+use crate::simulated::{SimulatedArm, Simulation};
+use crate::table::{ClothTable, TableCamera};
+use fab_world::WorldError;
+use std::cell::RefCell;
+use std::rc::Rc;
+
+impl ArmWorld {
+    /// Sets up the simulated arm and table.
+    pub fn simulated(parts: Parts) -> Result<ArmWorld, WorldError> {
+        ArmWorld::simulated_behind(parts, |arm, camera| (Box::new(arm), Box::new(camera)))
+    }
+
+    /// Sets them up with something between them and the driver, such as faults in a test.
+    pub fn simulated_behind(
+        parts: Parts,
+        between: impl FnOnce(SimulatedArm, TableCamera) -> (Box<dyn Port>, Box<dyn RgbdSource>),
+    ) -> Result<ArmWorld, WorldError> {
+        let settings = &parts.settings;
+        if settings.driver != DriverKind::Simulated {
+            return Err(motion(
+                "its settings name another driver than `simulated`".to_owned(),
+            ));
+        }
+        let table = ClothTable::new(settings, &base_from_world(settings))?;
+        let table = Rc::new(RefCell::new(table.with_material(parts.material.as_ref())));
+        let simulation = Simulation::of(settings).map_err(motion)?;
+        let arm = SimulatedArm::new(simulation, Some(table.clone()));
+        let (port, camera) = between(arm, TableCamera(table.clone()));
+        let (fingers, tolerance) = (settings.fingers, settings.tolerance);
+        let commands = Commands::PosesAt(settings.motion.speed_m_s);
+        let driver = PortArm::new(port, commands, fingers, tolerance);
+        let mut world = ArmWorld::new(parts, Box::new(driver), camera)?;
+        world.table = Some(table);
+        Ok(world)
+    }
+}
