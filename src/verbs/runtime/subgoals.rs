@@ -45,7 +45,7 @@ pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
     let mut diagnostics = json!([]);
     if set.trial.is_some() {
         // What the steps do to the cloth is pinned beside the pictures.
-        let (mut found, _) = sources::compile_looking(&arguments.task.file)?;
+        let mut found = sources::compile_looking(&arguments.task.file)?;
         let is_of_steps = |code| code == diag::Code::StepFoldsNothing;
         found.diagnostics.retain(|it| is_of_steps(it.code));
         found.left_out = 0;
