@@ -4,6 +4,7 @@ use crate::exit::Failure;
 use crate::io::Io;
 use crate::shipped;
 use clap::{Args, ValueHint};
+use fab_base::kinds::without_mark;
 use fab_base::wording::quoted;
 use fab_base::{files, npy};
 use fab_compiler::{Compiled, Listed, LoadError, Loader, Wanted, diag};
@@ -174,7 +175,7 @@ fn listed(folder: &Path, path: &Path, wanted: Wanted) -> Result<Listed, String> 
             }
             Ok(Listed::Other)
         }
-        Wanted::Demonstrations => files::text(bytes).map(|_| Listed::Other),
+        Wanted::Demonstrations => are_json_lines(&bytes).map(|()| Listed::Other),
     }
 }
 
@@ -192,6 +193,20 @@ fn picture(path: &Path, bytes: &[u8]) -> Result<Listed, String> {
 #[cfg(not(feature = "runtime"))]
 fn picture(_: &Path, _: &[u8]) -> Result<Listed, String> {
     Ok(Listed::Unknown)
+}
+
+/// Checks that bytes are lines with a JSON object each, the first of which states the format.
+fn are_json_lines(bytes: &[u8]) -> Result<(), String> {
+    let text = files::text(without_mark(bytes).to_vec())?;
+    let mut states_format = false;
+    let lines = (1..).zip(text.lines());
+    for (number, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
+        let object: serde_json::Map<String, serde_json::Value> = serde_json::from_str(line)
+            .map_err(|error| format!("line {number} is no JSON object: {error}"))?;
+        states_format |= number == 1 && object.contains_key("format");
+    }
+    let fault = (!states_format).then(|| "its first line does not state a `format`".to_owned());
+    fault.map_or(Ok(()), Err)
 }
 
 /// Compiles a file, and looks for the files that its tasks name.

@@ -155,7 +155,7 @@ fn a_check_looks_into_starts_and_demonstrations() {
         npy::encode_floats(shape, (0..count).map(|_| value))
     };
     let right = floats(&[4, 3], 0.5);
-    let rows: [(&str, Wanted, &[u8], Option<&str>); 9] = [
+    let rows: [(&str, Wanted, &[u8], Option<&str>); 11] = [
         ("right.npy", Wanted::Positions, &right, None),
         ("mass.npy", Wanted::Positions, &floats(&[4, 4], 0.5), None),
         (
@@ -195,10 +195,22 @@ fn a_check_looks_into_starts_and_demonstrations() {
             None,
         ),
         (
-            "latin.jsonl",
+            "empty.jsonl",
             Wanted::Demonstrations,
-            b"\xe9\n",
-            Some("it is not UTF-8"),
+            b"",
+            Some("its first line does not state a `format`"),
+        ),
+        (
+            "text.jsonl",
+            Wanted::Demonstrations,
+            b"garbage\n",
+            Some("line 1 is no JSON object: expected value at line 1 column 1"),
+        ),
+        (
+            "other.jsonl",
+            Wanted::Demonstrations,
+            b"{}\n",
+            Some("its first line does not state a `format`"),
         ),
     ];
     for (name, wanted, bytes, why) in rows {

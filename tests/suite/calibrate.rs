@@ -316,7 +316,7 @@ fn wrong_input_is_said_with_its_place() {
         (
             &["--pairs", "pairs.csv", "--image", "small.png"],
             2,
-            "the window `80, 0, 480` does not lie in the camera's picture of 64 x 48 px",
+            "the camera's intrinsics are for a picture of 640 x 480 px, and the picture has 64 x 48 px",
         ),
         (
             &["--pairs", "pairs.csv", "--image", "none.png"],

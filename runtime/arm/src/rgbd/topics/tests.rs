@@ -47,10 +47,8 @@ fn only_pictures_that_were_taken_since_are_kept() {
         ..Image::default()
     };
     let kept = |inbox: &Inbox| {
-        (
-            inbox.lock().colors.pending.len(),
-            inbox.lock().colors.off_ns,
-        )
+        let arrived = inbox.lock();
+        (arrived.colors.pending.len(), arrived.colors.off_ns)
     };
     inbox.color(shift(0));
     assert_eq!(kept(&inbox), (0, None));
