@@ -37,6 +37,10 @@ pub struct Cli {
 
 /// What to do.
 #[derive(Subcommand)]
+#[cfg_attr(
+    feature = "runtime",
+    expect(clippy::large_enum_variant, reason = "there is one command line")
+)]
 pub enum Verb {
     #[command(flatten)]
     Author(Author),

@@ -170,9 +170,10 @@ fn play_as(
     let run = folder.path().join("run");
     let make_world = || make(&run);
     let mut tried = Vec::new();
-    let report = trial.decided_in(&make_world, policy, &run, &mut |event| match event {
-        Event::Motion { line, .. } => tried.extend(line.rehearsal),
-        _ => {}
+    let report = trial.decided_in(&make_world, policy, &run, &mut |event| {
+        if let Event::Motion { line, .. } = event {
+            tried.extend(line.rehearsal);
+        }
     });
     let report = report.unwrap();
     let record = Record::read(&run).unwrap();

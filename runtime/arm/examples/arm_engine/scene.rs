@@ -4,8 +4,8 @@
 //! client; the other faults belong to the simulated arm. Before the cloth is laid, the camera sees the bare table.
 
 use super::Stage;
-use super::fault::{Fault, FaultKind};
-use super::faulty::Faulty;
+use super::fault::FaultKind;
+use super::faulty::{Fault, Faulty};
 use fab_arm::port::{AfterStop, GoalId, GoalState, Port, PortError, Readings, Waypoint};
 use fab_arm::rgbd::{RgbdError, RgbdSource, Shot};
 use fab_arm::settings::Settings;

@@ -1,15 +1,6 @@
-//! What may go wrong with a simulated arm.
+//! The kinds of what may go wrong with a simulated arm.
 
 use serde::{Deserialize, Serialize};
-
-/// A fault that occurs once, at or after a time of the arm's clock.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Fault {
-    /// The fault.
-    pub kind: FaultKind,
-    /// Its earliest time, seconds.
-    pub from_s: f64,
-}
 
 fab_base::named! {
     /// A kind of fault.

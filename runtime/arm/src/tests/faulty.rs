@@ -6,8 +6,9 @@
 use super::arm::kinematics::chain::Chain;
 use super::arm::port::{AfterStop, Ending, GoalId, GoalState, Port, PortError, Readings, Waypoint};
 use super::arm::simulated::{SimulatedArm, SimulatedTable, Simulation};
-use super::fault::{Fault, FaultKind};
+use super::fault::FaultKind;
 use nalgebra::{Isometry3, Translation3, Vector3};
+use serde::{Deserialize, Serialize};
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::ops::{Deref, DerefMut};
@@ -27,6 +28,15 @@ const SHORT_SILENCE_S: f64 = 0.6;
 
 /// Speed of the first joint of an arm that runs away, rad/s.
 const RUNAWAY_RAD_S: f64 = 0.3;
+
+/// A fault that occurs once, at or after a time of the arm's clock.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Fault {
+    /// The fault.
+    pub kind: FaultKind,
+    /// Its earliest time, seconds.
+    pub from_s: f64,
+}
 
 /// A simulated arm with faults.
 pub struct Faulty {

@@ -55,7 +55,7 @@ struct Inspection {
 #[derive(Serialize)]
 #[serde(untagged)]
 enum CalibrationCheck {
-    Usable(MadeCalibration),
+    Usable(Box<MadeCalibration>),
     Unusable { usable: bool, why: String },
 }
 
@@ -99,7 +99,7 @@ fn inspect(robot: &Path, settings: &Settings) -> Inspection {
     let (reach, file) = (places(settings, &guard), robot.display());
     let (mut faults, mut next) = (Vec::new(), Vec::new());
     let calibration = match calibration(robot, settings) {
-        Ok(made) => CalibrationCheck::Usable(made),
+        Ok(made) => CalibrationCheck::Usable(Box::new(made)),
         Err([why, cure]) => {
             faults.push(format!("the calibration cannot be used: {why}"));
             next.push(cure);
