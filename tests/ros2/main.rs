@@ -7,6 +7,8 @@ mod nodes;
 mod arm;
 mod rollouts;
 
+#[path = "../../runtime/arm/src/tests/fault.rs"]
+mod fault;
 // The same laboratory and the same folds as over ROS 1.
 #[allow(dead_code)]
 #[path = "../ros/lab.rs"]

@@ -387,6 +387,7 @@ fn is_left_as_it_says(folder: &Path, outcome: Outcome, journal: &str, told: &str
         .map(|line| serde_json::from_str(line).unwrap())
         .collect();
     let (mut may_hold, mut is_verified, mut begun) = (false, true, None);
+    let mut is_stopped = false;
     for entry in &entries {
         match entry {
             Entry::Begin(Begun { segment, .. }) => {
@@ -399,10 +400,12 @@ fn is_left_as_it_says(folder: &Path, outcome: Outcome, journal: &str, told: &str
                 is_verified = true;
                 may_hold &= begun != Some(SegmentName::Release);
             }
-            Entry::Halted { .. } | Entry::Recovered { .. } => {}
+            // A stopped arm takes motions only once a person has recovered it.
+            Entry::Halted { stopped, .. } => is_stopped |= stopped.is_some(),
+            Entry::Recovered { .. } => {}
         }
     }
-    let expected_clear = is_verified && !may_hold;
+    let expected_clear = is_verified && !may_hold && !is_stopped;
     let state = run_state(folder).unwrap();
     assert_eq!(state.is_clear(), expected_clear, "{told}: {text}");
     assert_eq!(state.may_hold, may_hold, "{told}: {text}");

@@ -73,6 +73,8 @@ impl Checked<Vec<Waypoint>> {
 /// A straight motion of the tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Motion {
+    /// Where the tool was when it was checked, `base_from_tool`: it holds from there alone.
+    pub from: Isometry3<f64>,
     /// Where it ends, `base_from_tool`.
     pub to: Isometry3<f64>,
     /// Speed of the tool, m/s.
@@ -87,10 +89,8 @@ pub struct Motion {
 
 impl Motion {
     /// Returns how long it takes, seconds; without joint angles, no less than the speed of the tool allows.
-    ///
-    /// - `from`: where the tool is before it, `base_from_tool`.
-    pub fn takes_s(&self, from: &Isometry3<f64>) -> f64 {
-        let way_m = (self.to.translation.vector - from.translation.vector).norm();
+    pub fn takes_s(&self) -> f64 {
+        let way_m = (self.to.translation.vector - self.from.translation.vector).norm();
         let timed = self.waypoints.last().map(|last| last.at_s);
         timed.unwrap_or(way_m / self.speed_m_s)
     }
@@ -329,6 +329,7 @@ impl Guard {
         }
         path.end()?;
         Ok(Checked(Motion {
+            from: from.tool,
             to: *to,
             speed_m_s,
             waypoints,
@@ -371,7 +372,7 @@ impl Guard {
             if let Act::Move(to) = segment.act {
                 match self.motion(&at, &to, segment.speed_m_s) {
                     Ok(Checked(mut motion)) => {
-                        at.at_s += motion.takes_s(&at.tool);
+                        at.at_s += motion.takes_s();
                         let last = motion.waypoints.pop();
                         at.joints_rad = last.map(|last| last.joints_rad).unwrap_or_default();
                         at.tool = to;

@@ -171,8 +171,12 @@ impl RunState {
                 self.may_hold &= last.is_some_and(|last| last.segment != SegmentName::Release);
                 Event::Verify
             }
-            Entry::Halted { why, .. } => {
+            Entry::Halted { why, stopped } => {
                 self.why = Some(why);
+                // A segment that was refused before it began leaves the arm where it rests.
+                if stopped.is_none() && self.phase == Phase::Ready {
+                    return;
+                }
                 Event::Stop
             }
             Entry::Recovered { .. } => {
@@ -186,8 +190,10 @@ impl RunState {
 
 impl fmt::Display for RunState {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let halted = self.why.as_ref();
+        let halted = halted.map_or(String::new(), |why| format!("; halted: {why}"));
         let Some(last) = &self.last else {
-            return f.write_str("no motion is open, and the hand holds nothing");
+            return write!(f, "no motion is open, and the hand holds nothing{halted}");
         };
         write!(f, "`{}` of action {} ", last.segment.name(), last.action)?;
         f.write_str(match self.phase {
@@ -197,13 +203,12 @@ impl fmt::Display for RunState {
         if let Some([x, y, z]) = last.to_m {
             write!(f, "; the tool was to go to {x:.3}, {y:.3}, {z:.3} m")?;
         }
-        f.write_str(match self.may_hold {
-            true => "; the hand may hold cloth",
-            false => "; the hand holds nothing",
-        })?;
-        self.why
-            .iter()
-            .try_for_each(|why| write!(f, "; halted: {why}"))
+        let holds = if self.may_hold {
+            "may hold cloth"
+        } else {
+            "holds nothing"
+        };
+        write!(f, "; the hand {holds}{halted}")
     }
 }
 

@@ -58,6 +58,7 @@ impl<A: Arm + ?Sized> Limited<A> {
     ) -> Result<ArmState, ArmError> {
         let mut corrections = 0;
         loop {
+            self.arm.ready(watch)?;
             let from = self.arm.state()?;
             let motion = self.guard.motion(&from, to, speed_m_s);
             let motion = motion.map_err(ArmError::Refused)?;

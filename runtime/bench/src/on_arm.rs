@@ -97,16 +97,21 @@ pub(super) fn play(
     let mut done = Done::default();
     for (number, which) in jobs.iter().enumerate() {
         let folder = play::folder_of(bench, *which);
-        let mut has_failed = false;
+        let (mut has_failed, mut is_new) = (false, true);
         match play::one(bench, laid, *which)? {
             JobEnd::Played(played, was_found) => {
                 has_failed = !was_found && played.rollout.report.outcome == Outcome::WorldFailed;
+                is_new = !was_found;
                 done.played.push((*played, was_found));
             }
-            JobEnd::CutOff => done.cut_off.push(folder.clone()),
+            JobEnd::CutOff => {
+                is_new = false;
+                done.cut_off.push(folder.clone());
+            }
             JobEnd::Stopped(stop) => done.stop = Some(stop),
         }
-        let is_clear = journal::run_state(&folder)?.is_clear();
+        // How an earlier command left the arm is looked at before anything is moved.
+        let is_clear = !is_new || journal::run_state(&folder)?.is_clear();
         // A moved camera or an unresponsive arm would make the next rollout fail as well.
         if has_failed || !is_clear {
             let why = record::last_words(&folder);

@@ -79,11 +79,16 @@ pub trait Arm {
     /// Returns the arm's state; fails if its readings are stale.
     fn state(&mut self) -> Result<ArmState, ArmError>;
 
+    /// Fails if the arm is stopped, or the watch callback ends it. This may take seconds, so it is asked before a motion
+    /// is checked, and not between the check and [`Arm::move_tool`].
+    fn ready(&mut self, watch: &mut Watch<'_>) -> Result<(), ArmError>;
+
     /// Makes a straight motion of the tool, and verifies that it arrived and is at rest.
     ///
     /// One call sends one motion. After [`ArmError::Short`] the caller may check the rest of the way and call again.
     ///
-    /// - `motion`: from where the arm is. A node that takes no speed is only monitored.
+    /// - `motion`: from where the arm is; one that was checked from elsewhere is refused. A node that takes no speed is only
+    ///   monitored.
     fn move_tool(
         &mut self,
         motion: &Checked<Motion>,

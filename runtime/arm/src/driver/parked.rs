@@ -36,6 +36,10 @@ impl Arm for ParkedArm {
         })
     }
 
+    fn ready(&mut self, _: &mut Watch<'_>) -> Result<(), ArmError> {
+        Err(ParkedArm::refusal())
+    }
+
     fn move_tool(&mut self, _: &Checked<Motion>, _: &mut Watch<'_>) -> Result<ArmState, ArmError> {
         Err(ParkedArm::refusal())
     }

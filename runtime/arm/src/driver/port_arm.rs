@@ -31,7 +31,10 @@ const CANCEL_LOOK_S: f64 = 0.02;
 
 /// How far from the joints' angles a trajectory may begin, radians: it begins where they were when it was checked, and
 /// the readings of an arm at rest differ by less.
-const BEGIN_RAD: f64 = 0.01;
+const BEGIN_RAD: f64 = 0.002;
+
+/// How far the tool may be from where a motion was checked, metres; readings of an arm at rest differ by less.
+const BEGIN_M: f64 = 0.002;
 
 /// How an arm is told to move its tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -172,7 +175,9 @@ impl<P: Port + ?Sized> PortArm<P> {
         watch: &mut Watch<'_>,
     ) -> Result<ArmState, ArmError> {
         let by_pose = self.commands.is_pose_at(motion.get().speed_m_s);
-        self.check_enabled(watch)?;
+        if !self.phase.takes_motions() {
+            return Err(ArmError::Stopped);
+        }
         let from = if by_pose {
             self.current()?
         } else {
@@ -183,13 +188,24 @@ impl<P: Port + ?Sized> PortArm<P> {
             Err(Halt::Pause) => return Err(ArmError::Paused),
             Err(Halt::Stop(why)) => return Err(why),
         }
+        let moved = Deviation::between(&from.tool, &motion.get().from);
+        // NaN must be refused.
+        let is_where_it_was =
+            moved.position_m <= BEGIN_M && moved.angle_rad <= self.tolerance.angle_deg.to_radians();
+        if !is_where_it_was {
+            return Err(ArmError::Refused(format!(
+                "the tool has moved by {:.1} mm and {:.1} degrees since this motion was checked",
+                moved.position_m * 1000.0,
+                moved.angle_rad.to_degrees()
+            )));
+        }
         let goal = if by_pose {
             Goal::Pose(motion.pose())
         } else {
             trajectory(&from, motion)?
         };
         self.phase = self.phase.after(Event::Begin);
-        let takes_s = motion.get().takes_s(&from.tool);
+        let takes_s = motion.get().takes_s();
         let limit_s = 2.0 * takes_s + SETTLE_S;
         let begun_s = self.port.now_s();
         let outcome = self.execute(&goal, limit_s, watch)?;
@@ -302,6 +318,14 @@ impl<P: Port + ?Sized> Arm for PortArm<P> {
         self.current()
     }
 
+    fn ready(&mut self, watch: &mut Watch<'_>) -> Result<(), ArmError> {
+        let ready = self.check_enabled(watch);
+        if ready == Err(ArmError::Stopped) {
+            self.phase = self.phase.after(Event::Stop);
+        }
+        ready
+    }
+
     fn move_tool(
         &mut self,
         motion: &Checked<Motion>,
@@ -347,6 +371,13 @@ fn trajectory(from: &ArmState, motion: &Checked<Motion>) -> Result<Goal, ArmErro
         [_] => return Ok(hold_position(from)),
         [first, ..] => first,
     };
+    if first.joints_rad.len() != from.joints_rad.len() {
+        return Err(ArmError::Refused(format!(
+            "the arm reports {} joints, and the motion is for {}",
+            from.joints_rad.len(),
+            first.joints_rad.len()
+        )));
+    }
     let pairs = first.joints_rad.iter().zip(&from.joints_rad).enumerate();
     for (joint, (begins_at, is_at)) in pairs {
         // NaN must be refused.

@@ -54,8 +54,11 @@ impl<P: Port + ?Sized> PortArm<P> {
     /// Returns the arm's state; stale joint angles are an error too.
     pub(super) fn current_with_joints(&mut self) -> Result<ArmState, ArmError> {
         let joints = self.port.state().joints_rad;
-        self.fresh(joints, "joints are")?;
-        self.current()
+        let joints_rad = self.fresh(joints, "joints are")?.value;
+        Ok(ArmState {
+            joints_rad,
+            ..self.current()?
+        })
     }
 
     /// Returns the last finger positions; fails on stale ones.

@@ -338,6 +338,9 @@ impl Arm for Carried {
             fingers: Vec::new(),
         })
     }
+    fn ready(&mut self, _: &mut Watch<'_>) -> Result<(), ArmError> {
+        Ok(())
+    }
     fn move_tool(
         &mut self,
         motion: &Checked<Motion>,

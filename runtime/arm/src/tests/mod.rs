@@ -352,6 +352,7 @@ fn go_to<P: Port>(
     speed_m_s: f64,
     watch: &mut Watch<'_>,
 ) -> Result<ArmState, ArmError> {
+    arm.ready(watch)?;
     let from = arm.state()?;
     let motion = guard(settings).motion(&from, to, speed_m_s);
     arm.move_tool(&motion.map_err(ArmError::Refused)?, watch)

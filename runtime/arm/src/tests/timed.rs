@@ -138,7 +138,7 @@ fn walked(settings: &Settings, points: [Point3<f64>; 2]) -> usize {
                     let motion = guard.motion(&at, &to, settings.motion.speed_m_s).unwrap();
                     let motion = motion.get();
                     keeps_limits(&guard, &limits, &at, motion);
-                    let takes_s = motion.takes_s(&at.tool);
+                    let takes_s = motion.takes_s();
                     assert!(
                         (planned.takes_s - takes_s).abs() < 1e-6,
                         "{planned:?}, {takes_s}"
