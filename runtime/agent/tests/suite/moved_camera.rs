@@ -10,13 +10,16 @@ use image::imageops::{self, FilterType};
 use image::{Luma, Rgb, RgbImage};
 use truth::{Noise, Truth};
 
+/// Middle and side of a cloth in the picture, pixels, if one lies there.
+type Cloth = Option<[f64; 3]>;
+
 /// A table with grain, stains and a few printed sheets, seen by a camera that was turned and moved a little.
 struct Table {
     by: [f64; 2],
     turn_deg: f64,
     light: f64,
     noise: u64,
-    cloth: Option<[f64; 3]>,
+    cloth: Cloth,
     is_plain: bool,
 }
 
@@ -88,7 +91,7 @@ fn calibrated(table: &Table) -> Calibration {
 #[ignore = "long"]
 fn a_camera_that_stays_is_not_said_to_have_moved() {
     let made = calibrated(&Table::usual());
-    let cases: [(&str, f64, Option<[f64; 3]>, [f64; 2]); 6] = [
+    let cases: [(&str, f64, Cloth, [f64; 2]); 6] = [
         ("another picture", 1.0, None, [0.0; 2]),
         ("darker", 0.8, None, [0.0; 2]),
         ("brighter", 1.2, None, [0.0; 2]),
@@ -122,7 +125,7 @@ fn a_camera_that_stays_is_not_said_to_have_moved() {
 fn a_moved_camera_is_noticed() {
     let made = calibrated(&Table::usual());
     let cloth = Some([320.0, 240.0, 150.0]);
-    let cases: [(&str, [f64; 2], f64, Option<[f64; 3]>, f64); 7] = [
+    let cases: [(&str, [f64; 2], f64, Cloth, f64); 7] = [
         ("right", [3.0, 0.0], 0.0, None, 3.0),
         ("up", [0.0, -3.0], 0.0, None, 3.0),
         ("by fractions", [2.2, 1.4], 0.0, None, 2.6),

@@ -29,6 +29,22 @@ fn go_with(
     go_to(bench.driver(), &settings, to, SPEED_M_S, watch)
 }
 
+#[test]
+fn a_motion_that_was_checked_from_elsewhere_is_not_sent() {
+    for by in [By::Poses, By::Trajectories] {
+        let mut bench = Bench::driven(by, &[]);
+        let guard = guard(&bench.settings);
+        let here = bench.driver().state().unwrap();
+        let motion = guard.motion(&here, &there(), SPEED_M_S).unwrap();
+        go(&mut bench).unwrap();
+        let moved = bench.driver().move_tool(&motion, &mut nobody);
+        assert!(
+            matches!(&moved, Err(ArmError::Refused(why)) if why.contains("since this motion was checked")),
+            "{moved:?}"
+        );
+    }
+}
+
 /// Like `go`, with the checks and corrections of the limits.
 fn go_within_limits(bench: &mut Bench) -> Result<ArmState, ArmError> {
     bench.arm.move_tool(&there(), SPEED_M_S, &mut nobody)
@@ -178,9 +194,9 @@ fn an_arm_that_stalls_says_so_and_can_be_stopped() {
         let deviation = match go(&mut bench) {
             Err(ArmError::Stalled { deviation }) if by == By::Poses => deviation,
             Err(ArmError::NotReached {
-                reported,
+                reported: "aborted",
                 deviation,
-            }) if reported == "aborted" => deviation,
+            }) => deviation,
             moved => panic!("a joint that is stuck: {moved:?}"),
         };
         assert!(deviation.position_m > 0.05, "{deviation}");

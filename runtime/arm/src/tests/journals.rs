@@ -83,6 +83,23 @@ fn a_release_that_was_not_verified_may_hold_cloth_ever_after() {
     }
 }
 
+/// Somebody said no, or a motion was refused: the arm rests where it was.
+#[test]
+fn a_segment_that_was_refused_before_it_began_leaves_the_arm_as_it_was() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut log = Journal::open(folder.path()).unwrap();
+    let halted = |stopped| Entry::Halted {
+        why: "not confirmed".to_owned(),
+        stopped,
+    };
+    log.write(&halted(None)).unwrap();
+    let state = run_state(folder.path()).unwrap();
+    assert!(state.is_clear(), "{state:?}");
+    assert!(state.to_string().ends_with("; halted: not confirmed"));
+    log.write(&halted(Some(true))).unwrap();
+    assert_eq!(run_state(folder.path()).unwrap().phase, Phase::Stopped);
+}
+
 const BEGUN: &str = r#"{"type":"begin","action":2,"segment":"grasp","to_m":null}"#;
 const DONE: &str = r#"{"type":"done","at_m":[0.4,0.1,0.02]}"#;
 const RECOVERED: &str = r#"{"type":"recovered","how":"by hand"}"#;

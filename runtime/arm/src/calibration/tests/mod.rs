@@ -69,7 +69,6 @@ impl Noise {
         Pair {
             pixel: pair.pixel.map(|it| it + pixel_px * self.normal()),
             base_m: pair.base_m.map(|it| it + tool_m * self.normal()),
-            ..*pair
         }
     }
 }
