@@ -2,7 +2,7 @@
 //!
 //! The defaults are those of the PyFleX scene that the paper's folding data
 //! comes from, where such a number exists; the others were chosen by replaying
-//! recorded demonstrations (`fabc sim replay --set NAME=VALUE`) and say so.
+//! recorded demonstrations and say so.
 
 use crate::material::{Material, MaterialError};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};

@@ -309,7 +309,7 @@ pub struct StepSpent {
 }
 
 impl StepSpent {
-    /// Returns the wall time of the whole step, seconds.
+    /// Returns the wall time of all that is timed in the step, seconds.
     pub fn took_s(&self) -> f64 {
         self.seconds.values().filter_map(Value::as_f64).sum()
     }

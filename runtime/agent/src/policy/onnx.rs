@@ -25,6 +25,9 @@ const SMOOTHER: &[u8] = include_bytes!("smoother.onnx");
 /// The largest file, bytes.
 const MAX_BYTES: u64 = 1 << 30;
 
+/// The most combinations of a step's choices that are offered; each is judged by all checks.
+const MOST_COMBINATIONS: usize = 20_000;
+
 /// The most actions that a network values at once: `smoother` needs some 0.2 MB for each, several times.
 const BATCH: usize = 256;
 
@@ -187,8 +190,10 @@ impl Policy for Onnx {
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Decision, RunError> {
-        let offers = accepted_first(step, Onnx::offers(step))?;
-        let ranked = self.ranked(step, offers);
+        let ranked = match self.offers(step) {
+            Ok(offers) => self.ranked(step, accepted_first(step, offers)?),
+            Err(why) => Err(why),
+        };
         until_accepted(step, exchange, &mut |refusals, _| {
             let mut source = Source::default();
             let answer = match &ranked {
@@ -209,7 +214,8 @@ impl Policy for Onnx {
 impl Onnx {
     /// Lists the offered actions: every combination of the fields that move the gripper, and of each other field the
     /// value that is nearest to the usual.
-    fn offers(step: &StepView<'_>) -> Vec<Offer> {
+    /// Fails if there are more than [`MOST_COMBINATIONS`].
+    fn offers(&self, step: &StepView<'_>) -> Result<Vec<Offer>, String> {
         let fields = step.program.actions.iter().map(|field| {
             let values = if MOVING.contains(&field.name.as_str()) {
                 space::choices(field, step.scene)
@@ -219,7 +225,15 @@ impl Onnx {
             (field.name.clone(), values)
         });
         let fields: Vec<(String, Vec<FieldValue>)> = fields.collect();
-        let offers = combinations(&fields).filter_map(|proposal| {
+        let all = combinations(&fields);
+        if all.len() > MOST_COMBINATIONS {
+            let n_offered = all.len();
+            let (task, policy) = (step.program.title(), &self.name);
+            return Err(format!(
+                "`{task}` offers {n_offered} actions, and `--policy {policy}` compares at most {MOST_COMBINATIONS}: offer fewer"
+            ));
+        }
+        let offers = all.filter_map(|proposal| {
             let observation = step.observation;
             let action = Action::lower(step.program, &proposal, step.scene, observation)?;
             let pixel = |point| observation.camera.pixel_from_world(point);
@@ -229,7 +243,7 @@ impl Onnx {
                 proposal,
             })
         });
-        offers.collect()
+        Ok(offers.collect())
     }
 
     /// Values the offered actions; the highest first, equal ones in the order of the offer. Fails with the reason.

@@ -18,6 +18,7 @@ pub struct Provider {
     #[serde(default)]
     pub wire: Wire,
     /// The base of its interface's paths; `None`: the user has to state it.
+    #[serde(default, deserialize_with = "base_url")]
     pub base_url: Option<String>,
     /// Variable names that may hold its key; the first one found counts.
     #[serde(default, deserialize_with = "key_names")]
@@ -77,6 +78,17 @@ fn key_names<'de, D: Deserializer<'de>>(names: D) -> Result<Vec<String>, D::Erro
     }
     let why = "`key_env` lists names of variables, such as `OPENAI_API_KEY`, and never keys";
     Err(D::Error::custom(why))
+}
+
+/// Reads `base_url`. One with a part that may hold a secret is not repeated.
+fn base_url<'de, D: Deserializer<'de>>(url: D) -> Result<Option<String>, D::Error> {
+    let url: Option<String> = Option::deserialize(url)?;
+    let holds_more = |url: &str| url.contains(['@', '?', '#']);
+    if url.as_deref().is_some_and(holds_more) {
+        let why = "`base_url` holds `@`, `?` or `#`; it is an address alone, and a key has no place in it";
+        return Err(D::Error::custom(why));
+    }
+    Ok(url)
 }
 
 impl Provider {

@@ -69,10 +69,12 @@ impl<'io> Progress<'io> {
                     self.again(at, overlap.1);
                 }
             }
-            Event::Motion { at, line, spent } if !is_earlier(at) || line.stopped.is_some() => {
+            Event::Motion { at, line, spent } => {
                 let failed = line.result.filter(|result| !result.is_enough);
                 self.failed = failed.map(|result| (at.step, result.overlap));
-                self.step(at.step, line, spent);
+                if !is_earlier(at) || line.stopped.is_some() {
+                    self.step(at.step, line, spent);
+                }
             }
             Event::Note { note } => io.talk(&format!("note: {note}")),
             _ => {}

@@ -176,6 +176,10 @@ fn what_is_wrong_in_a_file_is_told_with_its_line() {
             "line 3: a model with `id` needs `provider`",
         ),
         (
+            &provider("base_url = \"https://me:sk-canary-0123@host/v1\""),
+            "line 2: `base_url` holds `@`, `?` or `#`",
+        ),
+        (
             &provider("key_env = [\"sk-canary-0123\"]"),
             "line 2: `key_env` lists names of variables",
         ),
