@@ -127,6 +127,10 @@ impl StepSearch<'_> {
                 && self.after.distance_px(*tip) <= BESIDE_PX
                 && distance(*tail, *tip) > SHORTEST_PX
         })?;
+        // People pick corners and middles; a quarter point is one only where none of these has moved.
+        if candidates.iter().any(|it| is_main(it.fold.pick)) {
+            candidates.retain(|it| is_main(it.fold.pick));
+        }
         let away = |candidate: &Candidate| self.after.distance_px(candidate.arrow[0]);
         let farthest = candidates.iter().map(away).fold(0.0, f64::max);
         candidates.retain(|candidate| away(candidate) >= FAR * farthest);
