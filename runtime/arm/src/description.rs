@@ -439,6 +439,7 @@ impl<'b> Builder<'b> {
                 if must_have && found.is_empty() && self.faults.len() == n_faults {
                     self.has_no_shape(link.name);
                 }
+                let is_around_mesh = self.is_mesh(link.name);
                 for (from, to, radius_m) in found {
                     let to_frame = if is_hand {
                         last_from_tool.inverse()
@@ -450,6 +451,7 @@ impl<'b> Builder<'b> {
                         from: to_frame * from,
                         to: to_frame * to,
                         radius_m,
+                        is_around_mesh,
                     });
                 }
             }
@@ -466,6 +468,7 @@ impl<'b> Builder<'b> {
             from: Point3::from(hand.from_m),
             to: Point3::from(hand.to_m),
             radius_m: hand.radius_m,
+            is_around_mesh: false,
         }));
         if !shapes.iter().any(|shape| shape.link == moving.len()) {
             self.faults.push(format!(
@@ -600,6 +603,13 @@ impl<'b> Builder<'b> {
             hull::capsule(&at_ends.collect::<Vec<_>>(), radius_m)
         };
         clouds.into_iter().filter_map(capsule).collect()
+    }
+
+    /// Returns whether the shape of a link is a mesh, and not stated otherwise.
+    fn is_mesh(&self, link: &str) -> bool {
+        let is_stated = self.arm.shape.iter().any(|shape| shape.link == link);
+        let mut shapes = self.robot.links[link].collisions.iter().flatten();
+        !is_stated && shapes.any(|it| matches!(it.shape, Shape::Mesh { .. }))
     }
 
     /// Returns the points, and the radius of balls around them, that contain a shape.

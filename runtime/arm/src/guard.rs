@@ -240,7 +240,7 @@ impl Guard {
     }
 
     /// Finds the pairs of shapes that must not touch: those of links that do not hang from each other, and do not touch
-    /// while the arm rests.
+    /// while the arm rests. A capsule around a mesh is too wide to tell: it would forbid an arm to fold its elbow.
     fn pair_shapes(&mut self, settings: &Settings) {
         let turn_rad = settings.motion.hand_turn_deg.to_radians();
         let rest = Reach::tool_down(&self.chain, turn_rad);
@@ -252,7 +252,11 @@ impl Guard {
         let link = |shape: &PlacedCapsule| shape.link.min(self.chain.joints().len() - 1);
         for (second, other) in placed.iter().enumerate() {
             for (first, shape) in placed[..second].iter().enumerate() {
-                if link(shape).abs_diff(link(other)) <= 1 {
+                let is_around_mesh = |at: usize| self.chain.shapes()[at].is_around_mesh;
+                if link(shape).abs_diff(link(other)) <= 1
+                    || is_around_mesh(first)
+                    || is_around_mesh(second)
+                {
                     continue;
                 }
                 if shape.gap_m(other) > APART_M {

@@ -17,6 +17,8 @@ pub struct Capsule {
     pub to: Point3<f64>,
     /// Radius of the ball, metres.
     pub radius_m: f64,
+    /// Whether it was laid around a mesh, which may be much narrower.
+    pub is_around_mesh: bool,
 }
 
 /// A capsule at an arm's angles.
