@@ -169,12 +169,10 @@ def chat_replies():
             }
         )
 
-    call = {"id": "1", "type": "function", "function": {"name": "f", "arguments": "{}"}}
     yield "answer", reply("stop", content="fold it"), answer("fold it", 30, 10, 12, 5)
     yield "refusal", reply("stop", refusal="no"), fault("refused")
     yield "truncated", reply("length", content="fol"), fault("truncated")
     yield "filtered", reply("content_filter", content=""), fault("content_filtered")
-    yield "tool", reply("tool_calls", tool_calls=[call]), fault("invalid_reply")
     yield "hidden_alone", reply("stop", content=""), fault("truncated")
 
 
@@ -209,7 +207,6 @@ def responses_replies():
 
     text = {"type": "output_text", "text": "fold it", "annotations": []}
     thought = {"type": "reasoning", "id": "r", "summary": []}
-    call = {"type": "function_call", "call_id": "c", "name": "f", "arguments": "{}"}
     cut = {"incomplete_details": {"reason": "max_output_tokens"}}
     filtered = {"incomplete_details": {"reason": "content_filter"}}
     failed = {"error": {"code": "server_error", "message": "oops"}}
@@ -218,7 +215,6 @@ def responses_replies():
     yield "refusal", reply("completed", [message({"type": "refusal", "refusal": "no"})]), fault("refused")
     yield "truncated", reply("incomplete", [thought], **cut), fault("truncated")
     yield "filtered", reply("incomplete", [], **filtered), fault("content_filtered")
-    yield "tool", reply("completed", [call]), fault("invalid_reply")
     yield "failed", reply("failed", [], **failed), fault("server_failed")
     yield "limited", reply("failed", [], **limited), fault("rate_limited")
     yield "hidden_alone", reply("completed", []), fault("truncated")
@@ -249,13 +245,11 @@ def anthropic_replies():
 
     text = {"type": "text", "text": "fold it"}
     thought = {"type": "thinking", "thinking": "hm", "signature": "s"}
-    call = {"type": "tool_use", "id": "1", "name": "f", "input": {}, "caller": {"type": "direct"}}
     refused = {"stop_details": {"type": "refusal", "explanation": "no"}}
     yield "answer", reply("end_turn", thought, text), answer("fold it", 30, 10, 12, 5)
     yield "refusal", reply("refusal", **refused), fault("refused")
     yield "truncated", reply("max_tokens", text), fault("truncated")
     yield "full", reply("model_context_window_exceeded", text), fault("truncated")
-    yield "tool", reply("tool_use", call), fault("invalid_reply")
     yield "paused", reply("pause_turn", text), answer("fold it", 30, 10, 12, 5)
     yield "hidden_alone", reply("end_turn"), fault("truncated")
 
@@ -277,13 +271,11 @@ def gemini_replies():
         return {"candidates": [{"content": {"role": "model", "parts": list(parts)}, "finishReason": reason}]}
 
     thought = {"text": "hm", "thought": True}
-    call = {"functionCall": {"name": "f", "args": {}}}
     blocked = {"promptFeedback": {"blockReason": "SAFETY"}}
     yield "answer", reply(**candidate("STOP", thought, {"text": "fold it"})), answer("fold it", 30, 10, 12, 5)
     yield "truncated", reply(**candidate("MAX_TOKENS", {"text": "fol"})), fault("truncated")
     yield "filtered", reply(**candidate("SAFETY")), fault("content_filtered")
     yield "blocked", reply(**blocked), fault("content_filtered")
-    yield "tool", reply(**candidate("STOP", call)), fault("invalid_reply")
     yield "hidden_alone", reply(**candidate("STOP")), fault("truncated")
 
 
