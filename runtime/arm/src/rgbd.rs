@@ -5,8 +5,7 @@
 mod picture;
 pub mod topics;
 
-use crate::settings::MAX_SIDE_PX;
-use crate::settings::declare::{above, from, section};
+use crate::settings::declare::{MAX_SIDE_PX, above, from, section};
 use fab_picture::DepthImage;
 use image::RgbImage;
 use serde::Serialize;

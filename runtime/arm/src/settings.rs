@@ -10,7 +10,7 @@ pub(crate) mod declare;
 use super::description::ArmDescription;
 use super::kinematics::chain::Chain;
 use super::rgbd::Intrinsics;
-use declare::{Values, above, begins, from, named_settings, section};
+use declare::{ANGLE, MAX_SIDE_PX, Values, above, begins, from, named_settings, section};
 use fab_base::files;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use serde::Deserialize;
@@ -22,14 +22,8 @@ const MAX_BYTES: u64 = 256 << 10;
 /// A place in the base frame: the largest arm of this kind reaches less than 2 m, and the table is within its reach.
 const PLACE: Values = from(-3.0, 3.0);
 
-/// Degrees.
-pub(crate) const ANGLE: Values = from(-360.0, 360.0);
-
 /// Heights above a point of the table.
 const HEIGHT: Values = from(0.0, 0.5);
-
-/// The longest side of a picture, pixels.
-pub(crate) const MAX_SIDE_PX: f64 = 16_384.0;
 
 section! {
     /// One arm over one table.

@@ -123,6 +123,12 @@ enum Absent {
 /// Every value of a type.
 pub(crate) const ANY: Values = from(f64::NEG_INFINITY, f64::INFINITY);
 
+/// Degrees.
+pub(crate) const ANGLE: Values = from(-360.0, 360.0);
+
+/// The longest side of a picture, pixels.
+pub(crate) const MAX_SIDE_PX: f64 = 16_384.0;
+
 /// Numbers of a range, both ends included.
 pub(crate) const fn from(least: f64, most: f64) -> Values {
     Values {
