@@ -26,7 +26,7 @@ environment=$(CDPATH='' cd -- "$target" && pwd)/peers
 requirements=$here/peers-requirements.txt
 missing=
 
-# Descriptions of arms by other makers. Of the package's 50 robots, 430 MB, two are kept; its files are BSD-3-Clause.
+# Descriptions of robots by other makers: every URDF, and of the 430 MB of meshes those of two arms. BSD-3-Clause.
 robots=example-robot-data==6.0.0
 robots_folder=$environment/robots
 
@@ -52,7 +52,7 @@ prepare() {
 
 # Fetches the descriptions of arms, or says on stdout why it cannot.
 fetch_robots() {
-    if [ "$(cat "$robots_folder/fetched.txt" 2>/dev/null)" = "$robots" ]; then return; fi
+    if [ "$(cat "$robots_folder/fetched.txt" 2>/dev/null)" = "$robots, every URDF" ]; then return; fi
     rm -rf "$robots_folder"
     "$environment/bin/python" -m pip download --quiet --disable-pip-version-check --no-deps --only-binary :all: \
         --dest "$work/robots" "$robots" >&2 && "$environment/bin/python" - "$work/robots" "$robots_folder" <<'PYTHON' || {
@@ -63,7 +63,8 @@ source, target = map(pathlib.Path, sys.argv[1:])
 share = "cmeel.prefix/share/"
 with zipfile.ZipFile(wheel) as archive:
     for name in archive.namelist():
-        if name.startswith(share) and ("/ur_description/" in name or "/panda_description/" in name) and "/visual/" not in name:
+        is_whole = "/ur_description/" in name or "/panda_description/" in name
+        if name.startswith(share) and (name.endswith(".urdf") or is_whole and "/visual/" not in name):
             path = target / name.removeprefix(share)
             path.parent.mkdir(parents=True, exist_ok=True)
             if not name.endswith("/"):
@@ -72,7 +73,7 @@ PYTHON
         echo "pip could not download $robots"
         return
     }
-    echo "$robots" >"$robots_folder/fetched.txt"
+    echo "$robots, every URDF" >"$robots_folder/fetched.txt"
 }
 
 work=$(mktemp -d) || exit
