@@ -58,6 +58,55 @@ fn a_new_fold_compiles_without_a_word_and_runs_to_its_goal() {
     assert_eq!(json(&ended)["outcome"], "goal_reached");
 }
 
+/// What the comments of a new task say to try, one edit for each.
+const TO_TRY: [(&str, &str, &str); 7] = [
+    ("another corner", "-> center", "-> corner(front_left)"),
+    ("the sides' middles", "extends folding {", "extends folding_to_sides {"),
+    ("a side in metric units", "grid(55, 55)", "square(340mm)"),
+    ("fewer corners", "max: 27", "max: 12"),
+    ("the cloth's colours", "is orange and its", "is white and its"),
+    (
+        "places on corners only",
+        "    # 5. CHECKS",
+        "    actions { pick: one of corners  place: one of corners }\n    # 5. CHECKS",
+    ),
+    ("a length on the table", "> 10px }", "> 20mm in px }"),
+];
+
+#[test]
+fn what_the_comments_of_a_new_fold_say_to_try_has_no_errors() {
+    for (what, from, to) in TO_TRY {
+        let folder = tempfile::tempdir().unwrap();
+        said(folder.path(), &["new", "fold", "napkin"]);
+        let file = folder.path().join("napkin.fab");
+        let text = std::fs::read_to_string(&file).unwrap();
+        assert!(text.contains(from), "{what}: {from}");
+        std::fs::write(&file, text.replace(from, to)).unwrap();
+        for verb in ["check", "test"] {
+            let ended = said(folder.path(), &[verb, "napkin.fab"]);
+            assert_eq!(ended.code, 0, "{what}: {verb}: {}", ended.stderr);
+        }
+    }
+}
+
+#[test]
+#[ignore = "long"]
+fn a_new_fold_to_the_middle_of_a_side_reaches_its_goal_as_its_comment_says() {
+    let folder = tempfile::tempdir().unwrap();
+    said(folder.path(), &["new", "fold", "napkin"]);
+    let file = folder.path().join("napkin.fab");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let text = text.replace("-> center", "-> middle(left)");
+    let text = text.replace("extends folding {", "extends folding_to_sides {");
+    std::fs::write(&file, text).unwrap();
+    assert_eq!(said(folder.path(), &["subgoals", "napkin.fab"]).code, 0);
+    for policy in [&[][..], &["--policy", "expert"]] {
+        let run = [&["run", "napkin.fab", "--json"], policy].concat();
+        let ended = said(folder.path(), &run);
+        assert_eq!(json(&ended)["outcome"], "goal_reached", "{}", ended.stderr);
+    }
+}
+
 #[test]
 fn the_pictures_of_a_new_fold_are_those_that_subgoals_draws() {
     let folder = tempfile::tempdir().unwrap();
