@@ -15,7 +15,6 @@ use crate::render::{self, RenderError};
 use crate::scene::SceneView;
 use crate::space;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
 
 /// The name of the check that every task has: each field is one of the offered values.
 pub const OFFERED: &str = "offered";
@@ -140,26 +139,20 @@ pub fn offered(program: &Program, scene: &dyn SceneView, field: &str) -> Vec<Val
         .map_or(Vec::new(), |field| space::choices(field, scene))
 }
 
-/// Returns the keypoints that the verdict on an action can depend on, in alphabetical order.
+/// Returns the keypoints without which an action cannot be judged: of each entry, one at least must be known.
 ///
-/// Those that only messages show are left out.
-pub fn keypoints(program: &Program) -> BTreeSet<String> {
-    let mut names = BTreeSet::new();
-    for field in &program.actions {
-        match &field.choices {
-            Choices::Points { keypoints } => names.extend(keypoints.iter().cloned()),
-            Choices::Region { mask } => {
-                names.insert(mask.clone());
-            }
-            _ => {}
-        }
-    }
-    for check in &program.verify.checks {
-        for condition in check.when.iter().chain([&check.holds]) {
-            names.extend(condition.uses().keypoints);
-        }
-    }
-    names
+/// A field that chooses among several lists of points has one entry. Keypoints that only messages show are left out.
+pub fn keypoints(program: &Program) -> Vec<Vec<String>> {
+    let fields = program.actions.iter();
+    let of_fields = fields.filter_map(|field| match &field.choices {
+        Choices::Points { keypoints } => Some(keypoints.clone()),
+        Choices::Region { mask } => Some(vec![mask.clone()]),
+        _ => None,
+    });
+    let checks = program.verify.checks.iter();
+    let conditions = checks.flat_map(|check| check.when.iter().chain([&check.holds]));
+    let of_checks = conditions.flat_map(|condition| condition.uses().keypoints);
+    of_fields.chain(of_checks.map(|name| vec![name])).collect()
 }
 
 fn not_offered(

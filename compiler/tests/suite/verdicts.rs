@@ -198,6 +198,7 @@ fn a_task_is_tested_on_what_its_tests_give() {
     let inside = pick_and_place("(50, 60)", "(70, 80)");
     let near = pick_and_place("(50, 60)", "(50, 61)");
     let only_corners = "given corners = (50px, 60px)";
+    let more_places = task.replace("of corners, home", "of corners, center, home");
     for (task, given, answer, expect, finding, is_expected) in [
         (
             &task,
@@ -255,6 +256,14 @@ fn a_task_is_tested_on_what_its_tests_give() {
             "accept",
             "the test does not give `cloth`; write `given cloth = …`",
             false,
+        ),
+        (
+            &more_places,
+            GIVEN,
+            &inside,
+            "accept",
+            "the answer is accepted",
+            true,
         ),
         (
             &anywhere,
