@@ -307,10 +307,10 @@ fn a_cap_ends_a_suite_only_when_it_is_reached_whatever_the_provider_reports() {
     assert!((6..24).contains(&sent), "{sent}");
     let spent = &capped["calls"];
     assert_eq!(
-        (&spent["cost"], &spent["unreported"]),
+        (&spent["cost_nano_usd"], &spent["unreported"]),
         (&json!(0), &json!(sent))
     );
-    let possibly = spent["possibly"].as_u64().unwrap();
+    let possibly = spent["possibly_nano_usd"].as_u64().unwrap();
     assert!(
         possibly <= 6 * most && possibly > 5 * most,
         "{possibly} of {most}"
@@ -340,7 +340,7 @@ fn a_cap_ends_a_suite_only_when_it_is_reached_whatever_the_provider_reports() {
     let room = 12 * most;
     let said = finish(&mut bench(&dear, &provider, &["--max-cost", &cap(room)]));
     assert_eq!(said.code, 3, "{}", said.stderr);
-    let spent = document(&said)["calls"]["cost"].as_u64().unwrap();
+    let spent = document(&said)["calls"]["cost_nano_usd"].as_u64().unwrap();
     let mut beyond: Vec<u64> = ledger_lines(&dear)
         .iter()
         .map(|(at_most, cost)| cost.unwrap().saturating_sub(*at_most))

@@ -161,7 +161,7 @@ fn likely(folder: &Path, suite: &str, biller: &Biller) -> [f64; 4] {
         of("calls"),
         of("input_tokens"),
         of("output_tokens"),
-        of("cost") / 1e9,
+        of("cost_nano_usd") / 1e9,
     ]
 }
 

@@ -6,7 +6,7 @@ use fab_agent::outcome::Outcome;
 use fab_agent::rollout::Event;
 use fab_model::Models;
 use fab_model::calls::Calls;
-use fab_model::lowering::{Points, Resize};
+use fab_model::lowering::Points;
 use fab_model::{Lowering, Model, ModelError, ModelKind, Part, Png, Reply, Request};
 use fab_program::pointing::{CoordinateUnit, Order};
 use fab_standins::Geometric;
@@ -182,9 +182,7 @@ fn coordinates(unit: CoordinateUnit, order: Order) -> Lowering {
 fn doubled(points: Points) -> Lowering {
     Lowering {
         points,
-        resize: Resize::Multiples {
-            of_px: NonZeroU32::new(448).unwrap(),
-        },
+        multiples_of_px: NonZeroU32::new(448),
         ..Lowering::PIXELS
     }
 }
@@ -337,9 +335,7 @@ fn pictures(request: &Request) -> Vec<&Png> {
 fn pictures_are_sent_in_the_size_that_coordinates_count() {
     let plain = asked("smoothing", Lowering::PIXELS);
     let multiples = Lowering {
-        resize: Resize::Multiples {
-            of_px: NonZeroU32::new(28).unwrap(),
-        },
+        multiples_of_px: NonZeroU32::new(28),
         ..Lowering::PIXELS
     };
     let size = |request: &Request| {

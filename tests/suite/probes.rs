@@ -213,7 +213,8 @@ fn a_probe_says_why_a_call_gave_no_answer_before_its_cap_ends_it() {
     assert_eq!(code, 3, "{told}");
     assert!(told.contains("with retries at most 1 call\n"), "{told}");
     assert!(
-        told.contains("the cap of 1 call is reached")
+        told.contains("the probe is not complete: the cap of 1 call is reached")
+            && told.contains("failed calls: invalid_reply 1")
             && told.contains("invalid_reply: HTTP 200 OK, but"),
         "{told}"
     );

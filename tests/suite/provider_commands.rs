@@ -85,7 +85,7 @@ fn an_estimate_sends_nothing_and_holds_what_the_run_then_costs() {
         report["usage"]["output_tokens"].as_u64().unwrap(),
     );
     within(
-        "cost",
+        "cost_nano_usd",
         (report["cost_usd"].as_f64().unwrap() * 1e9).round() as u64,
     );
 }

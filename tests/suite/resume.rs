@@ -5,8 +5,9 @@ use fab_agent::journal::{JournalError, RunFolder};
 use fab_agent::outcome::Outcome;
 use fab_agent::record::RECORD_FILE;
 use fab_agent::rollout::Ended;
+use fab_base::interrupt::Interrupt;
 use fab_model::Models;
-use fab_model::calls::{Budget, Call, CallEnd, Calls, Caps, Spent, Usage, Usd, ledger};
+use fab_model::calls::{Budget, Call, Calls, Caps, Spent, Usage, Usd, ledger};
 use fab_model::{Model, ModelError, ModelKind, Reply, Request};
 use fab_standins::Geometric;
 use fab_test_provider::Provider;
@@ -52,7 +53,7 @@ impl Model for Bought {
             cost: Some(PRICE),
             ..Geometric.ask(request, calls)?
         };
-        calls.end(&CallEnd::Answered(&reply))?;
+        calls.end(Ok(&reply))?;
         Ok(reply)
     }
 }
@@ -158,7 +159,8 @@ fn a_cap_ends_a_rollout_and_a_higher_one_goes_on_with_it() {
         ),
         (Caps { cost, calls: None }, 3),
     ] {
-        trial.budget = Budget::new(caps, spent(&run));
+        trial.budget = Budget::new(caps, &Interrupt::default());
+        trial.budget.restore(&spent(&run));
         let report = play(&trial, &Bought::default(), &run);
         assert_eq!(report.outcome, Outcome::BudgetExhausted);
         assert_eq!(spent(&run).calls, calls);
@@ -168,7 +170,8 @@ fn a_cap_ends_a_rollout_and_a_higher_one_goes_on_with_it() {
             "the journal names the cap: {ended}"
         );
     }
-    trial.budget = Budget::new(Caps::default(), spent(&run));
+    trial.budget = Budget::default();
+    trial.budget.restore(&spent(&run));
     let model = Bought::default();
     let report = play(&trial, &model, &run);
     assert_eq!(report.outcome, Outcome::HorizonReached);
@@ -190,7 +193,7 @@ fn a_done_step_whose_answers_are_lost_is_not_bought_again() {
         cost: None,
         calls: Some(calls),
     };
-    trial.budget = Budget::new(capped(3), Spent::default());
+    trial.budget = Budget::new(capped(3), &Interrupt::default());
     play(&trial, &Bought::default(), &run);
     fs::remove_file(run.join(ledger::LEDGER_FILE)).unwrap();
     let (journal_before, asked) = (journal(&run), run.join("step_1/describe_1.prompt.txt"));

@@ -107,8 +107,8 @@ fn recorded_smoothing_pictures_give_their_corners_in_order_and_their_annotations
             ];
             let marks = drawings.map(|path| marks(&ground, &png::load(&path).unwrap()));
             for [own, other] in [[0, 1], [1, 0]].map(|sides| sides.map(|side| &marks[side])) {
-                let lone = |&(column, row): &(u32, u32)| !other.is_within(2, column, row);
-                let lone: Vec<_> = own.columns_and_rows().filter(lone).collect();
+                let lone = |at: &PixelPoint| !other.is_within(2, at.u as u32, at.v as u32);
+                let lone: Vec<_> = own.pixels().filter(lone).collect();
                 assert_eq!(lone, [], "{name}");
             }
             n_annotated += 1;

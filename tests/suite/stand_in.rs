@@ -1,14 +1,11 @@
 //! The stand-in in whole rollouts: what it must not depend on, and what stops it.
 
-use super::support::{self, Trial, task};
+use super::support::{self, Trial};
 use fab_agent::outcome::Outcome;
 use fab_agent::rollout::Event;
 use fab_agent::subgoals::SubgoalSet;
 use fab_model::Models;
-use fab_model::calls::{Budget, Ledger};
-use fab_model::{Message, Model, ModelError, ModelRole, Request, Speaker};
-use fab_program::space;
-use fab_program::{ActionField, Choices, Program};
+use fab_program::Program;
 use fab_standins::Geometric;
 use fab_world::Look;
 use serde_json::Value;
@@ -133,33 +130,6 @@ fn mirrored_pictures_lead_to_the_mirrored_fold() {
         off.iter().all(|off| off.abs() < 0.005),
         "{played:?} and {mirrored:?}"
     );
-}
-
-#[test]
-fn the_stand_in_refuses_actions_that_it_does_not_know() {
-    let ask = |format: &str| {
-        let prompt = format!("Cloth corners: (1, 2), (3, 4)\n{format}");
-        let question = vec![Message::text(Speaker::User, prompt)];
-        Geometric.ask(
-            &Request::new(ModelRole::Text, question),
-            &mut Ledger::unwritten(&Budget::default()),
-        )
-    };
-    let mut program = task("double_triangle");
-    assert!(ask(&space::format_with("(x, y)", &program.actions)).is_ok());
-    assert!(ask("Pick Point = (x, y)").is_err());
-    program.actions.push(ActionField {
-        name: "grip".to_owned(),
-        choices: Choices::Words {
-            choices: vec!["soft".to_owned(), "firm".to_owned()],
-        },
-    });
-    let Err(ModelError::Unsupported { why, .. }) =
-        ask(&space::format_with("(x, y)", &program.actions))
-    else {
-        panic!("answered a question for a grip")
-    };
-    assert!(why.contains("`Grip`"), "{why}");
 }
 
 #[test]

@@ -5,7 +5,7 @@
 
 use crate::scene::{Scene, SceneError};
 use fab_picture::DepthImage;
-use fab_picture::observation::{NotAligned, Observation};
+use fab_picture::observation::Observation;
 use fab_program::Proposal;
 use fab_program::facts::ExecutedAction;
 use fab_program::{Extractor, Layer, PixelPoint, Program, Sight};
@@ -44,8 +44,8 @@ pub enum SeeError {
     #[error("`{0}` needs depth, but the picture has none; use {1} instead")]
     NeedsDepth(String, &'static str),
     /// The depth is not that of the picture.
-    #[error(transparent)]
-    NotAligned(#[from] NotAligned),
+    #[error("{0}")]
+    NotAligned(String),
     /// A keypoint was not found, or a layer not drawn.
     #[error(transparent)]
     Scene(#[from] SceneError),
@@ -67,7 +67,8 @@ pub fn see(program: &Program, brought: SeeInput) -> Result<SeeOutput, SeeError> 
         pick: place,
         place,
     });
-    let mut observation = Observation::of_picture(&program.camera, brought.rgb, brought.depth_m)?;
+    let observation = Observation::of_picture(&program.camera, brought.rgb, brought.depth_m);
+    let mut observation = observation.map_err(SeeError::NotAligned)?;
     let scene = Scene::of(&program, &observation, None)?;
     observation.notes.extend(scene.beyond_the_picture());
     Ok(SeeOutput {

@@ -10,8 +10,9 @@ use crate::result::{Alignment, overlap, silhouette};
 use crate::subgoals::SubgoalSet;
 use fab_base::interrupt::Interrupt;
 use fab_picture::Mask;
+use fab_picture::camera::center_of;
 use fab_picture::observation::Observation;
-use fab_program::{Distrusted, Program, Rehearsal, RehearsalMeasure};
+use fab_program::{Distrusted, PixelPoint, Program, Rehearsal, RehearsalMeasure};
 use fab_vision::Rectangle;
 use fab_world::twin::{Drawn, Kind, Sighting, Twin, TwinView};
 use fab_world::{Motion, WorldError};
@@ -324,13 +325,14 @@ fn mean(values: &[f64]) -> f64 {
 /// it has a depth.
 fn raised_m(observation: &Observation, cloth: &Mask) -> Option<f64> {
     let camera = &observation.camera;
-    let height_m = |(column, row)| {
+    let height_m = |pixel: PixelPoint| {
+        let [column, row] = [pixel.u, pixel.v].map(|at| at as u32);
         let depth_m = observation.depth_m.get_pixel_checked(column, row)?.0[0];
-        let at = [f64::from(column) + 0.5, f64::from(row) + 0.5];
+        let at = center_of(pixel);
         let seen = camera.world_from_pixel(at, f64::from(depth_m))?;
         Some(seen.z - camera.table_from_pixel(at)?.z)
     };
-    let heights_m = cloth.columns_and_rows().filter_map(height_m);
+    let heights_m = cloth.pixels().filter_map(height_m);
     let mut heights_m: Vec<f64> = heights_m.collect();
     heights_m.sort_by(f64::total_cmp);
     let highest = (heights_m.len() as f64 * HIGHEST) as usize;

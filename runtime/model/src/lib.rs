@@ -313,19 +313,7 @@ pub enum ModelError {
         /// The failure in words, with the number of attempts; without any API key.
         why: String,
     },
-    /// A call was not sent.
+    /// A call was not sent, or the user interrupted it.
     #[error(transparent)]
-    NotSent(CallRefused),
-    /// The user stopped it.
-    #[error("interrupted")]
-    Interrupted,
-}
-
-impl From<CallRefused> for ModelError {
-    fn from(refused: CallRefused) -> ModelError {
-        match refused {
-            CallRefused::Interrupted => ModelError::Interrupted,
-            refused => ModelError::NotSent(refused),
-        }
-    }
+    NotSent(#[from] CallRefused),
 }

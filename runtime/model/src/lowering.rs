@@ -26,8 +26,9 @@ pub struct Lowering {
     pub unit: CoordinateUnit,
     /// Which coordinate comes first.
     pub order: Order,
-    /// How a picture is resized before it is sent.
-    pub resize: Resize,
+    /// Each side of a picture is rounded to the nearest multiple of this before it is sent, as Qwen2.5-VL does with every
+    /// picture, so the model works on exactly the pixels that were sent; `None`: it is sent as it is.
+    pub multiples_of_px: Option<NonZeroU32>,
 }
 
 /// How a point is written.
@@ -40,31 +41,18 @@ pub enum Points {
     Marks,
 }
 
-/// How a picture is resized before it is sent, so the model works on exactly the pixels that were sent.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Resize {
-    /// Not at all.
-    Never,
-    /// Each side is rounded to the nearest multiple, as Qwen2.5-VL does with every picture.
-    Multiples {
-        /// Multiple of this many pixels.
-        of_px: NonZeroU32,
-    },
-}
-
 impl Lowering {
     /// The convention of tasks: `(x, y)` in pixels of the camera's picture.
     pub const PIXELS: Lowering = Lowering {
         points: Points::Coordinates,
         unit: CoordinateUnit::Pixels,
         order: Order::Xy,
-        resize: Resize::Never,
+        multiples_of_px: None,
     };
 
     /// Returns the size in which a picture is sent; both `[width, height]`, pixels.
     pub fn sent(&self, size: [u32; 2]) -> [u32; 2] {
-        let Resize::Multiples { of_px } = self.resize else {
+        let Some(of_px) = self.multiples_of_px else {
             return size;
         };
         let of = of_px.get().min(MAX_SENT_PX);
@@ -122,9 +110,9 @@ impl fmt::Display for Lowering {
             CoordinateUnit::Percent => ", 0-100",
             CoordinateUnit::PerMille => ", 0-1000",
         })?;
-        match self.resize {
-            Resize::Never => Ok(()),
-            Resize::Multiples { of_px } => write!(f, " in multiples of {of_px}"),
+        match self.multiples_of_px {
+            None => Ok(()),
+            Some(of_px) => write!(f, " in multiples of {of_px}"),
         }
     }
 }

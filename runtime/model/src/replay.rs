@@ -63,14 +63,14 @@ impl Replay {
             let why = format!(
                 "it holds answers of several models, {models}; name the folder of one method or run"
             );
-            return Err(unusable(path, &why));
+            return Err(LedgerError::of(path, &why));
         }
         let mut questions = exchanges.values().map(|(question, _)| question);
         // A task may never ask this role.
         let any = questions.clone().next();
         let own = questions.find(|question| question.request["role"] == role);
         let Some(first) = own.or(any) else {
-            return Err(unusable(path, "it holds no answer from a model"));
+            return Err(LedgerError::of(path, "it holds no answer from a model"));
         };
         Ok(Replay {
             name: format!("replay({})", first.model),
@@ -109,23 +109,16 @@ fn ledgers(path: &Path) -> Result<Vec<PathBuf>, LedgerError> {
     }
     let mut found = Vec::new();
     for entry in WalkDir::new(path).max_depth(MAX_DEPTH).sort_by_file_name() {
-        let entry = entry.map_err(|error| unusable(path, &error.to_string()))?;
+        let entry = entry.map_err(|error| LedgerError::of(path, &error.to_string()))?;
         if entry.file_name() == LEDGER_FILE {
             found.push(entry.into_path());
         }
     }
     if found.is_empty() {
         let why = format!("no {LEDGER_FILE} lies in it: no model of a provider was asked there");
-        return Err(unusable(path, &why));
+        return Err(LedgerError::of(path, &why));
     }
     Ok(found)
-}
-
-fn unusable(path: &Path, why: &str) -> LedgerError {
-    LedgerError {
-        path: path.to_owned(),
-        why: why.to_owned(),
-    }
 }
 
 fn without_schema(request: &Value) -> Value {

@@ -21,16 +21,16 @@ pub struct Animation {
     colours: Vec<[u8; 3]>,
     /// The number of the nearest colour, of every colour looked up so far.
     nearest: HashMap<[u8; 3], u8>,
-    /// What a viewer shows before the waiting picture.
-    shown: Option<Vec<u8>>,
+    /// What a viewer shows before the waiting picture; empty before the first.
+    shown: Vec<u8>,
     /// The picture whose time is not over yet, and how long it is shown, hundredths of a second.
     waiting: Option<(Vec<u8>, u32)>,
-    pictures: u32,
-    shown_cs: u64,
+    /// What is written; the bytes are with the encoder until the end.
+    written: Written,
 }
 
 /// A finished animation.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Written {
     /// The file's bytes.
     pub bytes: Vec<u8>,
@@ -56,10 +56,9 @@ impl Animation {
             size,
             colours,
             nearest: HashMap::new(),
-            shown: None,
+            shown: Vec::new(),
             waiting: None,
-            pictures: 0,
-            shown_cs: 0,
+            written: Written::default(),
         }
     }
 
@@ -85,11 +84,8 @@ impl Animation {
     fn number(&mut self, colour: [u8; 3]) -> u8 {
         *self.nearest.entry(colour).or_insert_with(|| {
             let distance = |other: &[u8; 3]| -> u32 {
-                let off = other
-                    .iter()
-                    .zip(colour)
-                    .map(|(a, b)| u32::from(a.abs_diff(b)));
-                off.map(|off| off * off).sum()
+                let off = [0, 1, 2].map(|at| u32::from(other[at].abs_diff(colour[at])));
+                off.map(|off| off * off).iter().sum()
             };
             let numbered = (0_u8..).zip(&self.colours);
             let nearest = numbered.min_by_key(|(_, other)| distance(other));
@@ -107,10 +103,9 @@ impl Animation {
     /// Ends the animation; `None` if it has no picture.
     pub fn finish(mut self) -> Option<Written> {
         self.write_waiting();
-        (self.pictures > 0).then(|| Written {
+        (self.written.pictures > 0).then(|| Written {
             bytes: self.encoder.into_inner().expect(INVARIANT),
-            pictures: self.pictures,
-            shown_cs: self.shown_cs,
+            ..self.written
         })
     }
 
@@ -120,28 +115,26 @@ impl Animation {
         };
         // A viewer takes a delay of 0 for one of its own choice.
         let delay = u16::try_from(delay_cs.max(2)).unwrap_or(u16::MAX);
-        let transparent = self.shown.is_some().then_some(SAME);
-        let before = self.shown.take().unwrap_or_default();
-        let changes = numbers
-            .iter()
-            .enumerate()
-            .map(|(at, new)| match before.get(at) {
-                Some(old) if old == new => SAME,
-                _ => *new,
-            });
+        let transparent = (self.written.pictures > 0).then_some(SAME);
+        let mut buffer = numbers.clone();
+        for (new, old) in buffer.iter_mut().zip(&self.shown) {
+            if new == old {
+                *new = SAME;
+            }
+        }
         let frame = Frame {
             delay,
             dispose: DisposalMethod::Keep,
             transparent,
             width: self.size[0],
             height: self.size[1],
-            buffer: changes.collect(),
+            buffer: buffer.into(),
             ..Frame::default()
         };
         self.encoder.write_frame(&frame).expect(INVARIANT);
-        self.pictures += 1;
-        self.shown_cs += u64::from(delay);
-        self.shown = Some(numbers);
+        self.written.pictures += 1;
+        self.written.shown_cs += u64::from(delay);
+        self.shown = numbers;
     }
 }
 

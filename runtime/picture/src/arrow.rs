@@ -1,9 +1,10 @@
 //! The black arrow of a subgoal picture.
 //!
-//! In: the near-black pixels. Out: the arrow's tail and tip, or why there is not exactly one. An arrow is a straight
+//! In: a picture. Out: the arrow's tail and tip, or why there is not exactly one. An arrow is a straight
 //! stroke with a ring at one end; the cloth's position does not matter here.
 
 use crate::Mask;
+use crate::camera::center_of;
 use crate::hull::{self, Point};
 use crate::regions::{self, Patch};
 use image::RgbImage;
@@ -17,15 +18,6 @@ pub struct Arrow {
     pub tip: Point,
     /// All of its pixels, and those inside of its ring, which are too few to tell cloth from table.
     pub stroke: Mask,
-}
-
-/// Why there is not exactly one arrow.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ArrowFault {
-    /// Nothing looks like an arrow.
-    None,
-    /// More than one thing looks like an arrow.
-    Many,
 }
 
 /// The brightest pixel that can belong to an arrow, 8-bit levels. Creases of the recorded cloths stay above 90.
@@ -44,43 +36,39 @@ const SHORTEST_PX: f64 = 8.0;
 const LEAST_LINE: f64 = 0.9;
 
 /// The most black patches, and holes in one patch, that are examined; bounds the work on a noise picture.
-const MAX_PATCHES: usize = 64;
-const MAX_HOLES: usize = 64;
+const MAX_PIECES: usize = 64;
 
 /// Collects the pixels dark enough to belong to an arrow.
-pub fn near_black(picture: &RgbImage) -> Mask {
+fn near_black(picture: &RgbImage) -> Mask {
     Mask::from_fn(picture.width(), picture.height(), |column, row| {
         let rgb = picture.get_pixel(column, row).0;
         rgb.iter().all(|&level| level <= BLACK)
     })
 }
 
-/// Finds the only arrow among black pixels.
+/// Finds the only arrow of a picture; fails with how many there are, in words.
 ///
 /// `scale` is the stroke size relative to a 224 px picture, at least 1.
-pub fn find(ink: &Mask, scale: f64) -> Result<Arrow, ArrowFault> {
-    let pen = Pen::at(scale);
+pub fn find(picture: &RgbImage, scale: f64) -> Result<Arrow, &'static str> {
+    let (pen, ink) = (Pen::at(scale), &near_black(picture));
     let mut patches = regions::components(ink);
     patches.retain(|patch| patch.len() as f64 >= SHORTEST_PX * scale);
     patches.sort_by_key(|patch| std::cmp::Reverse(patch.len()));
-    let (mut n_rings, mut found) = (0, None);
-    for patch in patches.iter().take(MAX_PATCHES) {
-        let rings = pen.rings(ink, patch);
-        n_rings += rings.len();
-        let mut ends = rings
-            .iter()
-            .filter_map(|&(tail, _)| Some((patch, tail, pen.tip(tail, patch, ink)?)));
-        found = found.or(ends.next());
+    let mut rings = Vec::new();
+    for patch in patches.iter().take(MAX_PIECES) {
+        let tails = pen.rings(ink, patch).into_iter();
+        rings.extend(tails.map(|(tail, _)| (patch, tail)));
     }
-    let (patch, tail, tip) = found.ok_or(ArrowFault::None)?;
+    let arrow = |&(patch, tail)| Some((patch, tail, pen.tip(tail, patch, ink)?));
+    let (patch, tail, tip) = rings.iter().find_map(arrow).ok_or("no arrow")?;
     // When two arrows cross, perhaps only one leads straight to the farthest pixel, but both have rings.
-    if n_rings > 1 {
-        return Err(ArrowFault::Many);
+    if rings.len() > 1 {
+        return Err("more than one arrow");
     }
     let inked = Mask::from_pixels(ink.width(), ink.height(), patch);
     let stroke = Mask::from_fn(ink.width(), ink.height(), |column, row| {
         inked.contains_at(column, row)
-            || hull::distance(middle(&(column, row)), tail) <= pen.ring_radius
+            || hull::distance([column, row].map(|at| f64::from(at) + 0.5), tail) <= pen.ring_radius
     });
     Ok(Arrow { tail, tip, stroke })
 }
@@ -121,8 +109,8 @@ impl Pen {
         let mut holes = regions::holes(patch);
         holes.retain(|hole| (hole.len() as f64) < most_px);
         let mut rings: Vec<Ring> = Vec::new();
-        for hole in holes.iter().take(MAX_HOLES) {
-            let hole = mean(hole.iter().map(middle));
+        for hole in holes.iter().take(MAX_PIECES) {
+            let hole = hull::mean(hole.iter().copied().map(center_of));
             // The line cuts the inside of its own ring into several holes.
             if !rings.iter().any(|ring| is_near(ring.0, hole)) {
                 rings.extend(self.ring_around(hole, ink));
@@ -162,7 +150,7 @@ impl Pen {
                 equals.push(center);
             }
         }
-        let center = mean(equals.iter().copied());
+        let center = hull::mean(equals.iter().copied());
         let closed = inked_directions(ink, center, self.ring_radius);
         (!equals.is_empty()).then_some((center, closed))
     }
@@ -170,14 +158,14 @@ impl Pen {
     /// Follows the stroke from a ring to its farthest pixel; `None` if no straight line leads there.
     fn tip(&self, tail: Point, patch: &Patch, ink: &Mask) -> Option<Point> {
         let off = |at: Point| hull::distance(at, tail);
-        let pixels = || patch.iter().map(middle);
+        let pixels = || patch.iter().copied().map(center_of);
         let corner =
             pixels().reduce(|best, next| if off(next) > off(best) { next } else { best })?;
         // A corner of the stroke's end is a little farther off than its middle.
         let is_end = |&at: &Point| {
             off(at) >= off(corner) - 0.5 && hull::distance(at, corner) <= STROKE_PX * self.scale
         };
-        let tip = mean(pixels().filter(is_end));
+        let tip = hull::mean(pixels().filter(is_end));
         let length = hull::distance(tail, tip);
         let n_samples = length.ceil() as u32;
         let is_black = |sample: &u32| {
@@ -200,15 +188,4 @@ fn inked_directions(ink: &Mask, center: Point, radius: f64) -> i32 {
         at.iter().all(|&value| value >= 0.0) && ink.contains_at(at[0] as u32, at[1] as u32)
     };
     (0..N_DIRECTIONS).filter(is_inked).count() as i32
-}
-
-fn mean(points: impl Iterator<Item = Point>) -> Point {
-    let (sum, n) = points.fold(([0.0, 0.0], 0), |(sum, n), at| {
-        ([sum[0] + at[0], sum[1] + at[1]], n + 1)
-    });
-    sum.map(|total| total / f64::from(n))
-}
-
-fn middle(&(column, row): &(u32, u32)) -> Point {
-    [column, row].map(|at| f64::from(at) + 0.5)
 }

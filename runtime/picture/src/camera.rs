@@ -13,8 +13,7 @@ mod tests;
 
 pub use lens::Lens;
 pub use pinhole::Pinhole;
-pub use plane::Plane;
-pub use plane::through;
+pub use plane::{Plane, through};
 
 use fab_program::{ImageUp, PixelPoint};
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};

@@ -5,13 +5,10 @@
 
 use crate::regions;
 use crate::{DepthImage, Mask, has_reading};
+use fab_program::PixelPoint;
 
 /// The largest hole that is closed, as a share of the picture: 50 pixels of 224 by 224.
 const LARGEST_HOLE: f64 = 0.001;
-
-/// The most missing readings, as a share of the picture, with which corners stay those of the whole picture: a square with
-/// 10 % of salt keeps its four corners, with 20 % it gets six.
-const TRUSTED: f64 = 0.15;
 
 /// Closes the small holes of a depth picture; says what it did if there were any.
 ///
@@ -35,20 +32,19 @@ pub fn closed(depth_m: &DepthImage) -> (DepthImage, Option<String>) {
         }
         n_closed += hole.len();
         while !hole.is_empty() {
-            let around = |(column, row)| (column, row, median_around(&closed, column, row));
+            let around = |at: PixelPoint| (at, median_around(&closed, at.u as u32, at.v as u32));
             let found: Vec<_> = hole.drain(..).map(around).collect();
-            for (column, row, reading) in found {
+            for (at, reading) in found {
                 match reading {
-                    Some(reading) => closed.get_pixel_mut(column, row).0[0] = reading,
-                    None => hole.push((column, row)),
+                    Some(reading) => closed.get_pixel_mut(at.u as u32, at.v as u32).0[0] = reading,
+                    None => hole.push(at),
                 }
             }
         }
     }
     let n_missing = missing.area_px();
     let left = match n_missing - n_closed {
-        0 if n_missing as f64 <= TRUSTED * all_px as f64 => String::new(),
-        0 => ", so many that corners may be false".to_owned(),
+        0 => String::new(),
         left => format!(", and {left} are left, near which corners may be false"),
     };
     let note = format!(

@@ -58,6 +58,14 @@ pub fn distance(a: Point, b: Point) -> f64 {
     right.hypot(up)
 }
 
+/// Returns the mean of points; not a number without any.
+pub fn mean(points: impl Iterator<Item = Point>) -> Point {
+    let (sum, n) = points.fold(([0.0, 0.0], 0), |(sum, n), at| {
+        ([sum[0] + at[0], sum[1] + at[1]], n + 1)
+    });
+    sum.map(|total| total / f64::from(n))
+}
+
 /// Returns the sides of a hull, each from one point to the next.
 pub fn edges(hull: &[Point]) -> impl Iterator<Item = (Point, Point)> {
     hull.iter()
@@ -83,12 +91,9 @@ pub fn rectangle(points: &[Point], along: Point) -> (Point, [f64; 2]) {
 
 fn distance_to_segment(point: Point, a: Point, b: Point) -> f64 {
     let (run, offset) = (minus(b, a), minus(point, a));
-    let squared = dot(run, run);
-    let share = if squared > 0.0 {
-        (dot(offset, run) / squared).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
+    // Two equal ends are a point, where the share does not matter.
+    let share = dot(offset, run) / dot(run, run).max(f64::MIN_POSITIVE);
+    let share = share.clamp(0.0, 1.0);
     distance(offset, [run[0] * share, run[1] * share])
 }
 

@@ -26,7 +26,6 @@
 pub mod animation;
 pub mod arrow;
 pub mod camera;
-pub mod cut;
 pub mod dropouts;
 pub mod hull;
 pub mod observation;

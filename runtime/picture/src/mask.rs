@@ -13,7 +13,6 @@ pub struct Mask {
     height: u32,
     /// Row by row, `width * height` of them.
     inside: Vec<bool>,
-    area_px: usize,
 }
 
 impl Mask {
@@ -23,26 +22,29 @@ impl Mask {
         for row in 0..height {
             inside.extend((0..width).map(|column| is_inside(column, row)));
         }
-        Mask::of(width, height, inside)
-    }
-
-    /// Collects these pixels, as (column, row); those outside the picture are ignored.
-    pub fn from_pixels(width: u32, height: u32, pixels: &[(u32, u32)]) -> Self {
-        let mut inside = vec![false; width as usize * height as usize];
-        for &(column, row) in pixels.iter().filter(|at| at.0 < width && at.1 < height) {
-            inside[row as usize * width as usize + column as usize] = true;
-        }
-        Mask::of(width, height, inside)
-    }
-
-    fn of(width: u32, height: u32, inside: Vec<bool>) -> Self {
-        let area_px = inside.iter().filter(|&&pixel| pixel).count();
         Mask {
             width,
             height,
             inside,
-            area_px,
         }
+    }
+
+    /// Collects these pixels; those outside the picture are ignored.
+    pub fn from_pixels(width: u32, height: u32, pixels: &[PixelPoint]) -> Self {
+        let mut mask = Mask::from_fn(width, height, |_, _| false);
+        for pixel in pixels {
+            if let Some(index) = mask.index(*pixel) {
+                mask.inside[index] = true;
+            }
+        }
+        mask
+    }
+
+    /// Returns the place of a pixel in a list of all, row by row; `None` outside the picture.
+    pub(crate) fn index(&self, point: PixelPoint) -> Option<usize> {
+        let (column, row) = (u32::try_from(point.u).ok()?, u32::try_from(point.v).ok()?);
+        let is_inside = column < self.width && row < self.height;
+        is_inside.then_some(row as usize * self.width as usize + column as usize)
     }
 
     /// Returns the picture's width, pixels.
@@ -57,17 +59,12 @@ impl Mask {
 
     /// Returns whether a pixel belongs to the set; pixels outside the picture never do.
     pub fn contains(&self, point: PixelPoint) -> bool {
-        match (u32::try_from(point.u), u32::try_from(point.v)) {
-            (Ok(column), Ok(row)) => self.contains_at(column, row),
-            _ => false,
-        }
+        self.index(point).is_some_and(|index| self.inside[index])
     }
 
     /// Returns whether the pixel of a column and a row belongs to the set; pixels outside the picture never do.
     pub fn contains_at(&self, column: u32, row: u32) -> bool {
-        column < self.width
-            && row < self.height
-            && self.inside[row as usize * self.width as usize + column as usize]
+        self.contains(PixelPoint::new(column as i32, row as i32))
     }
 
     /// Returns whether a pixel of the set lies in the square around a pixel that reaches this far to each side.
@@ -79,29 +76,28 @@ impl Mask {
     /// Returns the sides of the picture that the set reaches: a hundredth of the side, so that no stray pixel counts.
     pub fn reached_borders(&self) -> Vec<&'static str> {
         let [right, bottom] = [self.width, self.height].map(|side| side.saturating_sub(1));
-        let sides: [(_, u32, &dyn Fn(u32) -> bool); 4] = [
-            ("left", self.height, &|row| self.contains_at(0, row)),
-            ("top", self.width, &|column| self.contains_at(column, 0)),
-            ("right", self.height, &|row| self.contains_at(right, row)),
-            ("bottom", self.width, &|column| {
-                self.contains_at(column, bottom)
-            }),
+        let rows = |column| (0..self.height).filter(move |row| self.contains_at(column, *row));
+        let columns = |row| (0..self.width).filter(move |column| self.contains_at(*column, row));
+        let sides = [
+            ("left", self.height, rows(0).count()),
+            ("top", self.width, columns(0).count()),
+            ("right", self.height, rows(right).count()),
+            ("bottom", self.width, columns(bottom).count()),
         ];
-        let reached = sides.into_iter().filter(|(_, length, is_inside)| {
-            let n_inside = (0..*length).filter(|at| is_inside(*at)).count();
-            n_inside > 0 && n_inside * 100 >= *length as usize
-        });
+        let reached = sides
+            .into_iter()
+            .filter(|(_, length, inside)| *inside > 0 && inside * 100 >= *length as usize);
         reached.map(|(name, ..)| name).collect()
     }
 
     /// Returns whether the set has no pixels.
     pub fn is_empty(&self) -> bool {
-        self.area_px == 0
+        !self.inside.contains(&true)
     }
 
     /// Returns the number of pixels in the set.
     pub fn area_px(&self) -> usize {
-        self.area_px
+        self.inside.iter().filter(|&&pixel| pixel).count()
     }
 
     /// Returns the pixel of the set that is nearest to a point, by Euclidean distance.
@@ -111,12 +107,8 @@ impl Mask {
         if self.contains(point) {
             return Some(point);
         }
-        self.pixels().min_by_key(|pixel| {
-            let [du, dv] = [(pixel.u, point.u), (pixel.v, point.v)]
-                .map(|(a, b)| (i64::from(a) - i64::from(b)).pow(2));
-            // The sum of two squared 33-bit numbers can exceed 64 bits.
-            du.saturating_add(dv)
-        })
+        let off_px = |pixel: &PixelPoint| point.distance_px(*pixel);
+        self.pixels().min_by(|a, b| off_px(a).total_cmp(&off_px(b)))
     }
 
     /// Returns the Euclidean distance from a point to the nearest pixel of the set, pixels.
@@ -129,16 +121,10 @@ impl Mask {
 
     /// Returns the pixels of the set, row by row from the top, each row from the left.
     pub fn pixels(&self) -> impl Iterator<Item = PixelPoint> {
-        let pixel = |(column, row)| PixelPoint::new(column as i32, row as i32);
-        self.columns_and_rows().map(pixel)
-    }
-
-    /// Likewise, as (column, row).
-    pub fn columns_and_rows(&self) -> impl Iterator<Item = (u32, u32)> {
         let rows = (0..).zip(self.inside.chunks(self.width.max(1) as usize));
         rows.flat_map(|(row, pixels)| {
             let columns = (0..).zip(pixels).filter(|(_, inside)| **inside);
-            columns.map(move |(column, _)| (column, row))
+            columns.map(move |(column, _)| PixelPoint::new(column, row))
         })
     }
 }
@@ -182,9 +168,8 @@ pub fn has_reading(depth_m: f32) -> bool {
 /// The pixel is truncated, as in the paper's code (protocol, section 6), so it lies half a pixel up and left of the
 /// mean; the exact point is the mean itself.
 pub fn centroid(mask: &Mask) -> Option<SubpixelPoint> {
-    let pixels = mask.columns_and_rows();
-    let sums = pixels.fold([0_u64; 2], |[columns, rows], (column, row)| {
-        [columns + u64::from(column), rows + u64::from(row)]
+    let sums = mask.pixels().fold([0_u64; 2], |[columns, rows], pixel| {
+        [columns + pixel.u as u64, rows + pixel.v as u64]
     });
     let area_px = mask.area_px() as u64;
     (area_px > 0).then(|| SubpixelPoint {

@@ -80,8 +80,7 @@ fn read(path: &Path) -> Result<Vec<u8>, PictureError> {
 /// Returns the width and height, pixels, from a PNG file's header; `None` if it is not a PNG file.
 pub fn size(bytes: &[u8]) -> Option<[u32; 2]> {
     let reader = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png);
-    let (width, height) = reader.into_dimensions().ok()?;
-    Some([width, height])
+    reader.into_dimensions().ok().map(Into::into)
 }
 
 /// Decodes a picture and turns it as its Exif data say.

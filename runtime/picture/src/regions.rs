@@ -3,11 +3,13 @@
 //! In: pictures. Out: colours and sets of pixels. Nothing here distinguishes cloth from arrow.
 
 use crate::Mask;
+use fab_program::PixelPoint;
 use image::RgbImage;
+use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
-/// Connected pixels, as (column, row).
-pub type Patch = Vec<(u32, u32)>;
+/// Connected pixels.
+pub type Patch = Vec<PixelPoint>;
 
 /// Splits a set into its connected patches; pixels that touch at a corner are connected.
 ///
@@ -25,27 +27,26 @@ pub fn patches(set: &Mask) -> Vec<Patch> {
 ///
 /// Pixels of the patch that touch only at a corner still close it.
 pub fn holes(patch: &Patch) -> Vec<Patch> {
-    let (columns, rows): (Vec<u32>, Vec<u32>) = patch.iter().copied().unzip();
-    let span = |values: &[u32]| Some((*values.iter().min()?, *values.iter().max()?));
-    let (Some((left, right)), Some((top, bottom))) = (span(&columns), span(&rows)) else {
+    let span = |of: fn(&PixelPoint) -> i32| {
+        let (least, most) = (patch.iter().map(of).min(), patch.iter().map(of).max());
+        Some((least? - 1, (most? - least?) as u32 + 3))
+    };
+    let (Some((left, width)), Some((top, height))) = (span(|at| at.u), span(|at| at.v)) else {
         return Vec::new();
     };
     // One pixel of margin all round connects everything outside.
-    let moved: Patch = patch
+    let moved = patch
         .iter()
-        .map(|&(column, row)| (column - left + 1, row - top + 1))
-        .collect();
-    let own = Mask::from_pixels(right - left + 3, bottom - top + 3, &moved);
+        .map(|at| PixelPoint::new(at.u - left, at.v - top));
+    let own = Mask::from_pixels(width, height, &moved.collect::<Patch>());
     let gaps = Mask::from_fn(own.width(), own.height(), |column, row| {
         !own.contains_at(column, row)
     });
     let mut holes = patches(&gaps);
     // The outside comes first, because it holds the top left pixel.
     holes.remove(0);
-    for hole in &mut holes {
-        for (column, row) in hole {
-            (*column, *row) = (*column + left - 1, *row + top - 1);
-        }
+    for at in holes.iter_mut().flatten() {
+        *at = PixelPoint::new(at.u + left, at.v + top);
     }
     holes
 }
@@ -56,29 +57,24 @@ fn split(set: &Mask, connects: fn(i32, i32) -> bool) -> Vec<Patch> {
     let steps: Vec<(i32, i32)> = around
         .filter(|&(right, down)| connects(right, down))
         .collect();
-    let index = |(column, row): (u32, u32)| row as usize * set.width() as usize + column as usize;
     let mut seen = vec![false; set.width() as usize * set.height() as usize];
+    let mut is_new = |at: PixelPoint| {
+        let index = set.index(at).filter(|_| set.contains(at));
+        index.is_some_and(|index| !std::mem::replace(&mut seen[index], true))
+    };
     let mut patches = Vec::new();
-    for start in set.columns_and_rows() {
-        if std::mem::replace(&mut seen[index(start)], true) {
+    for start in set.pixels() {
+        if !is_new(start) {
             continue;
         }
         let mut patch = vec![start];
         let mut next = 0;
-        while let Some(&(column, row)) = patch.get(next) {
+        while let Some(&at) = patch.get(next) {
             next += 1;
-            for &(right, down) in &steps {
-                // A step beyond zero wraps round, to a pixel outside of the picture.
-                let near = (
-                    column.wrapping_add_signed(right),
-                    row.wrapping_add_signed(down),
-                );
-                if set.contains_at(near.0, near.1)
-                    && !std::mem::replace(&mut seen[index(near)], true)
-                {
-                    patch.push(near);
-                }
-            }
+            let near = steps
+                .iter()
+                .map(|(right, down)| PixelPoint::new(at.u + right, at.v + down));
+            patch.extend(near.filter(|near| is_new(*near)));
         }
         patches.push(patch);
     }
@@ -94,7 +90,7 @@ const LEAST_SHARE: usize = 33;
 /// Returns the colours of the pictures' borders, red, green, blue: one for a plain table, more for a checkered one.
 pub fn border_colours(pictures: &[&RgbImage]) -> Vec<[f64; 3]> {
     // Bins of 16 levels per channel.
-    let mut bins: BTreeMap<[u8; 3], ([f64; 3], usize)> = BTreeMap::new();
+    let mut bins: BTreeMap<[u8; 3], (Vector3<f64>, usize)> = BTreeMap::new();
     let mut n_pixels = 0;
     for picture in pictures {
         let (width, height) = picture.dimensions();
@@ -104,9 +100,7 @@ pub fn border_colours(pictures: &[&RgbImage]) -> Vec<[f64; 3]> {
             .filter(|&(column, row, _)| on_border(column, width) || on_border(row, height));
         for (_, _, pixel) in border {
             let (sum, count) = bins.entry(pixel.0.map(|level| level / 16)).or_default();
-            for (total, level) in sum.iter_mut().zip(pixel.0) {
-                *total += f64::from(level);
-            }
+            *sum += Vector3::from(pixel.0).map(f64::from);
             *count += 1;
             n_pixels += 1;
         }
@@ -115,7 +109,7 @@ pub fn border_colours(pictures: &[&RgbImage]) -> Vec<[f64; 3]> {
         .into_values()
         .filter(|&(_, count)| count * LEAST_SHARE >= n_pixels);
     frequent
-        .map(|(sum, count)| sum.map(|total| total / count as f64))
+        .map(|(sum, count)| (sum / count as f64).into())
         .collect()
 }
 
@@ -128,12 +122,11 @@ const TINT: f64 = 24.0;
 
 /// Returns whether a colour is one of the table's, possibly in shadow: a shadow dims a colour but does not tint it.
 pub fn is_table(rgb: [u8; 3], table: &[[f64; 3]]) -> bool {
-    let rgb = rgb.map(f64::from);
+    let rgb = Vector3::from(rgb).map(f64::from);
     table.iter().any(|colour| {
-        let dot = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
-        let factor = dot(&rgb, colour) / dot(colour, colour).max(1.0);
+        let colour = Vector3::from(*colour);
+        let factor = rgb.dot(&colour) / colour.norm_squared().max(1.0);
         let factor = factor.clamp(*SHADING.start(), *SHADING.end());
-        let rest = [0, 1, 2].map(|channel| rgb[channel] - factor * colour[channel]);
-        dot(&rest, &rest).sqrt() <= TINT
+        (rgb - factor * colour).norm() <= TINT
     })
 }

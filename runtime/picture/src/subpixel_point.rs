@@ -1,6 +1,5 @@
 //! A picture point located with sub-pixel precision.
 
-use crate::camera::center_of;
 use fab_program::PixelPoint;
 
 /// A whole pixel, as prompts and answers name it, and the exact point behind it, which is executed.
@@ -17,13 +16,5 @@ impl SubpixelPoint {
     pub fn at(at: [f64; 2]) -> SubpixelPoint {
         let pixel = PixelPoint::from(at.map(|at| at.floor() as i32));
         SubpixelPoint { pixel, at }
-    }
-
-    /// Takes a pixel's own centre.
-    pub fn at_center_of(pixel: PixelPoint) -> SubpixelPoint {
-        SubpixelPoint {
-            pixel,
-            at: center_of(pixel),
-        }
     }
 }

@@ -84,6 +84,7 @@ pub struct Amount {
     /// Tokens of all answers.
     pub output_tokens: Option<u64>,
     /// Billionths of a US dollar.
+    #[serde(rename = "cost_nano_usd")]
     pub cost: Option<Usd>,
 }
 

@@ -8,7 +8,7 @@
 use crate::catalogue::{Date, Facts, PositionFormat, Profile};
 use fab_base::chance::Chance;
 use fab_model::calls::{Calls, Fault};
-use fab_model::lowering::{Lowering, Points, Resize};
+use fab_model::lowering::{Lowering, Points};
 use fab_model::{Message, Model, ModelError, ModelRole, Part, Png, Reasoning, Request, Speaker};
 use fab_picture::png;
 use fab_program::pointing::{CoordinateUnit, Frame, Order};
@@ -123,15 +123,11 @@ impl Dots {
         }
         // Sizes that were hardly changed fit nearly as well: then the picture as sent is assumed.
         let mut fitting = self.tried.iter().filter(is_same).filter(fits);
-        let is_as_sent = |tried: &Tried| !matches!(tried.lowering.resize, Resize::Multiples { .. });
-        let multiples_of_px = match best.lowering.resize {
-            Resize::Multiples { of_px } if !fitting.any(is_as_sent) => Some(of_px),
-            _ => None,
-        };
+        let is_resized = fitting.all(|tried| tried.lowering.multiples_of_px.is_some());
         Some(PositionFormat {
             unit: best.lowering.unit,
             order: best.lowering.order,
-            multiples_of_px,
+            multiples_of_px: best.lowering.multiples_of_px.filter(|_| is_resized),
         })
     }
 }
@@ -259,20 +255,18 @@ fn dots(
 
 /// Returns every known convention of models, the stated one first.
 fn lowerings(asked: Lowering) -> Vec<Lowering> {
-    let multiples = Resize::Multiples {
-        of_px: MULTIPLES_OF_PX,
-    };
     let mut lowerings = vec![asked];
-    for resize in [asked.resize, multiples] {
+    for multiples_of_px in [asked.multiples_of_px, Some(MULTIPLES_OF_PX)] {
         for unit in CoordinateUnit::ALL {
             for order in Order::ALL {
                 let lowering = Lowering {
                     unit,
                     order,
-                    resize,
+                    multiples_of_px,
                     ..asked
                 };
-                let exists = unit == CoordinateUnit::Pixels || resize == asked.resize;
+                let exists =
+                    unit == CoordinateUnit::Pixels || multiples_of_px == asked.multiples_of_px;
                 if exists && !lowerings.contains(&lowering) {
                     lowerings.push(lowering);
                 }

@@ -10,7 +10,7 @@
 //! Two other [`Errors`] are harder to catch by asking again: a wrong answer that persists, and a point beside the right
 //! one.
 
-use super::geometric::{self, Choice, Decision, End};
+use super::geometric::{self, Action, Choice, Decision, End};
 use fab_base::chance::Chance;
 use fab_model::calls::Calls;
 use fab_model::{Model, ModelError, ModelKind, Reply, Request};
@@ -41,14 +41,11 @@ pub enum Errors {
 }
 
 impl Errors {
-    /// Returns the errors that a word in a model's name means.
-    pub fn from_word(word: &str) -> Option<Errors> {
-        match word {
-            "persistent" => Some(Errors::Persistent),
-            "neighbour" => Some(Errors::Neighbour),
-            _ => None,
-        }
-    }
+    /// The words in a model's name for errors that are not mixed.
+    pub const WORDS: [(&str, Errors); 2] = [
+        ("persistent", Errors::Persistent),
+        ("neighbour", Errors::Neighbour),
+    ];
 
     fn mistakes(self) -> &'static [Mistake] {
         use Mistake::{Malformed, NearLastPlace, Neighbour, OffTheList, Opposite};
@@ -73,13 +70,10 @@ enum Mistake {
 impl Imperfect {
     /// Makes the stand-in `imperfect:RATE:SEED:ERRORS`; `None` unless the rate is from 0 to 1.
     pub fn new(rate: f64, seed: u64, errors: Errors) -> Option<Imperfect> {
-        let word = match errors {
-            Errors::Mixed => "",
-            Errors::Persistent => ":persistent",
-            Errors::Neighbour => ":neighbour",
-        };
+        let mut words = Errors::WORDS.iter().filter(|(_, it)| *it == errors);
+        let word = words.next().map(|(word, _)| format!(":{word}"));
         (0.0..=1.0).contains(&rate).then(|| Imperfect {
-            name: format!("imperfect:{rate}:{seed}{word}"),
+            name: format!("imperfect:{rate}:{seed}{}", word.unwrap_or_default()),
             rate,
             seed,
             errors,
@@ -112,30 +106,28 @@ impl Model for Imperfect {
     }
 
     fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
-        let mut decision = match geometric::answer(request)? {
-            Ok(decision) => decision,
-            Err(words) => return Ok(Reply::text(words)),
-        };
-        let mut chance = self.draws(request, decision.corrections);
-        if chance.fraction() < self.rate {
-            let mistakes = self.errors.mistakes();
-            let mistake = mistakes[chance.below(mistakes.len())];
-            if spoil(&mut decision, mistake, &mut chance).is_none() {
-                return Ok(Reply::text("I would pull it a little to the side."));
+        let answer = geometric::answer(request).and_then(|mut decision| {
+            let mut chance = self.draws(request, decision.corrections);
+            if chance.fraction() < self.rate {
+                let mistakes = self.errors.mistakes();
+                let mistake = mistakes[chance.below(mistakes.len())];
+                spoil(&mut decision, mistake, &mut chance)
+                    .ok_or("I would pull it a little to the side.")?;
             }
-        }
-        let asked = geometric::all_words(&request.messages);
-        Ok(Reply::text(decision.worded(&asked)))
+            Ok(decision.worded(&geometric::all_words(&request.messages)))
+        });
+        Ok(Reply::text(answer.unwrap_or_else(|words| words)))
     }
 }
 
 /// Puts an error into a decision; `None` for the unreadable kind, and if nothing else is offered.
 fn spoil(decision: &mut Decision, mistake: Mistake, chance: &mut Chance) -> Option<()> {
-    let right = decision.pick;
+    let Action { pick, end } = &mut decision.action;
+    let right = *pick;
     match mistake {
         Mistake::Malformed => return None,
         Mistake::NearLastPlace => {
-            decision.pick = match last_place(&decision.question) {
+            *pick = match last_place(&decision.question) {
                 Some(last) => nearest(&decision.picks, right, last)?,
                 None => {
                     let mut others = decision.picks.clone();
@@ -150,23 +142,22 @@ fn spoil(decision: &mut Decision, mistake: Mistake, chance: &mut Chance) -> Opti
                 let (du, dv) = [(1, 1), (-1, 1), (-1, -1), (1, -1)][(first + turn) % 4];
                 PixelPoint::new(right.u + du * ASTRAY_PX, right.v + dv * ASTRAY_PX)
             });
-            decision.pick = astray.find(|point| !decision.picks.contains(point))?;
+            *pick = astray.find(|point| !decision.picks.contains(point))?;
         }
-        Mistake::Opposite => match &mut decision.end {
-            End::Place { at, .. } => std::mem::swap(at, &mut decision.pick),
-            End::Pull {
-                direction, offered, ..
-            } => {
+        Mistake::Opposite => match end {
+            End::Place(at) => std::mem::swap(at, pick),
+            End::Pull(direction, _) => {
                 let along = |it: &&Choice| (it.value - direction.value).to_radians().cos();
-                let opposite = offered.iter().min_by(|a, b| along(a).total_cmp(&along(b)));
+                let directions = decision.directions.iter();
+                let opposite = directions.min_by(|a, b| along(a).total_cmp(&along(b)));
                 *direction = opposite?.clone();
             }
         },
-        Mistake::Neighbour => match &mut decision.end {
-            End::Place { at, offered } if chance.below(2) == 1 => {
-                *at = nearest(offered, *at, *at)?;
+        Mistake::Neighbour => match end {
+            End::Place(at) if chance.below(2) == 1 => {
+                *at = nearest(&decision.places, *at, *at)?;
             }
-            _ => decision.pick = nearest(&decision.picks, right, right)?,
+            _ => *pick = nearest(&decision.picks, right, right)?,
         },
     }
     Some(())
@@ -175,9 +166,8 @@ fn spoil(decision: &mut Decision, mistake: Mistake, chance: &mut Chance) -> Opti
 /// Returns the point nearest to another one, but not `right`.
 fn nearest(points: &[PixelPoint], right: PixelPoint, to: PixelPoint) -> Option<PixelPoint> {
     let others = points.iter().filter(|point| **point != right);
-    let by_distance =
-        |a: &&PixelPoint, b: &&PixelPoint| a.distance_px(to).total_cmp(&b.distance_px(to));
-    others.min_by(by_distance).copied()
+    let others = others.copied();
+    others.min_by(|a, b| a.distance_px(to).total_cmp(&b.distance_px(to)))
 }
 
 /// Reads the last place point: the first point in a line that mentions the last or previous action, or in the next.

@@ -42,25 +42,19 @@ impl Model for Random {
         let mut chance = Chance::of(&format!("random {} {}", self.seed, request.key()));
         let schema = request.schema.as_ref();
         let properties = schema.and_then(|schema| schema["properties"].as_object());
-        let (mut answer, mut texts) = (Map::new(), Vec::new());
+        let mut answer = Map::new();
         for (name, property) in properties.into_iter().flatten() {
-            if property["enum"].is_null() && property["pattern"].is_null() {
-                texts.push(name.clone());
-                continue;
-            }
-            let value = draw(property, request, &mut chance);
+            let value = if property["enum"].is_null() && property["pattern"].is_null() {
+                Some("I look at nothing, so any choice will do.".to_owned())
+            } else {
+                draw(property, request, &mut chance)
+            };
             let value = value.ok_or_else(|| ModelError::Unsupported {
                 model: self.name.clone(),
                 why: format!("the schema offers nothing for `{name}`"),
             })?;
             answer.insert(name.clone(), value.into());
         }
-        let words = if answer.is_empty() {
-            "Pick any point and place it on any other."
-        } else {
-            "I look at nothing."
-        };
-        answer.extend(texts.into_iter().map(|name| (name, words.into())));
         Ok(Reply::text(Value::Object(answer).to_string()))
     }
 }

@@ -433,14 +433,12 @@ fn apart(ground: &RgbImage, drawings: [&RgbImage; 2], rgb: [u8; 3]) -> Vec<Pixel
     });
     assert!(marks.iter().all(|mark| !mark.is_empty()), "{rgb:?}");
     let lone = [(0, 1), (1, 0)].map(|(own, other)| {
-        let pixels = marks[own].columns_and_rows();
+        let pixels = marks[own].pixels();
         pixels
-            .filter(|&(column, row)| !marks[other].is_within(2, column, row))
+            .filter(|at| !marks[other].is_within(2, at.u as u32, at.v as u32))
             .collect()
     });
-    let lone = lone.into_iter().flat_map(|pixels: Vec<_>| pixels);
-    lone.map(|(column, row)| PixelPoint::new(column as i32, row as i32))
-        .collect()
+    lone.into_iter().flat_map(|pixels: Vec<_>| pixels).collect()
 }
 
 proptest! {

@@ -8,12 +8,13 @@ use crate::verbs::runtime::setting::models;
 use crate::verbs::runtime::setting::remote::Providers;
 use clap::Args;
 use fab_base::wording::counted;
-use fab_model::calls::{Budget, CallRefused, Caps, Ledger, Spent};
+use fab_model::calls::{Budget, CallRefused, Caps, Fault, Ledger, Spent};
 use fab_model::lowering::Lowering;
 use fab_model::{Model, ModelError, ModelRole};
 use fab_providers::catalogue::{Facts, Profile};
 use fab_providers::probe::{Dots, Findings, MOST_QUESTIONS, probe};
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// Arguments of `probe`.
 #[derive(Args)]
@@ -66,7 +67,8 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
     // An answer of an earlier day says nothing about today.
     reach.no_cache = true;
     let [base_url, _] = models::by_role("--base-url", &reach.base_url)?;
-    let providers = Providers::new(&reach, &io.interrupt()?, io)?;
+    let interrupt = io.interrupt()?;
+    let providers = Providers::new(&reach, &interrupt, io)?;
     let profile = providers.profile(&arguments.model)?;
     // Fails here rather than between questions if there is no key or no address.
     providers.model(&profile, base_url, Purpose::Asking)?;
@@ -93,10 +95,10 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
         calls: Some(most_calls),
         ..arguments.caps.caps()
     };
-    let budget = Budget::new(caps, Spent::default());
+    let budget = Budget::new(caps, &interrupt);
     let mut calls = Ledger::unwritten(&budget);
     let findings = probe(&profile, &under, SEED, reach.reasoning, &mut calls);
-    let findings = findings.map_err(failure)?;
+    let findings = findings.map_err(|error| failure(error, calls.faults()))?;
     let examination = Examination {
         model: profile.title(),
         best: findings.dots.as_ref().and_then(Dots::best),
@@ -113,10 +115,17 @@ pub fn run(arguments: &ProbeArguments, io: &Io) -> Result<Exit, Failure> {
     })
 }
 
-fn failure(error: ModelError) -> Failure {
+/// Says why there are no findings; a cap is reached early if calls failed, so `faults` are told with it.
+fn failure(error: ModelError, faults: &BTreeMap<Fault, u32>) -> Failure {
     match error {
-        ModelError::Interrupted => Failure::interrupted(),
-        ModelError::NotSent(CallRefused::Budget(cap)) => Failure::capped(cap),
+        ModelError::NotSent(CallRefused::Interrupted) => Failure::interrupted(),
+        ModelError::NotSent(CallRefused::Budget(cap)) => {
+            let failed = faults
+                .iter()
+                .map(|(fault, count)| format!("; failed calls: {fault} {count}"));
+            let failed: String = failed.collect();
+            Failure::capped(format!("the probe is not complete: {cap}{failed}"))
+        }
         error => Failure::environment(error),
     }
 }

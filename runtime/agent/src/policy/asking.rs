@@ -6,6 +6,10 @@
 use fab_model::calls::{CallRefused, Ledger};
 use fab_model::{Model, ModelError, ModelKind, Reply, Request};
 
+/// Says that a ledger lacks the answer of a completed step.
+const LOST: &str = "a completed step asks a question whose answer is not in the ledger of calls: the ledger, the subgoal \
+                    pictures, the facts about the model or the task changed since; nothing was sent";
+
 /// The questions of one rollout.
 #[derive(Debug)]
 pub struct Asking<'a> {
@@ -50,7 +54,7 @@ impl<'a> Asking<'a> {
             return Ok(Ok(reply.clone()));
         }
         if self.repeats {
-            return Err(CallRefused::Lost);
+            return Err(CallRefused::Ledger(LOST.to_owned()));
         }
         let answered = ask(&mut self.ledger);
         if let Ok(reply) = &answered {

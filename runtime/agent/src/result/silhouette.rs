@@ -1,7 +1,7 @@
 //! Finds the cloth in a picture without depth.
 
 use fab_picture::Mask;
-use fab_picture::regions;
+use fab_picture::regions::{self, Patch};
 use image::RgbImage;
 
 /// Finds the cloth of a subgoal picture: the largest patch without any of the border's colours.
@@ -17,10 +17,7 @@ pub fn silhouette(picture: &RgbImage) -> Mask {
         around(&other, column, row).any(|is_inside| is_inside)
     });
     // Specks grow most, so patches are compared by what they were.
-    let own_px = |patch: &Vec<(u32, u32)>| {
-        let own = |&&(column, row): &&(u32, u32)| other.contains_at(column, row);
-        patch.iter().filter(own).count()
-    };
+    let own_px = |patch: &Patch| patch.iter().filter(|at| other.contains(**at)).count();
     let patches = regions::components(&grown).into_iter();
     let cloth = Mask::from_pixels(
         width,

@@ -1,6 +1,7 @@
 //! Runs one extractor on an observation.
 
 use super::{Extracted, Scene, SceneError};
+use fab_picture::camera::center_of;
 use fab_picture::centroid;
 use fab_picture::depth_mask;
 use fab_picture::observation::Observation;
@@ -102,14 +103,15 @@ impl Scene {
             Extractor::BoundingBox { mask } => fab_vision::bounding_box(self.mask(mask)?)
                 .map(Extracted::Box)
                 .ok_or_else(|| out_of_view(mask))?,
-            Extractor::BoxCenter { of } => Extracted::Point(SubpixelPoint::at_center_of(
-                fab_vision::box_center(self.corners_of(of)?),
-            )),
+            Extractor::BoxCenter { of } => {
+                let center = fab_vision::box_center(self.corners_of(of)?);
+                Extracted::Point(SubpixelPoint::at(center_of(center)))
+            }
             Extractor::PictureCenter => {
                 let [right, low] = [observation.rgb.width(), observation.rgb.height()]
                     .map(|side| side.saturating_sub(1) as i32);
                 let around = [PixelPoint::new(0, 0), PixelPoint::new(right, low)];
-                Extracted::Point(SubpixelPoint::at_center_of(fab_vision::box_center(around)))
+                Extracted::Point(SubpixelPoint::at(center_of(fab_vision::box_center(around))))
             }
             Extractor::Contour { mask, tolerance_px } => {
                 let around = fab_vision::contour(self.mask(mask)?, *tolerance_px)?;
@@ -143,7 +145,7 @@ impl Scene {
                 points
                     .iter()
                     .copied()
-                    .map(SubpixelPoint::at_center_of)
+                    .map(|pixel| SubpixelPoint::at(center_of(pixel)))
                     .collect(),
             ),
         })
@@ -194,8 +196,9 @@ fn measured(extractor: &Extractor, observation: &Observation) -> String {
             let depth_m = &observation.depth_m;
             // Beyond any camera's range, so this counts everything with a reading.
             let readings = depth_mask(depth_m, f64::INFINITY);
-            let depths = readings.columns_and_rows();
-            let depths = depths.map(|(column, row)| f64::from(depth_m.get_pixel(column, row).0[0]));
+            let depths = readings.pixels();
+            let depths =
+                depths.map(|at| f64::from(depth_m.get_pixel(at.u as u32, at.v as u32).0[0]));
             let [nearest_m, farthest_m] = depths.fold([f64::INFINITY, 0.0], |[least, most], m| {
                 [m.min(least), m.max(most)]
             });

@@ -9,8 +9,8 @@ use crate::calibration::{Calibration, Window};
 use crate::rgbd::Shot;
 use crate::settings::Settings;
 use crate::table::ClothTable;
-use fab_picture::observation::Observation;
-use fab_picture::{DepthImage, cut, dropouts, png};
+use fab_picture::observation::{self, Observation};
+use fab_picture::{DepthImage, dropouts, png};
 use fab_world::WorldError;
 use image::RgbImage;
 use std::path::Path;
@@ -86,8 +86,8 @@ pub(super) fn square(parts: &Parts, shot: &Shot, time_s: f64) -> Result<Observat
     let (closed, note) = dropouts::closed(&shot.depth_m);
     let world_from_base = base_from_world(&parts.settings).inverse();
     Ok(Observation {
-        rgb: cut::colours(&shot.rgb, square, image_px),
-        depth_m: cut::depth(&closed, square, image_px),
+        rgb: observation::cut_colours(&shot.rgb, square, image_px),
+        depth_m: observation::cut_depth(&closed, square, image_px),
         camera: parts
             .calibration
             .camera(&world_from_base, &window, image_px),

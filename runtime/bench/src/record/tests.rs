@@ -107,8 +107,7 @@ fn a_goal_that_is_judged_in_the_end_stops_nothing() {
 }
 
 fn model() -> Value {
-    let lowering =
-        json!({ "points": "coordinates", "unit": "pixels", "order": "xy", "resize": "never" });
+    let lowering = json!({ "points": "coordinates", "unit": "pixels", "order": "xy", "multiples_of_px": null });
     json!({ "name": "m", "nature": "stand_in", "lowering": lowering, "omits": [] })
 }
 

@@ -5,7 +5,7 @@
 //! not fit, it waits until calls under way have ended, because most of them cost less than was reserved. So the cap is
 //! passed at most by what the calls under way cost beyond their reservations.
 
-use super::{Billing, CallEnd, CallRefused, FailedCall, Usage, Usd};
+use super::{Billing, CallEnd, CallRefused, Usage, Usd};
 use fab_base::interrupt::Interrupt;
 use fab_base::wording::counted;
 use serde::{Deserialize, Serialize};
@@ -37,8 +37,10 @@ pub struct Spent {
     /// Calls with an unknown cost, or a possible one.
     pub unpriced: u64,
     /// Cost of all answers that reported their usage, billionths of a US dollar.
+    #[serde(rename = "cost_nano_usd")]
     pub cost: Usd,
     /// The most that the possibly billed and the unreported calls cost, billionths of a US dollar.
+    #[serde(rename = "possibly_nano_usd")]
     pub possibly: Usd,
     /// Tokens of all calls that reported their usage.
     pub usage: Usage,
@@ -48,24 +50,21 @@ impl Spent {
     /// Adds the result of one call.
     ///
     /// - `at_most`: the amount reserved for it.
-    pub fn count(&mut self, at_most: Option<Usd>, end: &CallEnd<'_>) {
+    pub fn count(&mut self, at_most: Option<Usd>, end: CallEnd<'_>) {
         self.calls += 1;
-        let (cost, usage, is_unknown) = match end {
-            CallEnd::Failed(failed) => {
-                let is_possible = failed.cost.is_none() && failed.billing == Billing::Possibly;
-                self.possibly_billed += u64::from(is_possible);
-                (failed.cost, failed.usage, is_possible)
-            }
-            CallEnd::Answered(reply) => {
-                let is_unreported = reply.usage.is_none() || at_most.is_some();
-                self.unreported += u64::from(reply.cost.is_none() && is_unreported);
-                (reply.cost, reply.usage, reply.cost.is_none())
-            }
-        };
+        let (cost, usage) = end.map_or_else(|it| (it.cost, it.usage), |it| (it.cost, it.usage));
         self.usage = self.usage + usage.unwrap_or_default();
         self.cost = self.cost + cost.unwrap_or_default();
+        let is_free = end.is_err_and(|failed| failed.billing == Billing::No);
+        if cost.is_some() || is_free {
+            return;
+        }
+        if end.is_err() {
+            self.possibly_billed += 1;
+        } else if usage.is_none() {
+            self.unreported += 1;
+        }
         match at_most {
-            _ if !is_unknown => {}
             Some(at_most) => self.possibly = self.possibly + at_most,
             None => self.unpriced += 1,
         }
@@ -178,7 +177,7 @@ impl State {
     }
 
     /// Gives back what was reserved for a call, and counts the call if it was sent.
-    fn end(&mut self, at_most: Option<Usd>, end: Option<&CallEnd<'_>>) {
+    fn end(&mut self, at_most: Option<Usd>, end: Option<CallEnd<'_>>) {
         if let Some(index) = self.under_way.iter().position(|its| *its == at_most) {
             self.under_way.swap_remove(index);
         }
@@ -188,60 +187,13 @@ impl State {
     }
 }
 
-/// Permission for one call. If it is dropped, the call counts as unanswered and possibly billed.
-#[derive(Debug)]
-pub(super) struct Reservation<'b> {
-    budget: &'b Budget,
-    /// The amount reserved; `None` if the price is unknown.
-    pub at_most: Option<Usd>,
-    is_settled: bool,
-}
-
-impl Reservation<'_> {
-    /// Counts the call.
-    pub fn settle(mut self, end: &CallEnd<'_>) {
-        self.close(Some(end));
-    }
-
-    /// Gives everything back: the call was not sent.
-    pub fn release(mut self) {
-        self.close(None);
-    }
-
-    fn close(&mut self, end: Option<&CallEnd<'_>>) {
-        self.is_settled = true;
-        self.budget.state().end(self.at_most, end);
-        self.budget.ended.notify_all();
-    }
-}
-
-impl Drop for Reservation<'_> {
-    fn drop(&mut self) {
-        // Threads that wait for this call must not wait for a panicked one.
-        if !self.is_settled {
-            self.close(Some(&CallEnd::Failed(&FailedCall::UNRESOLVED)));
-        }
-    }
-}
-
 impl Budget {
-    /// Makes a budget with `spent` already used by earlier parts of the same run.
-    pub fn new(caps: Caps, spent: Spent) -> Budget {
+    /// Makes a budget of which nothing is used; waits end when `interrupt` is raised.
+    pub fn new(caps: Caps, interrupt: &Interrupt) -> Budget {
         Budget {
             caps,
-            state: Mutex::new(State {
-                spent,
-                ..State::default()
-            }),
-            ..Budget::default()
-        }
-    }
-
-    /// Ends waits when `interrupt` is raised.
-    pub fn interrupted_by(self, interrupt: &Interrupt) -> Budget {
-        Budget {
             interrupt: interrupt.clone(),
-            ..self
+            ..Budget::default()
         }
     }
 
@@ -265,7 +217,7 @@ impl Budget {
     /// Reserves what a call may cost; waits for calls under way if that exceeds a cap, and fails if none is.
     ///
     /// - `at_most`: `None` if the price is unknown.
-    pub(super) fn reserve(&self, at_most: Option<Usd>) -> Result<Reservation<'_>, CallRefused> {
+    pub(super) fn reserve(&self, at_most: Option<Usd>) -> Result<(), CallRefused> {
         let mut state = self.state();
         loop {
             if self.interrupt.is_raised() {
@@ -275,15 +227,17 @@ impl Budget {
                 .admit(self.caps, at_most)
                 .map_err(CallRefused::Budget)?
             {
-                return Ok(Reservation {
-                    budget: self,
-                    at_most,
-                    is_settled: false,
-                });
+                return Ok(());
             }
             let waited = self.ended.wait_timeout(state, INTERRUPT_POLL);
             state = waited.unwrap_or_else(PoisonError::into_inner).0;
         }
+    }
+
+    /// Gives back what was reserved for a call, and counts the call; `None`: it was not sent.
+    pub(super) fn end(&self, at_most: Option<Usd>, end: Option<CallEnd<'_>>) {
+        self.state().end(at_most, end);
+        self.ended.notify_all();
     }
 
     fn state(&self) -> MutexGuard<'_, State> {

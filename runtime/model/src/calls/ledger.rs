@@ -5,7 +5,7 @@
 //! replaced by the hash of their bytes. A rollout that sends nothing leaves no such file. [`crate::replay`] answers from
 //! such files.
 
-use super::budget::{Budget, Reservation, Spent};
+use super::budget::{Budget, Spent};
 use super::{Call, CallEnd, CallRefused, Calls, FailedCall, Fault, Usd};
 use crate::{Lowering, Model, Reply, Request};
 use fab_base::jsonl::{Appender, Reader};
@@ -94,10 +94,7 @@ pub fn read(folder: &Path) -> Result<Noted, LedgerError> {
 
 /// Reads a ledger.
 pub(crate) fn read_file(path: &Path) -> Result<Noted, LedgerError> {
-    let unreadable = |why: String| LedgerError {
-        path: path.to_owned(),
-        why,
-    };
+    let unreadable = |why: String| LedgerError::of(path, &why);
     let mut noted = Noted::default();
     let mut lines = Reader::open(path, MAX_BYTES).map_err(unreadable)?;
     while let Some(line) = lines.read().map_err(unreadable)? {
@@ -105,8 +102,7 @@ pub(crate) fn read_file(path: &Path) -> Result<Noted, LedgerError> {
     }
     noted.whole_bytes = lines.whole_bytes();
     for (_, at_most) in std::mem::take(&mut noted.open).into_values() {
-        let unresolved = CallEnd::Failed(&FailedCall::UNRESOLVED);
-        noted.spent.count(at_most, &unresolved);
+        noted.spent.count(at_most, Err(&FailedCall::UNRESOLVED));
     }
     Ok(noted)
 }
@@ -132,13 +128,13 @@ impl Noted {
             }
             Line::Answered { call, reply } => {
                 if let Some((key, at_most)) = self.open.remove(&call) {
-                    self.spent.count(at_most, &CallEnd::Answered(&reply));
+                    self.spent.count(at_most, Ok(&reply));
                     self.answered.insert(key, reply);
                 }
             }
             Line::Failed { call, failed } => {
                 if let Some((key, at_most)) = self.open.remove(&call) {
-                    self.spent.count(at_most, &CallEnd::Failed(&failed));
+                    self.spent.count(at_most, Err(&failed));
                     *self.faults.entry(failed.fault).or_default() += 1;
                     self.failed.insert(key, failed);
                 }
@@ -152,12 +148,14 @@ impl Noted {
 
 /// Why a ledger cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("cannot use the ledger of calls `{}`: {why}", path.display())]
-pub struct LedgerError {
-    /// The file.
-    pub path: PathBuf,
-    /// What is wrong.
-    pub why: String,
+#[error("{0}")]
+pub struct LedgerError(String);
+
+impl LedgerError {
+    pub(crate) fn of(path: &Path, why: &str) -> LedgerError {
+        let file = path.display();
+        LedgerError(format!("cannot use the ledger of calls `{file}`: {why}"))
+    }
 }
 
 /// The ledger of a rollout in progress.
@@ -170,8 +168,8 @@ pub struct Ledger<'b> {
     noted: Noted,
     /// The question that the next call or stored answer is for, unless it has its line.
     asked: Option<Question>,
-    /// The call in progress: its number, and its part of the budget.
-    open: Option<(u64, Reservation<'b>)>,
+    /// The call in progress: its number, and what is reserved for it.
+    open: Option<(u64, Option<Usd>)>,
 }
 
 impl<'b> Ledger<'b> {
@@ -179,11 +177,10 @@ impl<'b> Ledger<'b> {
     ///
     /// - `budget`: already includes those earlier calls.
     pub fn open(folder: &Path, budget: &'b Budget) -> Result<Ledger<'b>, LedgerError> {
-        Ok(Ledger {
-            path: Some(folder.join(LEDGER_FILE)),
-            noted: read(folder)?,
-            ..Ledger::unwritten(budget)
-        })
+        let mut ledger = Ledger::unwritten(budget);
+        ledger.path = Some(folder.join(LEDGER_FILE));
+        ledger.noted = read(folder)?;
+        Ok(ledger)
     }
 
     /// Makes a ledger without a file, for questions outside any run: their calls count towards the budget.
@@ -243,7 +240,11 @@ impl<'b> Ledger<'b> {
     }
 
     fn write(&mut self, line: Line) -> Result<(), CallRefused> {
-        self.append(&line).map_err(CallRefused::NotNoted)?;
+        self.append(&line).map_err(|why| {
+            CallRefused::Ledger(format!(
+                "a call cannot be recorded, so it is not sent: {why}"
+            ))
+        })?;
         self.noted.take(line);
         Ok(())
     }
@@ -267,42 +268,53 @@ impl<'b> Ledger<'b> {
 
 impl Calls for Ledger<'_> {
     fn begin(&mut self, call: &Call<'_>) -> Result<(), CallRefused> {
-        let reserved = self.budget.reserve(call.at_most)?;
+        self.budget.reserve(call.at_most)?;
         let number = self.noted.calls + 1;
         let line = Line::Begin {
             call: number,
             model: call.model.to_owned(),
             key: call.key.to_owned(),
             number: call.number,
-            at_most: reserved.at_most,
+            at_most: call.at_most,
         };
         let begun = self.write_question().and_then(|()| self.write(line));
         if begun.is_err() {
-            reserved.release();
+            self.budget.end(call.at_most, None);
         } else {
-            self.open = Some((number, reserved));
+            self.open = Some((number, call.at_most));
         }
         begun
     }
 
-    fn end(&mut self, end: &CallEnd<'_>) -> Result<(), CallRefused> {
-        let Some((call, reserved)) = self.open.take() else {
+    fn end(&mut self, end: CallEnd<'_>) -> Result<(), CallRefused> {
+        let Some((call, at_most)) = self.open.take() else {
             return Ok(());
         };
-        reserved.settle(end);
-        let line = match *end {
-            CallEnd::Answered(reply) => Line::Answered {
-                call,
-                reply: reply.clone(),
-            },
-            CallEnd::Failed(failed) => Line::Failed {
+        self.budget.end(at_most, Some(end));
+        let line = match end.cloned() {
+            Ok(reply) => Line::Answered { call, reply },
+            Err(failed) => Line::Failed {
                 call,
                 failed: failed.clone(),
             },
         };
         let written = self.append(&line);
         self.noted.take(line);
-        written.map_err(CallRefused::NotKept)
+        written.map_err(|why| {
+            CallRefused::Ledger(format!(
+                "the answer arrived but could not be stored: {why}; once that is fixed, `fabc resume` continues from here"
+            ))
+        })
+    }
+}
+
+impl Drop for Ledger<'_> {
+    fn drop(&mut self) {
+        // Threads that wait for this call must not wait for a panicked one.
+        if let Some((_, at_most)) = self.open.take() {
+            let unresolved = Err(&FailedCall::UNRESOLVED);
+            self.budget.end(at_most, Some(unresolved));
+        }
     }
 }
 

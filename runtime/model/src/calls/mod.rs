@@ -29,7 +29,7 @@ pub trait Calls {
     /// Notes the result of the last call.
     ///
     /// A complete answer is stored: the same question is never sent again.
-    fn end(&mut self, end: &CallEnd<'_>) -> Result<(), CallRefused>;
+    fn end(&mut self, end: CallEnd<'_>) -> Result<(), CallRefused>;
 }
 
 /// A call that is about to be sent.
@@ -45,14 +45,8 @@ pub struct Call<'a> {
     pub at_most: Option<Usd>,
 }
 
-/// The result of a call.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum CallEnd<'a> {
-    /// An answer, with its usage and cost.
-    Answered(&'a Reply),
-    /// No answer.
-    Failed(&'a FailedCall),
-}
+/// The result of a call: an answer, with its usage and cost, or none.
+pub type CallEnd<'a> = Result<&'a Reply, &'a FailedCall>;
 
 /// Why a call gave no answer, and what it cost.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -90,18 +84,7 @@ pub enum CallRefused {
     /// The user interrupted the wait for calls under way.
     #[error("interrupted")]
     Interrupted,
-    /// The note cannot be written.
-    #[error("a call cannot be recorded, so it is not sent: {0}")]
-    NotNoted(String),
-    /// The call was sent, but its result could not be stored everywhere.
-    #[error(
-        "the answer arrived but could not be stored: {0}; once that is fixed, `fabc resume` continues from here"
-    )]
-    NotKept(String),
-    /// A completed step's answer is no longer there.
-    #[error(
-        "a completed step asks a question whose answer is not in the ledger of calls: the ledger, the subgoal \
-         pictures, the facts about the model or the task changed since; nothing was sent"
-    )]
-    Lost,
+    /// The ledger cannot be written, or lacks the answer of a completed step: which, and why.
+    #[error("{0}")]
+    Ledger(String),
 }

@@ -2,7 +2,9 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
-use crate::calls::{Billing, Budget, Call, CallEnd, FailedCall, Fault, Ledger, Usage, Usd};
+use crate::calls::{
+    Billing, Budget, Call, CallEnd, CallRefused, FailedCall, Fault, Ledger, Usage, Usd,
+};
 use crate::{Message, Part, Png, Speaker};
 use serde_json::json;
 
@@ -19,7 +21,7 @@ impl Model for Shop {
     }
 
     fn ask(&self, _: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
-        Err(ModelError::Interrupted)
+        Err(CallRefused::Interrupted.into())
     }
 }
 
@@ -61,7 +63,7 @@ fn failed() -> FailedCall {
 }
 
 /// Writes a question with one call and its end to the ledger of a folder.
-fn call(folder: &Path, request: &Request, end: &CallEnd<'_>) {
+fn call(folder: &Path, request: &Request, end: CallEnd<'_>) {
     let budget = Budget::default();
     let mut ledger = Ledger::open(folder, &budget).unwrap();
     ledger.asks(&Shop, request);
@@ -76,7 +78,7 @@ fn call(folder: &Path, request: &Request, end: &CallEnd<'_>) {
 }
 
 fn answer(folder: &Path, words: &str, text: &str) {
-    call(folder, &request(words), &CallEnd::Answered(&bought(text)));
+    call(folder, &request(words), Ok(&bought(text)));
 }
 
 /// Replies with characters that a careless writer would change.
@@ -94,12 +96,12 @@ fn ask(replay: &Replay, request: &Request) -> Result<Reply, ModelError> {
 fn a_replay_answers_byte_for_byte_and_costs_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    call(folder, &request("again"), &CallEnd::Failed(&failed()));
+    call(folder, &request("again"), Err(&failed()));
     for text in TEXTS {
         answer(folder, &format!("about {text}"), text);
     }
     answer(folder, "again", "at last");
-    call(folder, &request("never"), &CallEnd::Failed(&failed()));
+    call(folder, &request("never"), Err(&failed()));
     let replay = asked(folder);
     assert_eq!(replay.name(), "replay(shop:model)");
     assert_eq!(replay.nature(), ModelKind::Model);
@@ -142,7 +144,7 @@ fn the_runs_of_a_suite_are_one_replay() {
             start: Some(start),
             ..request("again")
         };
-        call(&run, &request, &CallEnd::Answered(&bought(text)));
+        call(&run, &request, Ok(&bought(text)));
     }
     let replay = asked(folder.path());
     assert!(!replay.shares_answers());

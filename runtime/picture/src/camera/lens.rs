@@ -90,16 +90,11 @@ impl Lens {
 
     /// Returns where the lens draws what an undistorted lens would draw at a pixel.
     pub fn bent(&self, pixel: [f64; 2]) -> Option<[f64; 2]> {
-        if !self.is_distorted() {
-            return all_finite(pixel);
-        }
         all_finite(self.on_image(self.distorted(self.ray(pixel))))
     }
 
     pub(super) fn is_distorted(&self) -> bool {
-        self.distortion
-            .iter()
-            .any(|coefficient| *coefficient != 0.0)
+        self.distortion != [0.0; 5]
     }
 
     fn on_image(&self, ray: [f64; 2]) -> [f64; 2] {

@@ -5,7 +5,7 @@
 
 use super::price::Price;
 use super::tokens::ImageTokens;
-use fab_model::lowering::{Lowering, Resize};
+use fab_model::Lowering;
 use fab_program::pointing::{CoordinateUnit, Order};
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -146,11 +146,10 @@ impl Facts {
         let Some(coordinates) = self.coordinates else {
             return Lowering::PIXELS;
         };
-        let multiples = coordinates.multiples_of_px;
         Lowering {
             unit: coordinates.unit,
             order: coordinates.order,
-            resize: multiples.map_or(Resize::Never, |of_px| Resize::Multiples { of_px }),
+            multiples_of_px: coordinates.multiples_of_px,
             ..Lowering::PIXELS
         }
     }

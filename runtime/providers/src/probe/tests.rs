@@ -22,12 +22,12 @@ struct Seeing {
 impl Seeing {
     /// Converts a position, given as fractions of the picture's sides, to its own convention.
     fn numbers(&self, part: [f64; 2], got: [u32; 2]) -> [f64; 2] {
-        let looked_at = |side: u32| match self.says.resize {
-            Resize::Multiples { of_px } => {
+        let looked_at = |side: u32| match self.says.multiples_of_px {
+            Some(of_px) => {
                 let of = f64::from(of_px.get());
                 (f64::from(side) / of).round() * of
             }
-            _ => f64::from(side),
+            None => f64::from(side),
         };
         let [x, y] = [0, 1].map(|axis| match self.says.unit {
             CoordinateUnit::Pixels => part[axis] * looked_at(got[axis]) - 0.5,
@@ -86,18 +86,12 @@ fn plain(name: &str, [one, other]: [f64; 2]) -> String {
     format!("{name}: ({one:.3}, {other:.3})")
 }
 
-fn lowering(unit: CoordinateUnit, order: Order, resize: Resize) -> Lowering {
+fn lowering(unit: CoordinateUnit, order: Order, multiples_of_px: Option<NonZeroU32>) -> Lowering {
     Lowering {
         unit,
         order,
-        resize,
+        multiples_of_px,
         ..Lowering::PIXELS
-    }
-}
-
-fn multiples() -> Resize {
-    Resize::Multiples {
-        of_px: MULTIPLES_OF_PX,
     }
 }
 
@@ -116,7 +110,7 @@ fn found(told: Lowering, says: Lowering) -> Dots {
 #[ignore = "long"]
 fn the_way_in_which_a_model_answers_is_found_whichever_was_asked_for() {
     let [pixels, y_first] =
-        Order::ALL.map(|order| lowering(CoordinateUnit::Pixels, order, multiples()));
+        Order::ALL.map(|order| lowering(CoordinateUnit::Pixels, order, Some(MULTIPLES_OF_PX)));
     let of_sides = lowerings(Lowering::PIXELS);
     assert_eq!(of_sides.len(), 10);
     assert!(of_sides.contains(&pixels) && of_sides.contains(&y_first));
@@ -134,7 +128,7 @@ fn the_way_in_which_a_model_answers_is_found_whichever_was_asked_for() {
 
 #[test]
 fn a_model_that_gets_pictures_in_its_size_has_no_reason_to_resize_them() {
-    let told = lowering(CoordinateUnit::Pixels, Order::Xy, multiples());
+    let told = lowering(CoordinateUnit::Pixels, Order::Xy, Some(MULTIPLES_OF_PX));
     let found = found(told, Lowering::PIXELS);
     assert!(found.agrees(), "{:?}", found.tried);
     assert!(found.tried[0].error_px < 0.5, "{:?}", found.tried[0]);
@@ -146,12 +140,12 @@ fn a_question_has_the_words_of_rollouts_and_a_picture_in_their_size() {
     for (told, words, sent) in [
         (Lowering::PIXELS, "(x, y) in pixels: x grows", [720; 2]),
         (
-            lowering(CoordinateUnit::Pixels, Order::Yx, multiples()),
+            lowering(CoordinateUnit::Pixels, Order::Yx, Some(MULTIPLES_OF_PX)),
             "[y, x] in pixels of a picture 728 wide and 728 high: x grows",
             [728; 2],
         ),
         (
-            lowering(CoordinateUnit::PerMille, Order::Xy, Resize::Never),
+            lowering(CoordinateUnit::PerMille, Order::Xy, None),
             "(x, y) in thousandths of the picture's width and height: x grows",
             [720; 2],
         ),
@@ -176,11 +170,7 @@ fn a_question_has_the_words_of_rollouts_and_a_picture_in_their_size() {
 #[test]
 fn errors_count_pixels_of_the_cameras_picture_whatever_was_sent() {
     let of_px = NonZeroU32::new(360).expect("not 0");
-    let told = lowering(
-        CoordinateUnit::Pixels,
-        Order::Xy,
-        Resize::Multiples { of_px },
-    );
+    let told = lowering(CoordinateUnit::Pixels, Order::Xy, Some(of_px));
     let form = |name: &str, [x, y]: [f64; 2]| plain(name, [x + 1.0, y]);
     let says = Lowering::PIXELS;
     let found = dots(
@@ -463,15 +453,15 @@ fn every_character_is_found_out_and_its_entry_is_used_when_pasted() {
         };
         cases.push(("no schema", character, expected));
     }
-    for (unit, order, resize, multiples_of_px) in [
-        (Pixels, Order::Xy, multiples(), Some(MULTIPLES_OF_PX)),
-        (PerMille, Order::Xy, Resize::Never, None),
-        (PerMille, Order::Yx, Resize::Never, None),
-        (Percent, Order::Xy, Resize::Never, None),
-        (Fraction, Order::Xy, Resize::Never, None),
+    for (unit, order, multiples_of_px) in [
+        (Pixels, Order::Xy, Some(MULTIPLES_OF_PX)),
+        (PerMille, Order::Xy, None),
+        (PerMille, Order::Yx, None),
+        (Percent, Order::Xy, None),
+        (Fraction, Order::Xy, None),
     ] {
         let character = Character {
-            says: lowering(unit, order, resize),
+            says: lowering(unit, order, multiples_of_px),
             ..easy()
         };
         let expected = Facts {

@@ -36,7 +36,7 @@ use crate::catalogue::Profile;
 use exchange::{Exchange, Failed};
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
-use fab_model::calls::{Billing, Call, CallEnd, Calls, FailedCall, Fault, Usage, Usd};
+use fab_model::calls::{Billing, Call, CallRefused, Calls, FailedCall, Fault, Usage, Usd};
 use fab_model::{Lowering, Model, ModelError, ModelKind, Reply, Request};
 use reqwest::Url;
 use reqwest::header::{CONTENT_TYPE, HeaderMap, HeaderName, HeaderValue};
@@ -159,7 +159,7 @@ impl Remote {
         let mut tries = QuestionCalls::new(&self.settings.retry);
         loop {
             let pass = self.transport.wait(self.shared.gate.acquire(), interrupt);
-            let pass = pass.ok_or(ModelError::Interrupted)?;
+            let pass = pass.ok_or(CallRefused::Interrupted)?;
             calls.begin(&Call {
                 model: &self.name,
                 key: &key,
@@ -177,14 +177,14 @@ impl Remote {
                         text: answer.text,
                         usage: answer.usage,
                     };
-                    calls.end(&CallEnd::Answered(&reply))?;
+                    calls.end(Ok(&reply))?;
                     return Ok(reply);
                 }
                 Err(failed) => failed,
             };
             drop(pass);
             let [headline, details] = self.message(&failed);
-            calls.end(&CallEnd::Failed(&FailedCall {
+            calls.end(Err(&FailedCall {
                 fault: failed.fault,
                 why: format!("{headline}{details}"),
                 billing: failed.billing,
@@ -192,7 +192,7 @@ impl Remote {
                 usage: failed.usage,
             }))?;
             if interrupt.is_raised() {
-                return Err(ModelError::Interrupted);
+                return Err(CallRefused::Interrupted.into());
             }
             if request.schema.is_some()
                 && profile.facts.structured_output.is_none()
@@ -353,7 +353,7 @@ impl Model for Remote {
         } = &self.shared;
         let lock = answers.lock(&key);
         let asking = self.transport.wait(lock.lock(), interrupt);
-        let _asking = asking.ok_or(ModelError::Interrupted)?;
+        let _asking = asking.ok_or(CallRefused::Interrupted)?;
         match answers.get(&key) {
             Some(kept) => Ok(Reply {
                 text: kept.text,

@@ -1,6 +1,7 @@
 //! Tests of caps against providers whose reports are wrong: eight threads ask until the cap ends it.
 
 use crate::support::*;
+use fab_base::interrupt::Interrupt;
 use fab_model::calls::{Budget, CallRefused, Caps, Ledger, Spent, Usage, Usd};
 use fab_model::{Model, ModelError};
 use fab_providers::remote::Gate;
@@ -34,7 +35,7 @@ fn until_capped(response: Response) -> (Spent, usize) {
         cost: Some(CAP),
         calls: None,
     };
-    let budget = Budget::new(caps, Spent::default());
+    let budget = Budget::new(caps, &Interrupt::default());
     thread::scope(|scope| {
         for _ in 0..8 {
             scope.spawn(|| {

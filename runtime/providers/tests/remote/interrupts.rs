@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use fab_base::interrupt::Interrupt;
-use fab_model::calls::{Billing, Fault};
+use fab_model::calls::{Billing, CallRefused, Fault};
 use fab_model::{Model, ModelError};
 use std::sync::Arc;
 use std::thread;
@@ -26,7 +26,10 @@ fn a_call_that_waits_for_its_reply_ends_and_counts_as_possibly_billed() {
     trial.shared.interrupt = interrupt;
     let mut notes = Notes::new();
     let error = trial.model().ask(&request(), &mut notes).unwrap_err();
-    assert!(matches!(error, ModelError::Interrupted), "{error}");
+    assert!(
+        matches!(error, ModelError::NotSent(CallRefused::Interrupted)),
+        "{error}"
+    );
     assert_eq!(notes.faults(), [(Fault::ConnectionCut, Billing::Possibly)]);
     assert_eq!(rude.count(), 1);
 }
@@ -41,7 +44,10 @@ fn nothing_is_sent_after_an_interrupt_between_two_tries() {
     trial.shared.tell = Arc::new(move |_| interrupt.raise());
     let mut notes = Notes::new();
     let error = trial.model().ask(&request(), &mut notes).unwrap_err();
-    assert!(matches!(error, ModelError::Interrupted), "{error}");
+    assert!(
+        matches!(error, ModelError::NotSent(CallRefused::Interrupted)),
+        "{error}"
+    );
     assert_eq!((provider.calls(), notes.ends().len()), (1, 1));
 }
 
@@ -52,6 +58,9 @@ fn nothing_is_sent_or_told_where_the_interrupt_came_before() {
     trial.shared.interrupt.raise();
     let mut notes = Notes::new();
     let error = trial.model().ask(&request(), &mut notes).unwrap_err();
-    assert!(matches!(error, ModelError::Interrupted), "{error}");
+    assert!(
+        matches!(error, ModelError::NotSent(CallRefused::Interrupted)),
+        "{error}"
+    );
     assert!(provider.calls() == 0 && notes.told.is_empty());
 }

@@ -185,7 +185,7 @@ fn no_panic_message_holds_a_key() {
         }
         fn end(
             &mut self,
-            _: &fab_model::calls::CallEnd<'_>,
+            _: fab_model::calls::CallEnd<'_>,
         ) -> Result<(), fab_model::calls::CallRefused> {
             Ok(())
         }

@@ -151,13 +151,13 @@ impl Calls for Notes {
         Ok(())
     }
 
-    fn end(&mut self, end: &CallEnd<'_>) -> Result<(), CallRefused> {
-        self.told.push(match *end {
-            CallEnd::Answered(reply) => Told::Answered {
+    fn end(&mut self, end: CallEnd<'_>) -> Result<(), CallRefused> {
+        self.told.push(match end {
+            Ok(reply) => Told::Answered {
                 text: reply.text.clone(),
                 cost: reply.cost,
             },
-            CallEnd::Failed(failed) => Told::Failed(failed.clone()),
+            Err(failed) => Told::Failed(failed.clone()),
         });
         Ok(())
     }

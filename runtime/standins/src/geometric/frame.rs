@@ -4,7 +4,8 @@
 //! counter-clockwise as seen). Out: a [`Frame`], which describes points by their fractions along and across the
 //! rectangle. `super::instruction` puts these into words.
 
-use fab_picture::hull::{Point, distance_to_outline, dot, edges, minus, rectangle};
+use super::instruction::CORNERS;
+use fab_picture::hull::{Point, distance, distance_to_outline, dot, edges, minus, rectangle};
 
 /// A rectangle around an outline, with an order of its sides.
 ///
@@ -29,9 +30,6 @@ const CLEARLY_SLIMMER: f64 = 1.3;
 /// From this ratio of sides on, a rectangle has long and short sides.
 const LONG: f64 = 1.08;
 
-/// The corners of a frame as fractions along and across, counter-clockwise.
-pub const CORNERS: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-
 impl Frame {
     /// Fits a frame to a convex outline; `None` if it has no area.
     ///
@@ -51,28 +49,23 @@ impl Frame {
     /// Each has its relative excess area; empty if the outline has no area.
     pub fn fits(hull: &[Point], within: f64) -> Vec<(Frame, f64)> {
         let area = |frame: &Frame| frame.half[0] * frame.half[1];
-        let flush = edges(hull).map(|(a, b)| Frame::flush_with(hull, minus(b, a)));
+        // The smallest rectangle around a hull has a side in the direction of one of the hull's.
+        let flush = edges(hull).map(|(a, b)| {
+            let along = minus(b, a).map(|step| step / distance(a, b));
+            let (center, sides) = rectangle(hull, along);
+            Frame {
+                center,
+                along,
+                half: sides.map(|side| side / 2.0),
+            }
+        });
         let mut fits: Vec<Frame> = flush.filter(|frame| frame.short_side() > 0.0).collect();
         fits.sort_by(|a, b| area(a).total_cmp(&area(b)));
-        let Some(least) = fits.first().map(area) else {
-            return Vec::new();
-        };
+        let least = fits.first().map_or(0.0, area);
         fits.into_iter()
             .map(|frame| (frame.in_reading_order(), area(&frame) / least - 1.0))
             .filter(|&(_, excess)| excess < within - 1.0)
             .collect()
-    }
-
-    /// The smallest rectangle around a hull that has a side in a direction.
-    fn flush_with(hull: &[Point], direction: Point) -> Frame {
-        let length = direction[0].hypot(direction[1]);
-        let along = direction.map(|step| step / length);
-        let (center, sides) = rectangle(hull, along);
-        Frame {
-            center,
-            along,
-            half: sides.map(|side| side / 2.0),
-        }
     }
 
     /// Returns the shorter side's length.
@@ -94,6 +87,11 @@ impl Frame {
         self.aspect() >= LONG
     }
 
+    /// Returns whether no side is longer than those along.
+    pub fn is_along_long_side(&self) -> bool {
+        self.half[0] >= self.half[1]
+    }
+
     /// Returns the angle of `along`, radians counter-clockwise from the picture's right.
     pub fn angle(&self) -> f64 {
         self.along[1].atan2(self.along[0])
@@ -108,11 +106,6 @@ impl Frame {
         })
     }
 
-    /// Returns the frame, turned once if its sides across are the longer ones.
-    pub fn with_long_side_first(&self) -> Frame {
-        self.turned(u32::from(self.half[0] < self.half[1]))
-    }
-
     /// Returns a point's fractions along and across, 0 to 1; outside that range beyond the rectangle.
     pub fn share_of(&self, point: Point) -> [f64; 2] {
         let off = minus(point, self.center);
@@ -120,9 +113,10 @@ impl Frame {
         [0, 1].map(|side| (dot(off, axes[side]) / self.half[side] + 1.0) / 2.0)
     }
 
-    /// Returns the point at the given fractions along and across.
-    pub fn point_at(&self, shares: [f64; 2]) -> Point {
-        let [s, t] = [0, 1].map(|side| (2.0 * shares[side] - 1.0) * self.half[side]);
+    /// Returns the point at the given eighths along and across.
+    pub fn point_at(&self, eighths: [u8; 2]) -> Point {
+        let share = |side: usize| f64::from(eighths[side]) / 4.0 - 1.0;
+        let [s, t] = [0, 1].map(|side| share(side) * self.half[side]);
         let across = quarter_turn(self.along);
         [0, 1].map(|axis| self.center[axis] + s * self.along[axis] + t * across[axis])
     }
@@ -134,7 +128,7 @@ impl Frame {
 
     fn in_reading_order(self) -> Frame {
         let turns = (0..4).map(|turns| self.turned(turns));
-        let turns = turns.filter(|frame| !self.has_long_sides() || frame.half[0] > frame.half[1]);
+        let turns = turns.filter(|frame| !self.has_long_sides() || frame.is_along_long_side());
         first_greatest(turns, |frame| frame.along[0] + frame.along[1] * 1e-6).unwrap_or(self)
     }
 }

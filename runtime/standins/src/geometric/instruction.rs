@@ -4,6 +4,7 @@
 //! the right and across them; bare 8-8`. Its numbers count eighths of the rectangle around the cloth, so it also holds
 //! for a cloth that lies turned or is larger. `super::frame` locates the rectangle.
 
+use std::f64::consts::FRAC_PI_4;
 use std::fmt;
 
 /// Eighths along the heading and across it, each 0 to 8; `None` is the middle of the whole cloth.
@@ -13,7 +14,7 @@ pub type Spot = Option<[u8; 2]>;
 const HEADINGS: [&str; 4] = ["lower-right", "right", "upper-right", "top"];
 
 /// The corners of the rectangle, counter-clockwise from the start of the heading.
-const CORNERS: [[u8; 2]; 4] = [[0, 0], [8, 0], [8, 8], [0, 8]];
+pub const CORNERS: [[u8; 2]; 4] = [[0, 0], [8, 0], [8, 8], [0, 8]];
 
 /// One fold: its pick, its place, and how to identify the sides of the cloth.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -22,7 +23,7 @@ pub struct Instruction {
     pub pick: Spot,
     /// The point to place it on.
     pub place: Spot,
-    /// The direction in the picture that counts as `along`, of [`Instruction::ANGLES`].
+    /// The direction in the picture that counts as `along`, of [`HEADINGS`].
     pub heading: usize,
     /// Whether the heading runs along a long side; otherwise all sides count as equal.
     pub is_long: bool,
@@ -56,11 +57,10 @@ impl fmt::Display for Instruction {
 }
 
 impl Instruction {
-    /// The angles of the headings, radians counter-clockwise from the picture's right.
-    pub const ANGLES: [f64; 4] = {
-        use std::f64::consts::FRAC_PI_4;
-        [7.0 * FRAC_PI_4, 0.0, FRAC_PI_4, 2.0 * FRAC_PI_4]
-    };
+    /// Returns the angle of the heading, radians counter-clockwise from the picture's right.
+    pub fn heading_rad(&self) -> f64 {
+        (self.heading as f64 - 1.0) * FRAC_PI_4
+    }
 
     /// Reads the sentence in a line; `None` if it has none.
     pub fn read(line: &str) -> Option<Instruction> {

@@ -6,8 +6,8 @@
 //! its results appear, and its scores say nothing about models.
 //!
 //! It knows no task. If it cannot understand a prompt, it answers with words that hold no instruction and no point,
-//! which the caller reports like any other unusable answer. A question for anything other than a pick point with a place
-//! point, or with a direction and a distance, is a model error.
+//! which the caller reports like any other unusable answer. An answer states a pick point with a place point, or with a
+//! direction and a distance, and nothing else that a prompt may ask for.
 
 mod decision;
 mod frame;
@@ -20,9 +20,9 @@ mod smooth;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use decision::{Decision, End};
+pub(crate) use decision::{Action, Decision, End};
 use fab_model::calls::Calls;
-use fab_model::{Message, Model, ModelError, ModelKind, Part, Reply, Request, Speaker};
+use fab_model::{Message, Model, ModelError, ModelKind, Part, Reply, Request};
 pub(crate) use prompt::{Choice, points};
 
 /// The stand-in.
@@ -44,33 +44,23 @@ impl Model for Geometric {
 
     fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
         let asked = all_words(&request.messages);
-        let answer = answer(request)?.map(|decision| decision.worded(&asked));
+        let answer = answer(request).map(|decision| decision.worded(&asked));
         Ok(Reply::text(answer.unwrap_or_else(|words| words)))
     }
 }
 
-/// An action before it is put into words, or an answer of words alone.
-pub(crate) type Answer = Result<Decision, String>;
-
-/// Answers a question.
-pub(crate) fn answer(request: &Request) -> Result<Answer, ModelError> {
+/// Answers a question: with an action before it is put into words, or with words alone.
+pub(crate) fn answer(request: &Request) -> Result<Decision, String> {
     let messages = &request.messages;
     let asked = all_words(messages);
     let (decided, what) = if smooth::is_asked(&asked) {
         (smooth::choose(messages), "a pull")
-    } else if let Some(more) = prompt::asks_for_more(&asked) {
-        return Err(ModelError::Unsupported {
-            model: Geometric.name().to_owned(),
-            why: format!(
-                "it can only answer with a pick point and a place point, and the prompt asks {more}; a model, `random` and `--policy expert` can"
-            ),
-        });
     } else if let Some(description) = see::describe(messages) {
-        return Ok(Err(description));
+        return Err(description);
     } else {
         (plan::choose(messages), "points")
     };
-    Ok(decided.map_err(|why| format!("I cannot choose {what}: {why}.")))
+    decided.map_err(|why| format!("I cannot choose {what}: {why}."))
 }
 
 /// The text of a message, one part per line.
@@ -95,12 +85,4 @@ pub(crate) fn pictures(message: &Message) -> Vec<&[u8]> {
         Part::Text(_) => None,
     });
     pictures.collect()
-}
-
-/// Returns the answers of a conversation that were refused: those before a user's turn.
-fn refused(turns: &[Message]) -> Vec<String> {
-    let pairs = turns.windows(2);
-    let pairs = pairs
-        .filter(|pair| pair[0].speaker == Speaker::Assistant && pair[1].speaker == Speaker::User);
-    pairs.map(|pair| spoken(&pair[0])).collect()
 }

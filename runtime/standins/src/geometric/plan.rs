@@ -4,11 +4,11 @@
 //! words name places in the rectangle around the cloth. Here that rectangle is fitted to the current corners, and each
 //! place is matched with the nearest listed point.
 
-use super::decision::{Decision, End};
+use super::decision::{self, Action, Decision, End};
 use super::frame::Frame;
 use super::instruction::{Instruction, Spot};
 use super::prompt::{self, Listed};
-use super::{refused, spoken};
+use super::spoken;
 use fab_model::{Message, Speaker};
 use fab_picture::hull::{self, Point};
 use fab_program::PixelPoint;
@@ -61,23 +61,19 @@ pub fn choose(messages: &[Message]) -> Result<Decision, String> {
         return Err("no corners are listed".to_owned());
     }
     let (turn, pairs) = plan(&instruction, &listed)?;
-    let refused = refused(&messages[at..]);
-    let is_new = |&(pick, place): &Pair| {
-        let mut points = refused.iter().map(|answer| prompt::points(answer));
-        points.all(|points| !points.starts_with(&[pick, place]))
-    };
-    let chosen = pairs.into_iter().find(is_new);
-    let (pick, at) = chosen.ok_or("every likely pair of listed points was refused")?;
-    Ok(Decision {
+    let actions = pairs.into_iter().map(|(pick, at)| Action {
         pick,
-        end: End::Place {
-            at,
-            offered: listed.places(),
-        },
+        end: End::Place(at),
+    });
+    let (action, corrections) = decision::first_new(&messages[at..], actions);
+    Ok(Decision {
+        action: action.ok_or("every likely pair of listed points was refused")?,
+        places: listed.places(),
         picks: listed.corners,
+        directions: Vec::new(),
         center: listed.center,
         question,
-        corrections: refused.len(),
+        corrections,
         why: format!(
             "The rectangle around the listed corners lies turned by about {:.0} degrees against the words; in it, these \
              are the listed points nearest to the two that the words name, without those that were refused.",
@@ -98,7 +94,7 @@ fn plan(instruction: &Instruction, listed: &Listed) -> Result<(f64, Vec<Pair>), 
     let ends = [instruction.pick, instruction.place];
     let target = |frame: &Frame, spot: Spot| match spot {
         None => listed.center.map(up),
-        Some(eighths) => Some(frame.point_at(eighths.map(|n| f64::from(n) / 8.0))),
+        Some(eighths) => Some(frame.point_at(eighths)),
     };
     // Distance of the nearest listed points from the two named in the words.
     let off_px = |frame: &Frame| {
@@ -109,8 +105,8 @@ fn plan(instruction: &Instruction, listed: &Listed) -> Result<(f64, Vec<Pair>), 
                 .map(|&point| hull::distance(up(point), target));
             offs.min_by(f64::total_cmp)
         };
-        let offs = [nearest(ends[0], &listed.corners), nearest(ends[1], &places)];
-        offs[0].unwrap_or(0.0) + offs[1].unwrap_or(0.0)
+        let picks = nearest(ends[0], &listed.corners).unwrap_or(0.0);
+        picks + nearest(ends[1], &places).unwrap_or(0.0)
     };
     let hull = hull::around(listed.corners.iter().copied().map(up));
     if let Some((frame, turn)) = turn_to(instruction, &hull, off_px) {
@@ -125,7 +121,7 @@ fn plan(instruction: &Instruction, listed: &Listed) -> Result<(f64, Vec<Pair>), 
     // tells which is which.
     let direction = |[from, to]: [Point; 2]| (to[1] - from[1]).atan2(to[0] - from[0]);
     let in_words = ends.map(|spot| spot.unwrap_or([4, 4]).map(f64::from));
-    let meant = direction(in_words) + Instruction::ANGLES[instruction.heading];
+    let meant = direction(in_words) + instruction.heading_rad();
     let turn = |pair: &Pair| {
         let found = direction([up(pair.0), up(pair.1)]);
         (found - meant + PI).rem_euclid(TAU) - PI
@@ -154,15 +150,12 @@ fn turn_to(
 ) -> Option<(Frame, f64)> {
     let mut best: Option<(f64, Frame, f64)> = None;
     for (fitted, excess) in Frame::fits(hull, ABOUT_AS_SNUG) {
-        // If the words mention long sides, `along` is the longer one, however small the difference.
-        let (start, step) = if instruction.is_long {
-            (fitted.with_long_side_first(), 2)
-        } else {
-            (fitted, 1)
-        };
-        for quarter_turns in (0..4).step_by(step) {
-            let frame = start.turned(quarter_turns);
-            let meant = Instruction::ANGLES[instruction.heading];
+        for frame in (0..4).map(|quarter_turns| fitted.turned(quarter_turns)) {
+            // If the words mention long sides, `along` is the longer one, however small the difference.
+            if instruction.is_long && !frame.is_along_long_side() {
+                continue;
+            }
+            let meant = instruction.heading_rad();
             let turn = (frame.angle() - meant + PI).rem_euclid(TAU) - PI;
             let gaps = frame.corner_gaps(hull).into_iter().zip(instruction.bare);
             let misfits = gaps.map(|(gap, is_bare)| {

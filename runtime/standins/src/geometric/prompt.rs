@@ -86,26 +86,10 @@ pub fn choices(text: &str, field: &str) -> Vec<Choice> {
     choices.collect()
 }
 
-/// Returns what else a prompt's format asks for besides a pick point and a place point: another field with values to
-/// choose from, or a pick point alone.
-pub fn asks_for_more(prompt: &str) -> Option<String> {
-    let other = fields(prompt).find(|(name, values)| {
-        let is_name = (1..=3).contains(&name.split_whitespace().count());
-        let is_manner = Manner::USUAL.stated().any(|(it, _)| is_field(name, it));
-        is_name && values.len() > 1 && !is_manner && !are_quadrants(values)
-    });
-    let states = |field: &str| {
-        let mut fields = fields(prompt);
-        fields.any(|(name, values)| is_field(name, field) && values == ["(x, y)"])
-    };
-    let alone = states("pick_point") && !states("place_point");
-    let alone = alone.then(|| "for a pick point alone".to_owned());
-    other.map(|(name, _)| format!("for `{name}`")).or(alone)
-}
-
 /// Returns the line of an answer that says where the pick point lies, seen from the center, if the prompt asks for it.
 pub fn quadrant_line(prompt: &str, pick: PixelPoint, center: PixelPoint) -> Option<String> {
-    let (name, _) = fields(prompt).find(|(_, values)| are_quadrants(values))?;
+    let is_quadrant = |value: &&str| QUADRANTS.as_flattened().contains(value);
+    let (name, _) = fields(prompt).find(|(_, values)| values.iter().all(is_quadrant))?;
     let [pick, center] = [pick, center].map(|it| [it.u, it.v].map(f64::from));
     Some(format!("{name} = {}", quadrant(pick, center)))
 }
@@ -114,9 +98,8 @@ pub fn quadrant_line(prompt: &str, pick: PixelPoint, center: PixelPoint) -> Opti
 /// the listed values, the one nearest to the usual.
 pub fn manner_lines(prompt: &str) -> Vec<String> {
     let line = |(field, usual): (&str, f64)| {
-        let (name, values) = fields(prompt)
-            .rev()
-            .find(|(name, _)| is_field(name, field))?;
+        let is_it = |name: &str| name.replace(' ', "_").eq_ignore_ascii_case(field);
+        let (name, values) = fields(prompt).rev().find(|(name, _)| is_it(name))?;
         let off = |value: &&str| {
             let (number, unit) = value.split_once(' ').unwrap_or((value, ""));
             let number: f64 = number.parse().unwrap_or(f64::NAN);
@@ -139,26 +122,14 @@ fn fields(text: &str) -> impl DoubleEndedIterator<Item = (&str, Vec<&str>)> {
     })
 }
 
-fn is_field(name: &str, field: &str) -> bool {
-    name.replace(' ', "_").eq_ignore_ascii_case(field)
-}
-
-/// Returns whether all values say where a point lies.
-fn are_quadrants(values: &[&str]) -> bool {
-    let all = QUADRANTS.as_flattened();
-    values.iter().all(|value| all.contains(value))
-}
-
 /// Returns the points `(x, y)` or `[x, y]` of a text in order.
 pub fn points(text: &str) -> Vec<PixelPoint> {
     let insides = text.split(['(', '[']).skip(1);
     let points = insides.filter_map(|inside| {
         let inside = inside.split([')', ']']).next()?;
         let (u, v) = inside.split_once(',')?;
-        Some(PixelPoint::new(
-            u.trim().parse().ok()?,
-            v.trim().parse().ok()?,
-        ))
+        let number = |text: &str| text.trim().parse().ok();
+        Some(PixelPoint::new(number(u)?, number(v)?))
     });
     points.collect()
 }

@@ -8,7 +8,7 @@ use super::frame::Frame;
 use super::instruction::Instruction;
 use super::pictures;
 use fab_model::{Message, Speaker};
-use fab_picture::arrow::{self, ArrowFault};
+use fab_picture::arrow;
 use fab_picture::camera::center_of;
 use fab_picture::hull::{self, Point};
 use fab_picture::{Mask, png, regions};
@@ -55,21 +55,16 @@ fn instruction(pictures: &[&[u8]]) -> Result<Instruction, String> {
     let [width, height] = [first.width(), first.height()].map(f64::from);
     // Smaller pictures have arrows of the same size, for legibility.
     let scale = (width.max(height) / 224.0).max(1.0);
-    let drawn = arrow::find(&arrow::near_black(first), scale).map_err(|fault| match fault {
-        ArrowFault::Many => "I see more than one arrow on the first picture",
-        ArrowFault::None => "I see no arrow on the first picture",
-    })?;
+    let drawn = arrow::find(first, scale);
+    let drawn = drawn.map_err(|number| format!("I see {number} on the first picture"))?;
     let table = regions::border_colours(&pictures.iter().collect::<Vec<_>>());
     let cloth = cloth(first, &table, &drawn.stroke)?;
     let up = |[column, row]: Point| [column, height - row];
-    let is_rim = |&(column, row): &(u32, u32)| {
-        !cloth.contains_at(column + 1, row) || !cloth.contains_at(column.wrapping_sub(1), row)
-    };
-    let rims = cloth.columns_and_rows().filter(is_rim);
-    let corners = rims.flat_map(|(column, row)| {
-        let [left, right] = [column, column + 1].map(f64::from);
-        let [top, bottom] = [row, row + 1].map(f64::from);
-        [[left, top], [left, bottom], [right, top], [right, bottom]]
+    // A pixel reaches half a pixel beyond its middle.
+    let middles = hull::around(cloth.pixels().map(center_of)).into_iter();
+    let corners = middles.flat_map(|[column, row]| {
+        let off = [[-0.5, -0.5], [-0.5, 0.5], [0.5, -0.5], [0.5, 0.5]];
+        off.map(|[right, down]| [column + right, row + down])
     });
     let bare = hull::around(corners.map(up));
     // The ring hides the corner below it, so the arrow's ends count as cloth if they are close to it.
@@ -113,10 +108,7 @@ pub fn corners(picture: &[u8]) -> Result<Vec<PixelPoint>, String> {
     let nothing = Mask::from_pixels(seen.width(), seen.height(), &[]);
     let cloth = cloth(&seen, &regions::border_colours(&[&seen]), &nothing)?;
     let outline = hull::around(cloth.pixels().map(center_of));
-    let middle = [0, 1].map(|axis| {
-        let sum: f64 = outline.iter().map(|corner| corner[axis]).sum();
-        sum / outline.len() as f64
-    });
+    let middle = hull::mean(outline.iter().copied());
     let inward = |corner: &Point| {
         [0, 1].map(|axis| (corner[axis] + INWARD * (middle[axis] - corner[axis])) as i32)
     };
@@ -139,7 +131,7 @@ fn cloth(picture: &RgbImage, table: &[[f64; 3]], stroke: &Mask) -> Result<Mask, 
     let patches = regions::components(&patch).into_iter();
     let mut largest = patches.max_by_key(Vec::len).unwrap_or_default();
     // A stroke softened by scaling has grey rims that are neither table nor cloth.
-    largest.retain(|&(column, row)| !stroke.is_within(1, column, row));
+    largest.retain(|at| !stroke.is_within(1, at.u as u32, at.v as u32));
     if (largest.len() as f64) < LEAST_CLOTH * f64::from(width) * f64::from(height) {
         return Err("I see no cloth on the picture".to_owned());
     }

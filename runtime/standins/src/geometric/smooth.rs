@@ -4,9 +4,9 @@
 //! [`Decision`]. Two kinds of sentences limit it: points to stay away from, and how far from a point it may place. It
 //! repeats no pull that was refused.
 
-use super::decision::{Decision, End};
+use super::decision::{self, Action, Decision, End};
 use super::prompt::{self, Choice};
-use super::{all_words, pictures, refused, see, spoken};
+use super::{all_words, pictures, see, spoken};
 use fab_model::{Message, Speaker};
 use fab_picture::camera::center_of;
 use fab_picture::hull::{self, Point};
@@ -45,102 +45,75 @@ pub fn choose(messages: &[Message]) -> Result<Decision, String> {
         picks = see::corners(pictures(&messages[at])[0])?;
     }
     let center = prompt::listed(&question).center;
-    let last = |word| prompt::lengths(&question, word).pop();
-    let (_, side_px) = last("edge").ok_or("no sentence says how many px an edge is")?;
-    let rules = Rules {
-        center: center.map_or_else(|| box_center(&picks), center_of),
-        side_px,
-        avoided: last("away from").unwrap_or_default(),
-        reach: last("farther than").unwrap_or_default(),
-    };
-    let refused = refused(&messages[at..]);
-    let is_new = |(pick, direction, distance): Pull<'_>| {
-        refused.iter().all(|answer| {
-            let is_stated = |field, it| prompt::choices(answer, field).first() == Some(it);
-            prompt::points(answer).first() != Some(&pick)
-                || !is_stated("direction", direction)
-                || !is_stated("distance", distance)
-        })
-    };
-    let offered = prompt::choices(&question, "direction");
-    let distances = prompt::choices(&question, "distance");
-    let moves = || {
-        offered
-            .iter()
-            .flat_map(|it| distances.iter().map(move |at| (it, at)))
-    };
-    let pulls = picks
-        .iter()
-        .flat_map(|pick| moves().map(move |(it, at)| (*pick, it, at)));
-    let allowed = pulls.filter_map(|pull| Some((rules.order(pull)?, pull)));
-    let new = allowed.filter(|(_, pull)| is_new(*pull));
-    let best = new.min_by(|(one, _), (other, _)| one.partial_cmp(other).unwrap_or(Ordering::Equal));
-    let (_, (pick, direction, distance)) =
-        best.ok_or("no pull leads outward, ends where the rules allow and was not refused")?;
+    let at_centers: Vec<Point> = picks.iter().copied().map(center_of).collect();
+    let (middle, _) = hull::rectangle(&at_centers, [1.0, 0.0]);
+    let directions = prompt::choices(&question, "direction");
+    let pulls = ranked(
+        &question,
+        &picks,
+        &directions,
+        center.map_or(middle, center_of),
+    )?;
+    let (action, corrections) = decision::first_new(&messages[at..], pulls.into_iter());
     Ok(Decision {
-        pick,
-        end: End::Pull {
-            direction: direction.clone(),
-            distance: distance.clone(),
-            offered,
-        },
+        action: action.ok_or("no pull leads outward, ends where the rules allow and was not refused")?,
         picks,
+        places: Vec::new(),
+        directions,
         center,
         question,
-        corrections: refused.len(),
+        corrections,
         why: "This is the corner farthest from the center, and it goes outward to where a corner of the flat cloth would lie."
             .to_owned(),
     })
 }
 
-/// A corner, a direction and a distance.
-type Pull<'a> = (PixelPoint, &'a Choice, &'a Choice);
-
-/// What a prompt says of the picture, pixels.
-struct Rules {
+/// Ranks the pulls, best first: no corner to avoid, the farthest corner, the most outward direction, the end nearest to
+/// where a corner of the flat cloth would lie.
+///
+/// Pulls that lead inward or too far are left out. A task may accept a corner to avoid if there is no other.
+fn ranked(
+    question: &str,
+    picks: &[PixelPoint],
+    directions: &[Choice],
     center: Point,
-    /// The cloth's side.
-    side_px: f64,
-    /// Points to avoid, and the least distance from them.
-    avoided: (Vec<PixelPoint>, f64),
-    /// Points, and the greatest distance from the first at which a corner may be placed.
-    reach: (Vec<PixelPoint>, f64),
-}
-
-impl Rules {
-    /// Returns numbers of which the least belong to the best pull: no corner to avoid, the farthest corner, the most
-    /// outward direction, the end nearest to where a corner of the flat cloth would lie. `None` if a pull leads inward
-    /// or too far. A task may accept a corner to avoid if there is no other.
-    fn order(&self, (pick, direction, distance): Pull<'_>) -> Option<[f64; 4]> {
-        let (from, center) = (center_of(pick), self.center);
+) -> Result<Vec<Action>, String> {
+    let last = |word| prompt::lengths(question, word).pop();
+    let (_, side_px) = last("edge").ok_or("no sentence says how many px an edge is")?;
+    // Points to avoid, and the least distance from them.
+    let (avoided, least_px) = last("away from").unwrap_or_default();
+    // Points, and the greatest distance from the first at which a corner may be placed.
+    let (reach, most_px) = last("farther than").unwrap_or_default();
+    let order = |pick: PixelPoint, direction: &Choice, distance: &Choice| {
+        let from = center_of(pick);
         let off_px = hull::distance(from, center).max(f64::MIN_POSITIVE);
         let out = [0, 1].map(|axis| (from[axis] - center[axis]) / off_px);
-        let goal = [0, 1].map(|axis| center[axis] + out[axis] * CORNER * self.side_px);
+        let goal = [0, 1].map(|axis| center[axis] + out[axis] * CORNER * side_px);
         // Rows run down, while a prompt's angles are counter-clockwise.
         let (sin, cos) = (-direction.value.to_radians()).sin_cos();
         let outward = out[0] * cos + out[1] * sin;
-        let length_px = distance.value * self.side_px;
+        let length_px = distance.value * side_px;
         let to = [from[0] + length_px * cos, from[1] + length_px * sin];
-        let (reach, most_px) = &self.reach;
-        let mut reach = reach
-            .iter()
-            .take(1)
-            .map(|point| hull::distance(center_of(*point), to));
-        if outward < OUTWARD_DEG.to_radians().cos() || reach.any(|px| px > most_px - SLACK_PX) {
+        let off = |point: &PixelPoint| hull::distance(center_of(*point), to);
+        let is_too_far = reach.first().map(off) > Some(most_px - SLACK_PX);
+        if is_too_far || outward < OUTWARD_DEG.to_radians().cos() {
             return None;
         }
-        let (points, least_px) = &self.avoided;
         let is_near = |point: &PixelPoint| point.distance_px(pick) <= least_px + SLACK_PX;
-        let avoided = f64::from(u8::from(points.iter().any(is_near)));
-        Some([avoided, -off_px, -outward, hull::distance(to, goal)])
-    }
-}
-
-/// The middle of the upright box around points.
-fn box_center(points: &[PixelPoint]) -> Point {
-    let middle = |of: fn(&PixelPoint) -> i32| {
-        let (least, most) = (points.iter().map(of).min(), points.iter().map(of).max());
-        (f64::from(least.unwrap_or(0)) + f64::from(most.unwrap_or(0)) + 1.0) / 2.0
+        let is_avoided = f64::from(u8::from(avoided.iter().any(is_near)));
+        Some([is_avoided, -off_px, -outward, hull::distance(to, goal)])
     };
-    [middle(|point| point.u), middle(|point| point.v)]
+    let mut pulls = Vec::new();
+    for pick in picks {
+        for direction in directions {
+            for distance in prompt::choices(question, "distance") {
+                if let Some(order) = order(*pick, direction, &distance) {
+                    let end = End::Pull(direction.clone(), distance);
+                    pulls.push((order, Action { pick: *pick, end }));
+                }
+            }
+        }
+    }
+    pulls.sort_by(|(one, _), (other, _)| one.partial_cmp(other).unwrap_or(Ordering::Equal));
+    Ok(pulls.into_iter().map(|(_, action)| action).collect())
 }

@@ -8,7 +8,7 @@ use crate::io::Io;
 use crate::verbs::new::{Draft, FOLDING, NewFoldArguments, shown};
 use fab_agent::draft;
 use fab_agent::draft::{DraftError, NamedPicture, SIDE_PX};
-use fab_picture::{cut, png};
+use fab_picture::{observation, png};
 use fab_program::{Camera, Picker};
 use fab_world::{SimulatedWorld, World, WorldError};
 use std::path::PathBuf;
@@ -75,7 +75,11 @@ fn load(paths: &[PathBuf], io: &Io) -> Result<Vec<NamedPicture>, Failure> {
     if least > *SIDE_PX.end() || sides.iter().any(|side| *side != least) {
         let side = least.min(CUT_PX);
         for NamedPicture { picture, .. } in &mut pictures {
-            *picture = cut::colours(picture, cut::middle(picture.dimensions()), side);
+            *picture = observation::cut_colours(
+                picture,
+                observation::middle_square(picture.dimensions()),
+                side,
+            );
         }
         io.talk(&format!(
             "note: the pictures are not squares of one size up to {CUT_PX} px: the middle square of each is taken, scaled \

@@ -8,7 +8,7 @@ use crate::verbs::render::camera::TargetModelArguments;
 use crate::verbs::runtime::setting::model_arguments::{ModelArguments, Purpose, SpendArguments};
 use fab_agent::rollout::FirstQuestion;
 use fab_base::interrupt::Interrupt;
-use fab_model::calls::{Budget, Spent};
+use fab_model::calls::Budget;
 use fab_model::lowering::Lowering;
 use fab_model::replay::Replay;
 use fab_model::{Model, ModelRole, Models};
@@ -206,7 +206,10 @@ fn imperfect(rate: &str, more: &[&str]) -> Option<Box<dyn Model>> {
     let (seed, errors) = match *more {
         [] => (DEFAULT_SEED, Errors::Mixed),
         [seed] => (seed.parse().ok()?, Errors::Mixed),
-        [seed, errors] => (seed.parse().ok()?, Errors::from_word(errors)?),
+        [seed, errors] => {
+            let errors = Errors::WORDS.iter().find(|(word, _)| *word == errors)?.1;
+            (seed.parse().ok()?, errors)
+        }
         _ => return None,
     };
     let model = Imperfect::new(rate.parse().ok()?, seed, errors)?;
@@ -215,5 +218,5 @@ fn imperfect(rate: &str, more: &[&str]) -> Option<Box<dyn Model>> {
 
 /// Makes the budget from the command line; an interrupt ends waits for calls under way.
 pub fn budget(arguments: &SpendArguments, interrupt: &Interrupt) -> Budget {
-    Budget::new(arguments.caps.caps(), Spent::default()).interrupted_by(interrupt)
+    Budget::new(arguments.caps.caps(), interrupt)
 }

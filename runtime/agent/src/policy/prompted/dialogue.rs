@@ -158,9 +158,9 @@ impl Dialogue {
                 let finding = judge(view, stage, at.facts(), &reply.text)?;
                 (Some(reply), finding)
             }
-            Err(ModelError::NotSent(
-                refused @ (CallRefused::NotNoted(_) | CallRefused::NotKept(_) | CallRefused::Lost),
-            )) => return Err(RunError::Calls(refused)),
+            Err(ModelError::NotSent(refused @ CallRefused::Ledger(_))) => {
+                return Err(RunError::Calls(refused));
+            }
             Err(error) => (None, failed(&error)),
         };
         let answer = reply.as_ref().map(|reply| reply.text.clone());
@@ -231,8 +231,8 @@ fn failed(error: &ModelError) -> Finding {
     let (outcome, fault) = match error {
         ModelError::Failed { fault, .. } => (Outcome::ModelFailed, Some(*fault)),
         ModelError::Unsupported { .. } => (Outcome::ModelFailed, None),
+        ModelError::NotSent(CallRefused::Interrupted) => (Outcome::Interrupted, None),
         ModelError::NotSent(_) => (Outcome::BudgetExhausted, None),
-        ModelError::Interrupted => (Outcome::Interrupted, None),
     };
     Finding::Failed {
         outcome,

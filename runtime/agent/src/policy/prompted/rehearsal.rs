@@ -10,7 +10,7 @@ use crate::policy::proposing::Settled;
 use crate::policy::{Asking, Exchange, Exchanged, Finding, RunError, StepView};
 use crate::record::SentFiles;
 use fab_base::interrupt::Interrupt;
-use fab_model::calls::{Budget, Calls, Ledger};
+use fab_model::calls::{Budget, CallRefused, Calls, Ledger};
 use fab_model::{Lowering, Model, ModelError, ModelKind, Reply, Request};
 use fab_program::Stage;
 use fab_program::render::Values;
@@ -51,7 +51,7 @@ impl Model for Given {
 
     fn ask(&self, _: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
         let mut answers = self.answers.lock().unwrap_or_else(PoisonError::into_inner);
-        let answer = answers.pop_front().ok_or(ModelError::Interrupted)?;
+        let answer = answers.pop_front().ok_or(CallRefused::Interrupted)?;
         Ok(Reply::text(answer))
     }
 }

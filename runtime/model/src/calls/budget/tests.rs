@@ -3,6 +3,7 @@
 
 use super::*;
 use crate::Reply;
+use crate::calls::FailedCall;
 use proptest::prelude::*;
 use std::thread;
 
@@ -11,7 +12,7 @@ fn usd(dollars: f64) -> Option<Usd> {
 }
 
 fn capped(cost: Option<Usd>) -> Budget {
-    Budget::new(Caps { cost, calls: None }, Spent::default())
+    Budget::new(Caps { cost, calls: None }, &Interrupt::default())
 }
 
 fn reply(cost: Option<Usd>) -> Reply {
@@ -31,10 +32,10 @@ fn failed(billing: Billing) -> FailedCall {
 #[test]
 fn money_is_set_aside_before_a_call_and_the_rest_given_back_after_it() {
     let budget = capped(usd(1.0));
-    let first = budget.reserve(usd(0.6)).unwrap();
-    first.settle(&CallEnd::Answered(&reply(usd(0.1))));
-    let second = budget.reserve(usd(0.9)).unwrap();
-    second.settle(&CallEnd::Failed(&failed(Billing::Possibly)));
+    budget.reserve(usd(0.6)).unwrap();
+    budget.end(usd(0.6), Some(Ok(&reply(usd(0.1)))));
+    budget.reserve(usd(0.9)).unwrap();
+    budget.end(usd(0.9), Some(Err(&failed(Billing::Possibly))));
     let refused = budget.reserve(usd(0.01)).unwrap_err().to_string();
     assert!(refused.contains("1.0000 USD of the cap"), "{refused}");
     let spent = budget.spent();
@@ -53,10 +54,11 @@ fn calls_under_way_count_towards_the_cap() {
         calls: 1,
         ..Spent::default()
     };
-    let budget = Budget::new(caps, earlier);
-    let call = budget.reserve(None).unwrap();
+    let budget = Budget::new(caps, &Interrupt::default());
+    budget.restore(&earlier);
+    budget.reserve(None).unwrap();
     assert!(budget.reserve(None).is_err());
-    call.settle(&CallEnd::Failed(&failed(Billing::No)));
+    budget.end(None, Some(Err(&failed(Billing::No))));
     assert!(budget.reserve(None).is_err());
     assert_eq!(budget.spent().possibly_billed, 0);
 }
@@ -67,8 +69,8 @@ fn a_cap_on_an_unknown_cost_lets_nothing_through() {
     let refused = budget.reserve(None).unwrap_err();
     assert!(refused.to_string().contains("is unknown"));
     let free = Budget::default();
-    let call = free.reserve(None).unwrap();
-    call.settle(&CallEnd::Answered(&reply(None)));
+    free.reserve(None).unwrap();
+    free.end(None, Some(Ok(&reply(None))));
     assert_eq!(free.spent().unpriced, 1);
 }
 
@@ -76,8 +78,8 @@ fn a_cap_on_an_unknown_cost_lets_nothing_through() {
 fn a_call_without_usage_counts_as_reserved_and_as_no_fact() {
     let budget = capped(usd(1.0));
     for _ in 0..2 {
-        let call = budget.reserve(usd(0.5)).unwrap();
-        call.settle(&CallEnd::Answered(&reply(None)));
+        budget.reserve(usd(0.5)).unwrap();
+        budget.end(usd(0.5), Some(Ok(&reply(None))));
     }
     assert!(budget.reserve(usd(0.5)).is_err());
     let spent = budget.spent();
@@ -105,31 +107,18 @@ fn until_waiting(budget: &Budget, waiting: &thread::ScopedJoinHandle<'_, bool>) 
 
 #[test]
 fn a_reservation_that_does_not_fit_waits_for_calls_under_way() {
-    type End = for<'b> fn(Reservation<'b>);
-    let cases: [(End, bool); 4] = [
-        (
-            |call| call.settle(&CallEnd::Failed(&failed(Billing::No))),
-            true,
-        ),
-        (|call| call.release(), true),
-        (
-            |call| call.settle(&CallEnd::Failed(&failed(Billing::Possibly))),
-            false,
-        ),
-        (
-            |call| {
-                let _dropped = call;
-            },
-            false,
-        ),
-    ];
-    for (end, fits) in cases {
+    let (free, billed) = (failed(Billing::No), failed(Billing::Possibly));
+    for (end, fits) in [
+        (Some(Err(&free)), true),
+        (None, true),
+        (Some(Err(&billed)), false),
+    ] {
         let budget = capped(usd(1.0));
         thread::scope(|scope| {
-            let call = budget.reserve(usd(0.6)).unwrap();
+            budget.reserve(usd(0.6)).unwrap();
             let waiting = scope.spawn(|| budget.reserve(usd(0.6)).is_ok());
             until_waiting(&budget, &waiting);
-            end(call);
+            budget.end(usd(0.6), end);
             assert_eq!(waiting.join().unwrap(), fits);
         });
     }
@@ -138,15 +127,18 @@ fn a_reservation_that_does_not_fit_waits_for_calls_under_way() {
 #[test]
 fn an_interrupt_ends_the_waiting() {
     let interrupt = Interrupt::default();
-    let budget = capped(usd(1.0)).interrupted_by(&interrupt);
+    let caps = Caps {
+        cost: usd(1.0),
+        calls: None,
+    };
+    let budget = Budget::new(caps, &interrupt);
     thread::scope(|scope| {
-        let call = budget.reserve(usd(1.0)).unwrap();
+        budget.reserve(usd(1.0)).unwrap();
         let interrupted = || matches!(budget.reserve(usd(1.0)), Err(CallRefused::Interrupted));
         let waiting = scope.spawn(interrupted);
         until_waiting(&budget, &waiting);
         interrupt.raise();
         assert!(waiting.join().unwrap());
-        drop(call);
     });
 }
 
@@ -156,12 +148,12 @@ fn eight_threads(budget: &Budget, calls_each: u32, estimated: Option<Usd>, facto
         for _ in 0..8 {
             scope.spawn(|| {
                 for _ in 0..calls_each {
-                    let Ok(call) = budget.reserve(estimated) else {
+                    if budget.reserve(estimated).is_err() {
                         return;
-                    };
+                    }
                     thread::yield_now();
                     let cost = Usd::from_dollars(estimated.unwrap().dollars() * factor);
-                    call.settle(&CallEnd::Answered(&reply(cost)));
+                    budget.end(estimated, Some(Ok(&reply(cost))));
                 }
             });
         }
@@ -239,11 +231,11 @@ impl Flight {
         };
         let (possibly_billed, unbilled) = (failure(Billing::Possibly), failure(Billing::No));
         let end = match self.fate {
-            Fate::Bills(_) | Fate::ReportsNothing => CallEnd::Answered(&answer),
-            Fate::BillsAndFails(_) | Fate::IsCut => CallEnd::Failed(&possibly_billed),
-            Fate::IsRefused => CallEnd::Failed(&unbilled),
+            Fate::Bills(_) | Fate::ReportsNothing => Ok(&answer),
+            Fate::BillsAndFails(_) | Fate::IsCut => Err(&possibly_billed),
+            Fate::IsRefused => Err(&unbilled),
         };
-        state.end(Some(self.at_most), Some(&end));
+        state.end(Some(self.at_most), Some(end));
     }
 }
 

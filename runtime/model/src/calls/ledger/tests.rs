@@ -3,6 +3,7 @@
 
 use super::*;
 use crate::calls::{Billing, Caps, Usage};
+use fab_base::interrupt::Interrupt;
 
 fn usd(dollars: f64) -> Option<Usd> {
     Some(Usd::from_dollars(dollars).unwrap())
@@ -42,12 +43,12 @@ fn eventful(folder: &Path) -> Budget {
         cost: None,
         usage: None,
     };
-    ledger.end(&CallEnd::Failed(&failed)).unwrap();
+    ledger.end(Err(&failed)).unwrap();
     ledger.begin(&call("a", 2)).unwrap();
-    ledger.end(&CallEnd::Answered(&bought("first"))).unwrap();
+    ledger.end(Ok(&bought("first"))).unwrap();
     ledger.keep("b", &Reply::text("cached")).unwrap();
     ledger.begin(&call("c", 1)).unwrap();
-    ledger.end(&CallEnd::Answered(&bought("third"))).unwrap();
+    ledger.end(Ok(&bought("third"))).unwrap();
     ledger.begin(&call("d", 1)).unwrap();
     drop(ledger);
     budget
@@ -83,10 +84,11 @@ fn a_ledger_cut_off_at_any_byte_goes_on_and_loses_no_whole_line() {
     for length in 0..=whole.len() {
         std::fs::write(&path, &whole[..length]).unwrap();
         let before = read(folder.path()).unwrap();
-        let budget = Budget::new(Caps::default(), before.spent);
+        let budget = Budget::default();
+        budget.restore(&before.spent);
         let mut ledger = Ledger::open(folder.path(), &budget).unwrap();
         ledger.begin(&call("e", 1)).unwrap();
-        ledger.end(&CallEnd::Answered(&bought("later"))).unwrap();
+        ledger.end(Ok(&bought("later"))).unwrap();
         drop(ledger);
         let after = read(folder.path()).unwrap();
         let mut expected = before.answered.clone();
@@ -123,7 +125,7 @@ fn a_call_that_a_cap_forbids_is_not_noted() {
         cost: None,
         calls: Some(0),
     };
-    let budget = Budget::new(caps, Spent::default());
+    let budget = Budget::new(caps, &Interrupt::default());
     let mut ledger = Ledger::open(folder.path(), &budget).unwrap();
     assert!(matches!(
         ledger.begin(&call("a", 1)),
@@ -139,9 +141,9 @@ fn a_ledger_that_cannot_be_written_lets_nothing_be_sent() {
     let mut ledger = Ledger::open(&folder.path().join("absent"), &budget).unwrap();
     assert!(matches!(
         ledger.begin(&call("a", 1)),
-        Err(CallRefused::NotNoted(_))
+        Err(CallRefused::Ledger(_))
     ));
-    ledger.end(&CallEnd::Answered(&bought("x"))).unwrap();
+    ledger.end(Ok(&bought("x"))).unwrap();
     assert_eq!(budget.spent().cost, Usd::ZERO);
 }
 
@@ -164,7 +166,7 @@ fn a_billed_failure_counts_in_tokens() {
         cost: usd(1.5),
         usage: Some(usage),
     };
-    ledger.end(&CallEnd::Failed(&truncated)).unwrap();
+    ledger.end(Err(&truncated)).unwrap();
     ledger.begin(&call("a", 2)).unwrap();
     drop(ledger);
     let noted = read(folder.path()).unwrap();
@@ -202,6 +204,6 @@ impl Model for Shop {
     }
 
     fn ask(&self, _: &Request, _: &mut dyn Calls) -> Result<Reply, crate::ModelError> {
-        Err(crate::ModelError::Interrupted)
+        Err(CallRefused::Interrupted.into())
     }
 }

@@ -158,16 +158,12 @@ fn how_to_carry_is_answered_with_the_value_nearest_to_the_usual() {
         prompt::manner_lines(asked),
         ["Lift = 40 mm", "Speed = 0.4 m/s", "Release height = 0 mm"]
     );
-    assert_eq!(prompt::asks_for_more(asked), None);
-    let grip = "Lift = 0 mm | 40 mm\nGrip = soft | firm";
-    assert_eq!(prompt::asks_for_more(grip).unwrap(), "for `Grip`");
     assert!(prompt::manner_lines("Pick Point = (x, y)").is_empty());
 }
 
 #[test]
 fn it_says_where_its_pick_lies_if_the_format_offers_quadrants() {
     let asked = "Pick Point = (x, y)\nPlace Point = (x, y)\nCorner = upper_left | lower_right";
-    assert_eq!(prompt::asks_for_more(asked), None);
     let [pick, center] = [[180, 170], [111, 111]].map(fab_program::PixelPoint::from);
     let said = |asked, pick, about| prompt::quadrant_line(asked, pick, about);
     assert_eq!(said(asked, pick, center).unwrap(), "Corner = lower_right");
