@@ -5,12 +5,12 @@
 //! finish. The same rollout always writes the same bytes; durations and costs, which differ, are in `spent.jsonl`. So
 //! an interrupted rollout is resumed by repeating it: lines that already exist are compared instead of written.
 
+use crate::error::RunError;
 use crate::policy::Question;
 use crate::record::{Line, MAX_BYTES, RECORD_FILE, SPENT_FILE, SentFiles, Spent};
 use fab_base::difference;
 use fab_base::files;
 use fab_base::jsonl::{self, Appender, Reader};
-use fab_model::calls::LedgerError;
 use fab_model::{Part, Request, Speaker};
 use serde_json::Value;
 use std::collections::VecDeque;
@@ -28,64 +28,38 @@ pub struct RunFolder {
     earlier: ExistingLines,
 }
 
-/// Why a run cannot be stored.
-#[derive(Debug, thiserror::Error)]
-pub enum JournalError {
-    /// A file or folder cannot be written; says why.
-    #[error("cannot write `{0}`: {1}")]
-    Unwritable(PathBuf, String),
-    /// A file of a rollout to be resumed cannot be read; says why.
-    #[error("cannot read `{0}`: {1}")]
-    Unreadable(PathBuf, String),
-    /// Another process is writing to the folder.
-    #[error("another fabc is writing into the run folder `{0}`")]
-    InUse(PathBuf),
-    /// The repeated rollout differs from the original; says where.
-    #[error("the rollout in `{0}` cannot be resumed, because it does not repeat identically: {1}")]
-    Differs(PathBuf, String),
-    /// The calls of an earlier part cannot be read.
-    #[error(transparent)]
-    Ledger(#[from] LedgerError),
-    /// The folder is not empty.
-    #[error("the run folder `{0}` is not empty; name a new one, nothing is overwritten")]
-    NotEmpty(PathBuf),
-}
-
-impl JournalError {
-    pub(crate) fn unwritable(path: &Path, error: io::Error) -> JournalError {
-        JournalError::Unwritable(path.to_owned(), error.to_string())
-    }
-}
-
 /// Writes a file atomically, and its folder if that is missing.
-pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), JournalError> {
+pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), RunError> {
     let folder = path.parent().unwrap_or(path);
     let written = fs::create_dir_all(folder).and_then(|()| files::write_whole(path, bytes));
-    written.map_err(|error| JournalError::unwritable(path, error))
+    written.map_err(|error| RunError::unwritable(path, error))
 }
 
 impl RunFolder {
     /// Makes a folder for one rollout; it must not exist or be empty.
-    pub fn create(path: &Path) -> Result<RunFolder, JournalError> {
+    pub fn create(path: &Path) -> Result<RunFolder, RunError> {
         let entries = fs::create_dir_all(path).and_then(|()| fs::read_dir(path));
-        let mut entries = entries.map_err(|error| JournalError::unwritable(path, error))?;
+        let mut entries = entries.map_err(|error| RunError::unwritable(path, error))?;
         if entries.next().is_some() {
-            return Err(JournalError::NotEmpty(path.to_owned()));
+            return Err(RunError::Failed(format!(
+                "the run folder `{}` is not empty; name a new one, nothing is overwritten",
+                path.display()
+            )));
         }
         let file = path.join(RECORD_FILE);
         let journal = Appender::open(&file);
-        let journal = journal.map_err(|error| JournalError::unwritable(&file, error))?;
+        let journal = journal.map_err(|error| RunError::unwritable(&file, error))?;
         RunFolder::locked(path, journal)
     }
 
     /// Opens the folder of an interrupted rollout, to resume it.
     ///
     /// Nothing in it changes until a new line is appended.
-    pub fn reopen(path: &Path) -> Result<RunFolder, JournalError> {
+    pub fn reopen(path: &Path) -> Result<RunFolder, RunError> {
         let file = path.join(RECORD_FILE);
         // `Appender::open` would create a missing file.
         let journal = fs::metadata(&file).and_then(|_| Appender::open(&file));
-        let unreadable = |why: String| JournalError::Unreadable(file.clone(), why);
+        let unreadable = |why| unreadable(&file, why);
         let journal = journal.map_err(|error| unreadable(error.to_string()))?;
         let mut folder = RunFolder::locked(path, journal)?;
         folder.earlier = ExistingLines::read(&file).map_err(unreadable)?;
@@ -94,16 +68,19 @@ impl RunFolder {
     }
 
     /// Makes sure that no other process writes the journal, and opens the file beside it.
-    fn locked(path: &Path, journal: Appender) -> Result<RunFolder, JournalError> {
+    fn locked(path: &Path, journal: Appender) -> Result<RunFolder, RunError> {
         if !journal.lock() {
-            return Err(JournalError::InUse(path.to_owned()));
+            return Err(RunError::Failed(format!(
+                "another fabc is writing into the run folder `{}`",
+                path.display()
+            )));
         }
         let file = path.join(SPENT_FILE);
         let spent = Appender::open_after_whole_lines(&file, MAX_BYTES);
         Ok(RunFolder {
             path: path.to_owned(),
             journal,
-            spent: spent.map_err(|why| JournalError::Unreadable(file, why))?,
+            spent: spent.map_err(|why| unreadable(&file, why))?,
             earlier: ExistingLines::default(),
         })
     }
@@ -119,9 +96,9 @@ impl RunFolder {
     }
 
     /// Makes the first free folder `NAME-0001`, `NAME-0002`, … in `parent`.
-    pub fn create_next(parent: &Path, name: &str) -> Result<RunFolder, JournalError> {
+    pub fn create_next(parent: &Path, name: &str) -> Result<RunFolder, RunError> {
         let folder = files::next_folder(parent, name)
-            .map_err(|error| JournalError::unwritable(parent, error))?;
+            .map_err(|error| RunError::unwritable(parent, error))?;
         RunFolder::create(&folder)
     }
 
@@ -134,14 +111,16 @@ impl RunFolder {
     ///
     /// If the line already exists it must be the same, and stays. The first new line replaces everything after the
     /// existing ones.
-    pub fn append(&mut self, line: &Line) -> Result<(), JournalError> {
+    pub fn append(&mut self, line: &Line) -> Result<(), RunError> {
         let text = jsonl::text(line).expect("journal lines have string keys");
         if let Some(known) = self.earlier.lines.pop_front() {
             return if known == text {
                 Ok(())
             } else {
-                let why = difference(&known, &text);
-                Err(JournalError::Differs(self.path.clone(), why))
+                let (path, why) = (self.path.display(), difference(&known, &text));
+                Err(RunError::Failed(format!(
+                    "the rollout in `{path}` cannot be resumed, because it does not repeat identically: {why}"
+                )))
             };
         }
         let written = self.journal.append_text(text);
@@ -149,13 +128,13 @@ impl RunFolder {
     }
 
     /// Adds a line to the rollout's durations and costs.
-    pub fn spend(&mut self, line: &Spent) -> Result<(), JournalError> {
+    pub fn spend(&mut self, line: &Spent) -> Result<(), RunError> {
         let written = self.spent.append(line);
         written.map_err(|error| self.unwritable(SPENT_FILE, error))
     }
 
     /// Writes a file of the run atomically, and returns its name for the journal.
-    pub fn keep(&self, name: &str, bytes: &[u8]) -> Result<String, JournalError> {
+    pub fn keep(&self, name: &str, bytes: &[u8]) -> Result<String, RunError> {
         write(&self.path.join(name), bytes)?;
         Ok(name.to_owned())
     }
@@ -168,7 +147,7 @@ impl RunFolder {
         action: u32,
         of: (&str, u32),
         question: &Question,
-    ) -> Result<SentFiles, JournalError> {
+    ) -> Result<SentFiles, RunError> {
         let stem = stem(action, of);
         let is_prompt = matches!(question, Question::Prompt(_));
         let sent = SentFiles {
@@ -209,14 +188,18 @@ impl RunFolder {
         action: u32,
         of: (&str, u32),
         text: &str,
-    ) -> Result<String, JournalError> {
+    ) -> Result<String, RunError> {
         let file = format!("{}.reply.txt", stem(action, of));
         self.keep(&file, text.as_bytes())
     }
 
-    fn unwritable(&self, name: &str, error: io::Error) -> JournalError {
-        JournalError::unwritable(&self.path.join(name), error)
+    fn unwritable(&self, name: &str, error: io::Error) -> RunError {
+        RunError::unwritable(&self.path.join(name), error)
     }
+}
+
+fn unreadable(path: &Path, why: String) -> RunError {
+    RunError::Failed(format!("cannot read `{}`: {why}", path.display()))
 }
 
 /// Returns what the names of a question's files begin with.

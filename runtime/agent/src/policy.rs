@@ -28,14 +28,14 @@ pub use rehearsing::Rehearsing;
 
 pub use judge::Ground;
 
+pub(crate) use expert::Aim;
 pub(crate) use judge::is_accepted;
 
-use crate::journal::JournalError;
+use crate::error::RunError;
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
 use crate::record::{Asked, RehearsedStep, SentFiles};
 use crate::result::StepResult;
-use crate::rollout::RunError;
 use crate::scene::Scene;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::Fault;
@@ -161,6 +161,17 @@ pub struct RoleModels {
 }
 
 impl Description {
+    /// Describes a policy that asks no model, sees what the camera shows, and is part of fabc.
+    fn new(kind: Kind, name: String) -> Description {
+        Description {
+            kind,
+            name,
+            sees_particles: false,
+            models: None,
+            code: None,
+        }
+    }
+
     /// Returns whether a stand-in answers in place of a vision-language model.
     pub fn is_stand_in(&self) -> bool {
         let mut asked = self.models.iter().flat_map(|it| [&it.vision, &it.text]);
@@ -239,13 +250,7 @@ impl<'a> StepView<'a> {
         pictures: &'a Pictures,
     ) -> StepView<'a> {
         StepView {
-            ground: Ground {
-                program,
-                scene,
-                observation,
-                reach: &fab_world::everywhere,
-                refuses: &fab_world::nothing,
-            },
+            ground: Ground::of(program, scene, observation),
             number: step,
             step,
             horizon: program.horizon,
@@ -291,7 +296,7 @@ pub struct Exchange<'e, 'j> {
     pub asking: &'e mut Asking<'j>,
     /// Receives each question before it is asked, and each attempt as soon as it is complete. Returns the files of a
     /// question, and nothing else.
-    pub record: &'e mut dyn FnMut(Exchanged<'_>) -> Result<SentFiles, JournalError>,
+    pub record: &'e mut dyn FnMut(Exchanged<'_>) -> Result<SentFiles, RunError>,
     /// A request to stop early.
     pub interrupt: &'e Interrupt,
 }

@@ -3,9 +3,10 @@
 //! In: a program and pictures. Out: the [`Scene`] of a rollout's first step there, and a picture of each stage.
 //! Extractors and layers are the same as in a rollout.
 
-use crate::scene::{Scene, SceneError};
+use crate::error::RunError;
+use crate::scene::Scene;
 use fab_picture::DepthImage;
-use fab_picture::observation::{NotAligned, Observation};
+use fab_picture::observation::Observation;
 use fab_program::Proposal;
 use fab_program::facts::ExecutedAction;
 use fab_program::{Extractor, Layer, PixelPoint, Program, Sight};
@@ -37,22 +38,8 @@ pub struct SeeOutput {
     pub notes: Vec<String>,
 }
 
-/// Why there is no result.
-#[derive(Debug, thiserror::Error)]
-pub enum SeeError {
-    /// A keypoint needs depth; says what would work without.
-    #[error("`{0}` needs depth, but the picture has none; use {1} instead")]
-    NeedsDepth(String, &'static str),
-    /// The depth is not that of the picture.
-    #[error(transparent)]
-    NotAligned(#[from] NotAligned),
-    /// A keypoint was not found, or a layer not drawn.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-}
-
 /// Finds every keypoint in a picture, and draws every layer.
-pub fn see(program: &Program, brought: SeeInput) -> Result<SeeOutput, SeeError> {
+pub fn see(program: &Program, brought: SeeInput) -> Result<SeeOutput, RunError> {
     if brought.depth_m.is_none() {
         check_depth(program)?;
     }
@@ -67,7 +54,8 @@ pub fn see(program: &Program, brought: SeeInput) -> Result<SeeOutput, SeeError> 
         pick: place,
         place,
     });
-    let mut observation = Observation::of_picture(&program.camera, brought.rgb, brought.depth_m)?;
+    let observation = Observation::of_picture(&program.camera, brought.rgb, brought.depth_m);
+    let mut observation = observation.map_err(RunError::failed)?;
     let scene = Scene::of(&program, &observation, None)?;
     observation.notes.extend(scene.beyond_the_picture());
     Ok(SeeOutput {
@@ -79,7 +67,7 @@ pub fn see(program: &Program, brought: SeeInput) -> Result<SeeOutput, SeeError> 
     })
 }
 
-fn check_depth(program: &Program) -> Result<(), SeeError> {
+fn check_depth(program: &Program) -> Result<(), RunError> {
     let by_depth = |keypoint: &&fab_program::Keypoint| keypoint.extractor.needs_depth();
     let Some(keypoint) = program.keypoints.iter().find(by_depth) else {
         return Ok(());
@@ -90,5 +78,8 @@ fn check_depth(program: &Program) -> Result<(), SeeError> {
         } => "a detector that looks at `of: mask` or `of: picture`",
         _ => "`mask(hue: …, saturation: …, value: …)`",
     };
-    Err(SeeError::NeedsDepth(keypoint.name.clone(), alternative))
+    let name = &keypoint.name;
+    Err(RunError::Unfit(format!(
+        "`{name}` needs depth, but the picture has none; use {alternative} instead"
+    )))
 }

@@ -5,11 +5,10 @@
 
 mod pins;
 
-use crate::journal::JournalError;
-use crate::task_files::{self, FileError};
+use crate::error::RunError;
+use crate::task_files;
 use fab_base::interrupt::Interrupt;
 use fab_picture::png;
-use fab_picture::png::PictureError;
 use fab_program::{Arrow, Effect, Fold, Program, StepTrial, SubgoalStep, Subgoals, Trial};
 use fab_vision::VisionError;
 use fab_world::metrics::{ClothMoved, cloth_moved};
@@ -82,26 +81,6 @@ pub struct StepPictures {
     with_arrow: [RgbImage; 2],
 }
 
-/// Why there are no pictures.
-#[derive(Debug, thiserror::Error)]
-pub enum SubgoalError {
-    /// A file is not where a task's files must be.
-    #[error(transparent)]
-    File(#[from] FileError),
-    /// A picture cannot be used.
-    #[error("a subgoal picture cannot be used: {0}")]
-    Picture(#[from] PictureError),
-    /// A file cannot be written.
-    #[error(transparent)]
-    Unwritable(#[from] JournalError),
-    /// An arrow cannot be drawn.
-    #[error(transparent)]
-    Vision(#[from] VisionError),
-    /// The demonstration cannot be executed.
-    #[error("the demonstration cannot be executed: {0}")]
-    World(#[from] WorldError),
-}
-
 impl SubgoalSet {
     /// Returns the program's pictures; `folder` contains its file.
     ///
@@ -111,7 +90,7 @@ impl SubgoalSet {
         folder: &Path,
         world: &mut dyn World,
         interrupt: &Interrupt,
-    ) -> Result<SubgoalSet, SubgoalError> {
+    ) -> Result<SubgoalSet, RunError> {
         let Some(Subgoals::Demonstrate { folds }) = &program.subgoals else {
             return load_images(program, folder);
         };
@@ -132,7 +111,7 @@ impl SubgoalSet {
         folder: &Path,
         world: &mut dyn World,
         interrupt: &Interrupt,
-    ) -> Result<SubgoalSet, SubgoalError> {
+    ) -> Result<SubgoalSet, RunError> {
         let Some(Subgoals::Demonstrate { folds }) = &program.subgoals else {
             return load_images(program, folder);
         };
@@ -177,7 +156,7 @@ impl StepPictures {
 }
 
 /// Loads the author's pictures; none if the task names none.
-fn load_images(program: &Program, folder: &Path) -> Result<SubgoalSet, SubgoalError> {
+fn load_images(program: &Program, folder: &Path) -> Result<SubgoalSet, RunError> {
     let Some(Subgoals::Images { images }) = &program.subgoals else {
         return Ok(SubgoalSet::default());
     };
@@ -187,7 +166,10 @@ fn load_images(program: &Program, folder: &Path) -> Result<SubgoalSet, SubgoalEr
     };
     for image in images {
         let path = task_files::resolve(folder, &image.file)?;
-        set.pictures.push(png::load(&path)?);
+        let picture = png::load(&path).map_err(|why| {
+            RunError::Failed(format!("a subgoal picture cannot be used: {why}"))
+        })?;
+        set.pictures.push(picture);
         let pixel = |point: fab_program::PixelPoint| [f64::from(point.u), f64::from(point.v)];
         set.arrows
             .push(image.arrow.map(|[tail, tip]| [pixel(tail), pixel(tip)]));
@@ -250,7 +232,7 @@ fn demonstrate(
     folds: &[Fold],
     world: &mut dyn World,
     interrupt: &Interrupt,
-) -> Result<(SubgoalSet, Vec<DoneStep>), SubgoalError> {
+) -> Result<(SubgoalSet, Vec<DoneStep>), RunError> {
     let start = Start::flat(&program.cloth);
     let mut steps = Vec::new();
     world.reset(&start)?;

@@ -4,8 +4,9 @@
 //! alike are offered once.
 
 use super::aim::{ExpertGrip, off_m};
-use super::{BestError, Choice};
+use super::Choice;
 use crate::action::{Action, combinations};
+use crate::error::RunError;
 use crate::policy::Ground;
 use fab_base::chance::Chance;
 use fab_base::interrupt::Interrupt;
@@ -42,7 +43,7 @@ impl Offers {
         experts: &[ExpertGrip],
         mut chance: Chance,
         interrupt: &Interrupt,
-    ) -> Result<Offers, BestError> {
+    ) -> Result<Offers, RunError> {
         let relaxed = &at.program.verify.relaxed;
         let (proposals, are_drawn) = proposals(at, &mut chance);
         let mut seen = BTreeSet::new();

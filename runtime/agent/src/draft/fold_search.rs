@@ -6,7 +6,8 @@
 //! line between the two points.
 
 use super::outline::Outline;
-use super::{DraftError, DraftStep};
+use super::DraftStep;
+use crate::error::RunError;
 use crate::subgoals::ArrowPx;
 use fab_base::interrupt::Interrupt;
 use fab_base::parallel;
@@ -82,7 +83,7 @@ impl StepSearch<'_> {
     pub fn explain(
         &self,
         positions: &[[f32; 3]],
-    ) -> Result<Option<(DraftStep, Positions)>, DraftError> {
+    ) -> Result<Option<(DraftStep, Positions)>, RunError> {
         let candidates = self.likely(self.lay(positions)?.as_ref())?;
         let mut tried = self.try_all(&candidates, positions)?;
         // The sort is stable: of equals, the simplest name comes first.
@@ -120,7 +121,7 @@ impl StepSearch<'_> {
     ///
     /// Picks are the points farthest from the cloth's new outline; places are covered by it. Of too many, those stay for
     /// which stiff paper comes closest to the new outline.
-    fn likely(&self, world: &dyn World) -> Result<Vec<Candidate>, DraftError> {
+    fn likely(&self, world: &dyn World) -> Result<Vec<Candidate>, RunError> {
         let gone = self.before.without(self.after);
         let mut candidates = self.folds(world, |[tail, tip]| {
             gone.distance_px(*tail) <= GONE_PX
@@ -148,7 +149,7 @@ impl StepSearch<'_> {
         &self,
         world: &dyn World,
         fits: impl Fn(&ArrowPx) -> bool,
-    ) -> Result<Vec<Candidate>, DraftError> {
+    ) -> Result<Vec<Candidate>, RunError> {
         let mut candidates: Vec<Candidate> = Vec::new();
         let lens = self.lens();
         let points = named_points();
@@ -178,9 +179,9 @@ impl StepSearch<'_> {
         &self,
         candidates: &[Candidate],
         positions: &[[f32; 3]],
-    ) -> Result<Vec<TriedFold>, DraftError> {
+    ) -> Result<Vec<TriedFold>, RunError> {
         let threads = thread::available_parallelism().map_or(1, usize::from);
-        let one = |number: usize| -> Result<_, DraftError> {
+        let one = |number: usize| -> Result<_, RunError> {
             let candidate = candidates[number].clone();
             let mut world = self.lay(positions)?;
             match world.act(&candidate.grip.into(), self.interrupt) {

@@ -13,7 +13,7 @@ fn make_world(camera: &program::Camera) -> Result<Box<dyn World>, WorldError> {
     Ok(Box::new(world))
 }
 
-fn drafted(pictures: &[NamedPicture]) -> Result<Draft, DraftError> {
+fn drafted(pictures: &[NamedPicture]) -> Result<Draft, RunError> {
     draft(pictures, None, &make_world, &Interrupt::default(), &|_| {})
 }
 

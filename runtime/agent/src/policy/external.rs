@@ -13,7 +13,7 @@ use super::protocol::{
 use super::{
     Decision, Description, Exchange, Exchanged, Finding, Kind, Policy, Question, RunError, StepView,
 };
-use crate::journal::{self, JournalError};
+use crate::journal;
 use crate::outcome::Outcome;
 use fab_base::child::{Child, ChildError, CommandLine, excerpt};
 use fab_base::interrupt::Interrupt;
@@ -69,15 +69,14 @@ impl External {
 
 impl Policy for External {
     fn description(&self) -> Description {
+        let name = match self.sight {
+            Sight::Camera => format!("exec:{}", self.command),
+            Sight::Particles => format!("exec+particles:{}", self.command),
+        };
         Description {
-            kind: Kind::Program,
-            name: match self.sight {
-                Sight::Camera => format!("exec:{}", self.command),
-                Sight::Particles => format!("exec+particles:{}", self.command),
-            },
             sees_particles: self.sight == Sight::Particles,
-            models: None,
             code: Some(self.code.clone()),
+            ..Description::new(Kind::Program, name)
         }
     }
 
@@ -114,7 +113,7 @@ impl Policy for External {
             let asked = exchange
                 .asking
                 .once(&question.key(), |_| self.ask(&sent, folder, interrupt))
-                .map_err(RunError::Calls)?;
+                .map_err(RunError::failed)?;
             let (reply, answer) = match asked {
                 Ok(reply) => {
                     let answer = read(step, &reply.text);
@@ -216,8 +215,11 @@ fn proposal(step: &StepView<'_>, mut grip: Grip) -> Result<Proposal, Box<Finding
             } else {
                 format!("one of {}", space::listed(field, &offered))
             };
-            let stated = excerpt(text(&stated).as_bytes());
-            unreadable(name, format!("`{name}` is {stated}, and has to be {right}"))
+            let is = match &stated {
+                Some(stated) => excerpt(text(stated).as_bytes()),
+                None => "missing".to_owned(),
+            };
+            unreadable(name, format!("`{name}` is {is}, and has to be {right}"))
         })?;
         Ok((name.clone(), value))
     });
@@ -237,7 +239,7 @@ fn file(step: &StepView<'_>, folder: &Path, name: &str) -> PathBuf {
 }
 
 /// Writes the files that the rollout itself does not store.
-fn write_files(step: &StepView<'_>, folder: &Path) -> Result<(), JournalError> {
+fn write_files(step: &StepView<'_>, folder: &Path) -> Result<(), RunError> {
     let depth = &step.observation.depth_m;
     let shape = [u64::from(depth.height()), u64::from(depth.width())];
     let depth = npy::encode_floats(&shape, depth.iter().copied());

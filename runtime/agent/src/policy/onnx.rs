@@ -160,11 +160,8 @@ struct Offer {
 impl Policy for Onnx {
     fn description(&self) -> Description {
         Description {
-            kind: Kind::Network,
-            name: self.name.clone(),
-            sees_particles: false,
-            models: None,
             code: Some(self.code.clone()),
+            ..Description::new(Kind::Network, self.name.clone())
         }
     }
 
@@ -220,7 +217,7 @@ impl Onnx {
             let values = if MOVING.contains(&field.name.as_str()) {
                 space::choices(field, step.scene)
             } else {
-                least_refused(step, field, &[]).into_iter().collect()
+                least_refused(step.ground, field, &[]).into_iter().collect()
             };
             (field.name.clone(), values)
         });

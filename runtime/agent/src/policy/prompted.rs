@@ -57,14 +57,11 @@ impl<'m> Prompted<'m> {
 impl Policy for Prompted<'_> {
     fn description(&self) -> Description {
         Description {
-            kind: Kind::Prompted,
-            name: self.models.name(),
-            sees_particles: false,
             models: Some(RoleModels {
                 vision: ModelDescription::of(self.models.vision),
                 text: ModelDescription::of(self.models.text),
             }),
-            code: None,
+            ..Description::new(Kind::Prompted, self.models.name())
         }
     }
 

@@ -66,14 +66,18 @@ impl Covered {
         seen: Option<&Observation>,
     ) -> Result<(), RunError> {
         let grid = &job.start.grid;
-        let (coverage, coverage_true) = match (world.particles(), seen, &self.flat) {
-            (Some(particles), ..) => {
+        let (coverage, coverage_true) = match (self.source, seen, &self.flat) {
+            (Some(CoverageSource::Particles), ..) => {
+                let Some(particles) = world.particles() else {
+                    self.now = Measures::default();
+                    return Ok(());
+                };
                 let triangles = metrics::whole_triangles(grid);
                 let whole_m2 = metrics::whole_area_m2(grid);
                 let coverage_true = metrics::true_coverage(&particles, &triangles, whole_m2);
                 (metrics::coverage(&particles, grid), coverage_true)
             }
-            (None, Some(seen), Some(flat)) => {
+            (Some(CoverageSource::Picture), Some(seen), Some(flat)) => {
                 let now = Scene::cloth_in(job.program, seen)?;
                 (now.and_then(|now| metrics::seen_coverage(&now, flat)), None)
             }

@@ -136,14 +136,14 @@ impl<'j> Turn<'j> {
         if job.interrupt.is_raised() {
             return Ok(self.stop(Outcome::Interrupted, "interrupted"));
         }
-        let observation = self.timer.time("observe", || world.observe())?;
+        let observation = self.timer.plan("observe", || world.observe())?;
         let file = keeper.keep_picture(number, "before", &observation.rgb)?;
         self.line.files.before = Some(file.clone());
         // The first scene is stored unfiltered: the arm's reach is not a property of the cloth.
         let first = &mut memory.first_scene;
         let reach = |point: &WorldPoint| world.out_of_reach(point);
         let refuses = |motion: &Motion| world.refuses(motion);
-        let scene = self.timer.time("keypoints", || {
+        let scene = self.timer.plan("keypoints", || {
             let scene = Scene::of(job.program, &observation, first.as_ref())?;
             first.get_or_insert_with(|| scene.clone());
             scene.within_reach(job.program, &observation, &reach)
@@ -163,7 +163,7 @@ impl<'j> Turn<'j> {
         }
         let last = memory.last.as_ref();
         let executed = memory.executed.take();
-        let pictures = self.timer.time("annotate", || {
+        let pictures = self.timer.plan("annotate", || {
             let subgoals = job.subgoals.step(step as usize - 1)?;
             let examples = job.examples.clone();
             let pictures =
@@ -261,7 +261,7 @@ impl<'j> Turn<'j> {
         };
         let decision = policy.decide(&view, &mut exchange)?;
         let deciding = asking.elapsed().saturating_sub(aside);
-        self.timer.add("prompt and verify", deciding);
+        self.timer.add_planning("prompt and verify", deciding);
         let proposal = match decision {
             Decision::Act { grips, accepted } => {
                 let [proposal] = <[Proposal; 1]>::try_from(grips).map_err(|grips| {

@@ -3,8 +3,9 @@
 //! In: a program and the folder of its file. Out: the pictures that `fabc subgoals` drew, if they still match the
 //! program. `pins.json` beside them records what they were drawn from, and their hashes.
 
-use super::{ArrowPx, Origin, SubgoalError, SubgoalSet};
-use crate::journal::{self, JournalError};
+use super::{ArrowPx, Origin, SubgoalSet};
+use crate::error::RunError;
+use crate::journal;
 use fab_base::files;
 use fab_picture::png;
 use fab_program::{Fold, PINS_FILE, Program, Subgoals, Trial, pins_folder};
@@ -112,7 +113,7 @@ impl SubgoalSet {
         program: &Program,
         folder: &Path,
         params: &str,
-    ) -> Result<Vec<PathBuf>, SubgoalError> {
+    ) -> Result<Vec<PathBuf>, RunError> {
         let Some(Subgoals::Demonstrate { folds }) = &program.subgoals else {
             return Ok(Vec::new());
         };
@@ -120,7 +121,7 @@ impl SubgoalSet {
         let description = target.join(PINS_FILE);
         if description.exists() {
             let removed = fs::remove_file(&description);
-            removed.map_err(|error| JournalError::unwritable(&description, error))?;
+            removed.map_err(|error| RunError::unwritable(&description, error))?;
         }
         let mut files = Vec::new();
         for (number, picture) in self.pictures.iter().enumerate() {

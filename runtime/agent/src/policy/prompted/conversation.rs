@@ -4,9 +4,9 @@
 //! line, each picture its bytes in the model's size. `fabc render`, `fabc snap` and rollouts all call this, so they show
 //! and send the same messages.
 
+use crate::error::RunError;
 use crate::examples::Examples;
 use crate::pictures::Pictures;
-use crate::rollout::RunError;
 use fab_model::{Lowering, Message, Part, Png, Speaker};
 use fab_program::render::{
     self, NUMBERED_POINTS, PromptPicture, PromptSpeaker, PromptText, RenderError, Values,

@@ -160,7 +160,7 @@ impl Dialogue {
             }
             Err(ModelError::NotSent(
                 refused @ (CallRefused::NotNoted(_) | CallRefused::NotKept(_) | CallRefused::Lost),
-            )) => return Err(RunError::Calls(refused)),
+            )) => return Err(RunError::failed(refused)),
             Err(error) => (None, failed(&error)),
         };
         let answer = reply.as_ref().map(|reply| reply.text.clone());
