@@ -33,13 +33,11 @@ impl Examples {
             })?;
             pictures.insert(file.path.clone(), Png::new(png::encode(&picture)));
         }
-        let demonstrations = match &program.demos {
-            Some(demos) => Some(Demonstrations::load(program, demos, folder)?),
-            None => None,
-        };
+        let demos = program.demos.as_ref();
+        let demonstrations = demos.map(|demos| Demonstrations::load(program, demos, folder));
         Ok(Examples {
             pictures,
-            demonstrations,
+            demonstrations: demonstrations.transpose()?,
         })
     }
 }

@@ -30,6 +30,7 @@ pub use judge::Ground;
 
 pub(crate) use expert::Aim;
 pub(crate) use judge::is_accepted;
+pub(crate) use prompted::request;
 
 use crate::error::RunError;
 use crate::outcome::Outcome;
@@ -77,34 +78,21 @@ pub trait Policy {
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Decision, RunError>;
 
-    /// Returns whether its answers are tried on twins where the task rehearses: [`Policy::again`] gives further ones.
+    /// Returns whether its answers are tried on twins where the task rehearses: it is asked for further ones, by
+    /// [`StepView::answer`] and [`Policy::revise`].
     fn rehearses(&self) -> bool {
         false
     }
 
-    /// Gives another answer to the step that was decided last; `None` if there is none.
-    fn again(
+    /// Revises an answer to the step that was decided last, given how the cloth would lie after it; `None` if it cannot.
+    fn revise(
         &mut self,
         _step: &StepView<'_>,
         _exchange: &mut Exchange<'_, '_>,
-        _again: Again<'_>,
+        _predicted: &RgbImage,
     ) -> Result<Option<Decision>, RunError> {
         Ok(None)
     }
-}
-
-/// Which further answer to a step is asked for.
-#[derive(Clone, Copy, Debug)]
-pub enum Again<'p> {
-    /// One that does not depend on the others.
-    Independent,
-    /// A revision of an earlier one.
-    Revised {
-        /// Which one: 0 is the first, and each independent one counts.
-        answer: usize,
-        /// How the cloth would lie after it.
-        predicted: &'p RgbImage,
-    },
 }
 
 /// Makes the policy of one rollout; all policies that it makes are equal.
@@ -200,6 +188,9 @@ pub struct StepView<'a> {
     pub number: u32,
     /// The number of this step, from 1.
     pub step: u32,
+    /// Which of several independent answers to the step is asked for or revised, from 0; only a policy that rehearses is
+    /// asked for more than one.
+    pub answer: u32,
     /// The most steps.
     pub horizon: u32,
     /// The result of the previous action, if it was for the same step.
@@ -253,6 +244,7 @@ impl<'a> StepView<'a> {
             ground: Ground::of(program, scene, observation),
             number: step,
             step,
+            answer: 0,
             horizon: program.horizon,
             before: None,
             last,

@@ -9,7 +9,7 @@ use fab_picture::DepthImage;
 use fab_picture::observation::Observation;
 use fab_program::Proposal;
 use fab_program::facts::ExecutedAction;
-use fab_program::{Extractor, Layer, PixelPoint, Program, Sight};
+use fab_program::{Layer, PixelPoint, Program};
 use image::RgbImage;
 
 /// The user's input.
@@ -40,8 +40,13 @@ pub struct SeeOutput {
 
 /// Finds every keypoint in a picture, and draws every layer.
 pub fn see(program: &Program, brought: SeeInput) -> Result<SeeOutput, RunError> {
-    if brought.depth_m.is_none() {
-        check_depth(program)?;
+    let mut keypoints = program.keypoints.iter();
+    let by_depth = keypoints.find(|it| it.extractor.needs_depth());
+    if let (None, Some(keypoint)) = (&brought.depth_m, by_depth) {
+        return Err(RunError::Unfit(format!(
+            "`{}` needs depth, but the picture has none; use `mask(hue: …, saturation: …, value: …)`, and detectors with `of: mask` or `of: picture`",
+            keypoint.name
+        )));
     }
     let is_known = brought.last_place.is_some();
     let is_left_out = |layer: &Layer| layer.uses_last_pick() || (layer.uses_last() && !is_known);
@@ -65,21 +70,4 @@ pub fn see(program: &Program, brought: SeeInput) -> Result<SeeOutput, RunError> 
         notes: observation.notes,
         scene,
     })
-}
-
-fn check_depth(program: &Program) -> Result<(), RunError> {
-    let by_depth = |keypoint: &&fab_program::Keypoint| keypoint.extractor.needs_depth();
-    let Some(keypoint) = program.keypoints.iter().find(by_depth) else {
-        return Ok(());
-    };
-    let alternative = match &keypoint.extractor {
-        Extractor::Corners {
-            of: Sight::Depth, ..
-        } => "a detector that looks at `of: mask` or `of: picture`",
-        _ => "`mask(hue: …, saturation: …, value: …)`",
-    };
-    let name = &keypoint.name;
-    Err(RunError::Unfit(format!(
-        "`{name}` needs depth, but the picture has none; use {alternative} instead"
-    )))
 }

@@ -36,18 +36,11 @@ impl<'a> Aim<'a> {
     pub fn of(job: &Job<'a>) -> Result<Aim<'a>, RunError> {
         let mut world = (job.make_world)()?;
         world.reset(job.start)?;
-        let unsearchable = |why: &str| {
-            RunError::Failed(format!(
-                "the world `{}` {why}, so actions cannot be tried in it: search in `sim`, or in a program that repeats and knows its particles",
+        if !world.repeats() || world.particles().is_none() {
+            return Err(RunError::Failed(format!(
+                "the world `{}` cannot lay a start again exactly, or does not know where the cloth's particles are, so actions cannot be tried in it: search in `sim`, or in a program that does both",
                 world.name()
-            ))
-        };
-        if !world.repeats() {
-            return Err(unsearchable("cannot lay a start again exactly"));
-        }
-        if world.particles().is_none() {
-            let why = "does not know where the cloth's particles are";
-            return Err(unsearchable(why));
+            )));
         }
         let goal = job.program.goal.as_ref();
         let metric = goal.map_or(Metric::ParticleDistance, |goal| goal.metric);

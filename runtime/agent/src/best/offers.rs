@@ -94,12 +94,9 @@ impl Offers {
 /// Combines the choices of all fields; of too many combinations, or of the pixels of a mask, some are drawn. Returns whether
 /// they were.
 fn proposals(at: Ground<'_>, chance: &mut Chance) -> (Vec<Proposal>, bool) {
-    let fields = at.program.actions.iter();
-    let is_mask = |choices: &Choices| matches!(choices, Choices::Region { .. });
-    if !fields.clone().any(|field| is_mask(&field.choices)) {
-        let listed = fields.map(|field| (field.name.clone(), space::choices(field, at.scene)));
-        let listed: Vec<_> = listed.collect();
-        let all = combinations(&listed);
+    let mut fields = at.program.actions.iter();
+    if !fields.any(|field| matches!(field.choices, Choices::Region { .. })) {
+        let all = combinations(at.program, |field| space::choices(field, at.scene));
         if all.len() <= MOST_COMBINATIONS {
             return (all.collect(), false);
         }

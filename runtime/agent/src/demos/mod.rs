@@ -85,8 +85,8 @@ pub struct Demonstrations {
     /// The file as the task names it.
     file: String,
     starts: Vec<Start>,
-    /// The demonstrations of each step, each with its line number.
-    by_step: Vec<Vec<(u32, DemoStep)>>,
+    /// The demonstrations, each with its line number.
+    demos: Vec<(u32, Demo)>,
 }
 
 impl Demonstrations {
@@ -131,26 +131,23 @@ impl Demonstrations {
             stage: demos.stage.clone(),
             file: demos.file.path.clone(),
             starts: Vec::new(),
-            by_step: Vec::new(),
+            demos: Vec::new(),
         };
         for (line, number) in lines {
             let demo = serde_json::from_str(line).map_err(|error| error.to_string());
-            demo.and_then(|demo| demonstrations.add(program, &demo, number as u32))
+            demo.and_then(|demo| demonstrations.add(program, demo, number as u32))
                 .map_err(|why| wrong(number, why))?;
         }
         Ok(demonstrations)
     }
 
-    fn add(&mut self, program: &Program, demo: &Demo, line: u32) -> Result<(), String> {
-        self.starts.push(start_of(program, demo)?);
+    fn add(&mut self, program: &Program, demo: Demo, line: u32) -> Result<(), String> {
+        self.starts.push(start_of(program, &demo)?);
         let pointing = Pointing::of_camera(&program.camera);
-        for (step, at) in demo.steps.iter().zip(0..) {
-            question_and_answer(program, &self.stage, step, at as u32 + 1, pointing)?;
-            if self.by_step.len() <= at {
-                self.by_step.push(Vec::new());
-            }
-            self.by_step[at].push((line, step.clone()));
+        for (step, number) in demo.steps.iter().zip(1..) {
+            question_and_answer(program, &self.stage, step, number, pointing)?;
         }
+        self.demos.push((line, demo));
         Ok(())
     }
 
@@ -165,12 +162,10 @@ impl Demonstrations {
         step: u32,
         pointing: Pointing,
     ) -> Result<Vec<[PromptText; 2]>, RunError> {
-        let steps = match self.by_step.get(step.saturating_sub(1) as usize) {
-            Some(steps) if stage == self.stage => steps.as_slice(),
-            _ => &[],
-        };
-        steps
-            .iter()
+        let shown = self.demos.iter().filter(|_| stage == self.stage);
+        let index = step.saturating_sub(1) as usize;
+        shown
+            .filter_map(|(line, demo)| Some((line, demo.steps.get(index)?)))
             .zip(1..)
             .map(|((line, demo), number)| {
                 let (question, answer) = question_and_answer(program, stage, demo, step, pointing)?;
@@ -194,7 +189,7 @@ impl Demonstrations {
 
     /// Returns how many actions are demonstrated, over all steps.
     pub fn data_size(&self) -> usize {
-        self.by_step.iter().map(Vec::len).sum()
+        self.demos.iter().map(|(_, demo)| demo.steps.len()).sum()
     }
 
     /// Returns the number, from 1, of the demonstration that begins at this start.
@@ -281,13 +276,5 @@ struct DemoScene<'a>(&'a BTreeMap<String, Vec<PixelPoint>>);
 impl SceneView for DemoScene<'_> {
     fn points(&self, keypoint: &str) -> Option<Vec<PixelPoint>> {
         self.0.get(keypoint).cloned()
-    }
-
-    fn distance_px(&self, _: &str, _: PixelPoint) -> Option<f64> {
-        None
-    }
-
-    fn area_px(&self, _: &str) -> Option<f64> {
-        None
     }
 }

@@ -87,7 +87,8 @@ impl StepSearch<'_> {
         let candidates = self.likely(self.lay(positions)?.as_ref())?;
         let mut tried = self.try_all(&candidates, positions)?;
         // The sort is stable: of equals, the simplest name comes first.
-        tried.sort_by(|a, b| b.merit().total_cmp(&a.merit()));
+        let merit = |it: &TriedFold| it.overlap - handicap(&it.candidate);
+        tried.sort_by(|a, b| merit(b).total_cmp(&merit(a)));
         let mut tried = tried.into_iter();
         let Some(taken) = tried.next() else {
             return Ok(None);
@@ -101,11 +102,6 @@ impl StepSearch<'_> {
             next_best: next.map(|next| (next.candidate.fold, next.overlap)),
         };
         Ok(Some((step, taken.positions)))
-    }
-
-    fn lens(&self) -> Camera {
-        let camera = self.camera;
-        Camera::top_down(camera.height_m, camera.fov_rad, camera.image_px, camera.up)
     }
 
     fn lay(&self, positions: &[[f32; 3]]) -> Result<Box<dyn World>, WorldError> {
@@ -123,35 +119,14 @@ impl StepSearch<'_> {
     /// which stiff paper comes closest to the new outline.
     fn likely(&self, world: &dyn World) -> Result<Vec<Candidate>, RunError> {
         let gone = self.before.without(self.after);
-        let mut candidates = self.folds(world, |[tail, tip]| {
-            gone.distance_px(*tail) <= GONE_PX
-                && self.after.distance_px(*tip) <= BESIDE_PX
-                && distance(*tail, *tip) > SHORTEST_PX
-        })?;
-        // People pick corners and middles; a quarter point is one only where none of these has moved.
-        if candidates.iter().any(|it| is_main(it.fold.pick)) {
-            candidates.retain(|it| is_main(it.fold.pick));
-        }
-        let away = |candidate: &Candidate| self.after.distance_px(candidate.arrow[0]);
-        let farthest = candidates.iter().map(away).fold(0.0, f64::max);
-        candidates.retain(|candidate| away(candidate) >= FAR * farthest);
-        candidates.sort_by_cached_key(|candidate| {
-            let paper = self.before.folded(candidate.arrow).overlap(self.after);
-            // Numbers from 1 on are ordered as their bits.
-            Reverse((2.0 + paper - handicap(candidate)).to_bits())
-        });
-        candidates.truncate(MOST);
-        Ok(candidates)
-    }
-
-    /// Collects the folds between named points that fit; of those that look the same, the first.
-    fn folds(
-        &self,
-        world: &dyn World,
-        fits: impl Fn(&ArrowPx) -> bool,
-    ) -> Result<Vec<Candidate>, RunError> {
+        let camera = self.camera;
+        let lens = Camera::top_down(
+            camera.height_m,
+            camera.fov_rad,
+            camera.image_px,
+            camera.up,
+        );
         let mut candidates: Vec<Candidate> = Vec::new();
-        let lens = self.lens();
         let points = named_points();
         let picks = points.iter().filter(|pick| **pick != ClothPoint::Center);
         for (&pick, &place) in picks.flat_map(|pick| points.iter().map(move |to| (pick, to))) {
@@ -166,11 +141,28 @@ impl StepSearch<'_> {
                 continue;
             };
             let arrow = [tail, tip];
+            let fits = gone.distance_px(tail) <= GONE_PX
+                && self.after.distance_px(tip) <= BESIDE_PX
+                && distance(tail, tip) > SHORTEST_PX;
+            // Of folds that look the same, the first.
             let is_known = |other: &Candidate| are_near(&other.arrow, &arrow, SAME_PX);
-            if fits(&arrow) && !candidates.iter().any(is_known) {
+            if fits && !candidates.iter().any(is_known) {
                 candidates.push(Candidate { fold, grip, arrow });
             }
         }
+        // People pick corners and middles; a quarter point is one only where none of these has moved.
+        if candidates.iter().any(|it| is_main(it.fold.pick)) {
+            candidates.retain(|it| is_main(it.fold.pick));
+        }
+        let away = |candidate: &Candidate| self.after.distance_px(candidate.arrow[0]);
+        let farthest = candidates.iter().map(away).fold(0.0, f64::max);
+        candidates.retain(|candidate| away(candidate) >= FAR * farthest);
+        candidates.sort_by_cached_key(|candidate| {
+            let paper = self.before.folded(candidate.arrow).overlap(self.after);
+            // Numbers from 1 on are ordered as their bits.
+            Reverse((2.0 + paper - handicap(candidate)).to_bits())
+        });
+        candidates.truncate(MOST);
         Ok(candidates)
     }
 
@@ -201,12 +193,6 @@ impl StepSearch<'_> {
         };
         let tried = parallel::in_parallel(candidates.len(), threads, one, |_| {})?;
         Ok(tried.into_iter().flatten().flatten().collect())
-    }
-}
-
-impl TriedFold {
-    fn merit(&self) -> f64 {
-        self.overlap - handicap(&self.candidate)
     }
 }
 

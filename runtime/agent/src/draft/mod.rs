@@ -189,18 +189,12 @@ fn check_change(
 ) -> Result<(), RunError> {
     let [before_px, after_px] = [before, after].map(|outline| outline.0.area_px() as f64);
     let growth = after_px / before_px.max(1.0);
-    if growth > GROWTH {
-        return Err(RunError::Failed(format!(
-            "`{to}` shows {:.0} % more cloth than `{from}`, but a fold must show less; give the flat cloth first and \
-             then the pictures in the order of the steps",
-            (growth - 1.0) * 100.0
-        )));
-    }
     let overlap = before.overlap(after);
-    if overlap > ALIKE {
+    if growth > GROWTH || overlap > ALIKE {
         return Err(RunError::Failed(format!(
-            "`{to}` shows the cloth as `{from}` does (their outlines overlap by {overlap:.3}); give one picture after \
-             each fold"
+            "`{to}` shows {:.0} % of the cloth of `{from}` (their outlines overlap by {overlap:.3}), but a fold must show \
+             less; give the flat cloth first and then one picture after each fold, in their order",
+            growth * 100.0
         )));
     }
     Ok(())

@@ -17,8 +17,8 @@ const LEAST_SIDE: f64 = 0.125;
 
 fn no_cloth(name: &str) -> RunError {
     RunError::Failed(format!(
-        "no cloth is seen on `{name}`; the picture must show a plain table all round the whole cloth, in a colour unlike \
-         the cloth's"
+        "no whole cloth is seen on `{name}`; the picture must show a plain, evenly lit table all round the cloth, in a colour \
+         unlike the cloth's, and the cloth must fill at least an eighth of its side"
     ))
 }
 
@@ -59,18 +59,9 @@ impl Pose {
         } else {
             ([-y, x].map(|part| part * -y.signum()), [short, long])
         };
-        if !flat.reached_borders().is_empty() {
-            return Err(RunError::Failed(format!(
-                "the cloth on `{name}` reaches the picture's border, or its table is not plain; the table must have one \
-                 colour, be evenly lit, and be visible all round the cloth"
-            )));
-        }
-        if sides_px.iter().any(|side| *side < LEAST_SIDE * side_px) {
-            let [width, height] = sides_px;
-            return Err(RunError::Failed(format!(
-                "the cloth on `{name}` measures {width:.0} x {height:.0} of {side_px} px; it must fill at least an eighth \
-                 of the picture's side"
-            )));
+        let is_small = sides_px.iter().any(|side| *side < LEAST_SIDE * side_px);
+        if is_small || !flat.reached_borders().is_empty() {
+            return Err(no_cloth(name));
         }
         Ok(Pose {
             center: rectangle.center,

@@ -125,16 +125,14 @@ impl Aim {
         at: Ground<'_>,
         refused: &[&Proposal],
     ) -> Option<(Proposal, Action)> {
-        let fields = at.program.actions.iter().map(|field| {
-            let values = if field.is_point() || MOVING.contains(&field.name.as_str()) {
+        let offered = combinations(at.program, |field| {
+            if field.is_point() || MOVING.contains(&field.name.as_str()) {
                 self.candidates(at, field)
             } else {
                 least_refused(at, field, refused).into_iter().collect()
-            };
-            (field.name.clone(), values)
+            }
         });
-        let fields: Vec<_> = fields.collect();
-        let offered = combinations(&fields).filter(|proposal| !refused.contains(&proposal));
+        let offered = offered.filter(|proposal| !refused.contains(&proposal));
         let offered = offered.filter_map(|proposal| {
             let action = Action::lower(at.program, &proposal, at.scene, at.observation)?;
             let away: f64 = self.off_px(&action).iter().sum();

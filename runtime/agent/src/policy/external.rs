@@ -85,17 +85,11 @@ impl Policy for External {
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Decision, RunError> {
-        let Some(folder) = step.folder else {
-            let why = "a program is asked in a rollout only: it gets files by their paths";
+        let folder = step.folder.and_then(|it| std::path::absolute(it).ok());
+        let Some(folder) = &folder.filter(|it| it.to_str().is_some()) else {
+            let why = "a program is given files by their paths, and there is no run folder whose path is UTF-8: choose another one with `--out`";
             return Err(RunError::Unfit(why.to_owned()));
         };
-        let folder = &std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
-        if folder.to_str().is_none() {
-            return Err(RunError::Unfit(format!(
-                "the run folder `{}` is not UTF-8, so no line can name it: choose another one with `--out`",
-                folder.display()
-            )));
-        }
         write_files(step, folder)?;
         until_accepted(step, exchange, &mut |refusals, exchange| {
             let asked_in = |folder: &Path| [reset(step, folder), decide(step, folder, refusals)];

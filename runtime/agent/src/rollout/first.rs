@@ -5,7 +5,7 @@
 
 use super::{Job, RunError};
 use crate::pictures::Pictures;
-use crate::policy::{self, StageMessage};
+use crate::policy;
 use crate::scene::Scene;
 use fab_model::{Models, Request};
 use fab_program::Read;
@@ -42,19 +42,13 @@ pub fn first_questions(job: &Job<'_>, models: Models<'_>) -> Result<Vec<FirstQue
         let facts = Facts::of(&scene, 1, lowering.pointing(pictures.size()));
         let values = Values::Partly(facts);
         let asked = policy::conversation(program, stage, values, &pictures, 1, &lowering)?;
+        let schema = match &stage.read {
+            Read::Text { before, .. } => reply::text_schema(before),
+            Read::Action => reply::static_schema(program),
+        };
         Ok(FirstQuestion {
             stage: stage.name.clone(),
-            request: Request {
-                temperature: stage.temperature,
-                top_p: stage.top_p,
-                max_tokens: stage.max_tokens,
-                reasoning: stage.reasoning,
-                schema: Some(match &stage.read {
-                    Read::Text { before, .. } => reply::text_schema(before),
-                    Read::Action => reply::static_schema(program),
-                }),
-                ..Request::new(stage.model, asked.iter().map(StageMessage::sent).collect())
-            },
+            request: policy::request(stage, &asked, schema),
         })
     };
     program.stages.iter().map(question).collect()

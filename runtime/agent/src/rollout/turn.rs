@@ -241,6 +241,7 @@ impl<'j> Turn<'j> {
             },
             number,
             step,
+            answer: 0,
             horizon: job.horizon(),
             last,
             executed: executed.as_ref(),

@@ -7,11 +7,12 @@
 use crate::error::RunError;
 use crate::examples::Examples;
 use crate::pictures::Pictures;
-use fab_model::{Lowering, Message, Part, Png, Speaker};
+use fab_model::{Lowering, Message, Part, Png, Request, Speaker};
 use fab_program::render::{
     self, NUMBERED_POINTS, PromptPicture, PromptSpeaker, PromptText, RenderError, Values,
 };
 use fab_program::{Picture, Program, Stage};
+use serde_json::Value;
 
 /// A message of a stage.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,6 +58,21 @@ impl StageMessage {
             speaker: self.speaker,
             parts: parts.collect(),
         }
+    }
+}
+
+/// Writes a question as it is sent to a model, in the stage's manner.
+pub(crate) fn request(stage: &Stage, messages: &[StageMessage], schema: Value) -> Request {
+    Request {
+        temperature: stage.temperature,
+        top_p: stage.top_p,
+        max_tokens: stage.max_tokens,
+        reasoning: stage.reasoning,
+        schema: Some(schema),
+        ..Request::new(
+            stage.model,
+            messages.iter().map(StageMessage::sent).collect(),
+        )
     }
 }
 

@@ -1,5 +1,6 @@
 //! The conversation of one stage in one step: asks, and after a refusal asks again with the reason.
 
+use super::conversation::request;
 use super::{MessagePart, StageMessage, conversation};
 use crate::action::Action;
 use crate::outcome::Outcome;
@@ -132,17 +133,11 @@ impl Dialogue {
         let Setting { view, stage, .. } = at;
         self.asked += 1;
         let request = Request {
-            role: stage.model,
-            messages: self.messages.iter().map(StageMessage::sent).collect(),
-            temperature: stage.temperature,
-            top_p: stage.top_p,
-            max_tokens: stage.max_tokens,
-            reasoning: stage.reasoning,
             repetition: view.repetition,
             start: view.start_number,
             step: view.number,
             candidate: self.candidate,
-            schema: Some(self.schema.clone()),
+            ..request(stage, &self.messages, self.schema.clone())
         };
         let question = Question::Prompt(Box::new(request.clone()));
         let sent = (exchange.record)(Exchanged::Question {
