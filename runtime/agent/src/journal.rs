@@ -149,37 +149,32 @@ impl RunFolder {
         question: &Question,
     ) -> Result<SentFiles, RunError> {
         let stem = stem(action, of);
-        let is_prompt = matches!(question, Question::Prompt(_));
-        let sent = SentFiles {
-            request_key: Some(question.key()),
-            request: Some(format!("{stem}.request.json")),
-            prompt: is_prompt.then(|| format!("{stem}.prompt.txt")),
-        };
-        if self.repeats() {
-            return Ok(sent);
-        }
-        let text = match question {
-            Question::Line { text, .. } => text.clone().into_bytes(),
-            Question::Prompt(request) => {
-                for part in request.messages.iter().flat_map(|message| &message.parts) {
-                    let Part::Image(png) = part else { continue };
-                    let name = image_name(png.sha256());
-                    // Files are written whole, so one that is there is complete.
-                    if !self.path.join(&name).exists() {
-                        self.keep(&name, png.bytes())?;
+        let sent = format!("{stem}.request.json");
+        let prompt = format!("{stem}.prompt.txt");
+        if !self.repeats() {
+            let text = match question {
+                Question::Line { text, .. } => text.clone().into_bytes(),
+                Question::Prompt(request) => {
+                    for part in request.messages.iter().flat_map(|message| &message.parts) {
+                        let Part::Image(png) = part else { continue };
+                        let name = image_name(png.sha256());
+                        // Files are written whole, so one that is there is complete.
+                        if !self.path.join(&name).exists() {
+                            self.keep(&name, png.bytes())?;
+                        }
                     }
+                    self.keep(&prompt, transcript(request).as_bytes())?;
+                    serde_json::to_vec_pretty(request)
+                        .expect("a request holds strings and finite numbers")
                 }
-                if let Some(file) = &sent.prompt {
-                    self.keep(file, transcript(request).as_bytes())?;
-                }
-                serde_json::to_vec_pretty(request)
-                    .expect("a request holds strings and finite numbers")
-            }
-        };
-        if let Some(file) = &sent.request {
-            self.keep(file, &text)?;
+            };
+            self.keep(&sent, &text)?;
         }
-        Ok(sent)
+        Ok(SentFiles {
+            request_key: Some(question.key()),
+            request: Some(sent),
+            prompt: matches!(question, Question::Prompt(_)).then_some(prompt),
+        })
     }
 
     /// Writes the exact reply to a question of an action, and returns its name.

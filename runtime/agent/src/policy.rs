@@ -21,7 +21,8 @@ pub use expert::Expert;
 pub use external::{External, Sight};
 pub use onnx::Onnx;
 pub use prompted::{
-    MessagePart, Prompted, Rehearsed, StageMessage, conversation, opening, rehearse,
+    FirstQuestion, MessagePart, Prompted, Rehearsed, StageMessage, conversation, first_questions,
+    opening, rehearse,
 };
 pub use random::Random;
 pub use rehearsing::Rehearsing;
@@ -30,7 +31,6 @@ pub use judge::Ground;
 
 pub(crate) use expert::Aim;
 pub(crate) use judge::is_accepted;
-pub(crate) use prompted::request;
 
 use crate::error::RunError;
 use crate::outcome::Outcome;

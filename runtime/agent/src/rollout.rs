@@ -40,7 +40,8 @@ pub(crate) use tries::Tries;
 
 pub use crate::error::RunError;
 pub use event::Event;
-pub use first::{FirstQuestion, first_questions};
+pub use crate::policy::FirstQuestion;
+pub use first::first_questions;
 
 /// What to run.
 #[derive(Clone, Copy)]

@@ -177,12 +177,8 @@ impl<'a> Tree<'a> {
     /// - `due`: the index of a state, and that of one of its choices.
     fn make(&mut self, due: &[(usize, usize)]) -> Result<(), RunError> {
         let made = self.n_trials();
-        let reached = in_parallel(
-            due.len(),
-            self.search.limits.threads,
-            |index| self.unless_stopped(|| self.reach(due[index])),
-            |done| (self.search.progress)(made + done as u32),
-        )?;
+        let progress = |done| (self.search.progress)(made + done as u32);
+        let reached = self.until_stopped(due, |due| self.reach(*due), progress)?;
         for ((parent, _), node) in due.iter().zip(reached) {
             if let Some(node) = node {
                 self.nodes[*parent].tried += 1;
@@ -197,12 +193,7 @@ impl<'a> Tree<'a> {
     fn list(&mut self, nodes: &[usize]) -> Result<(), RunError> {
         let is_new = |node: &usize| self.nodes[*node].offers.is_none();
         let new: Vec<usize> = nodes.iter().copied().filter(is_new).collect();
-        let listed = in_parallel(
-            new.len(),
-            self.search.limits.threads,
-            |index| self.unless_stopped(|| self.offers(new[index])),
-            |_| {},
-        )?;
+        let listed = self.until_stopped(&new, |node| self.offers(*node), |_| {})?;
         for (node, offers) in new.into_iter().zip(listed) {
             self.nodes[node].offers = offers;
         }
@@ -210,18 +201,21 @@ impl<'a> Tree<'a> {
         Ok(())
     }
 
-    /// Does something unless the search should stop, or is stopped in it.
-    fn unless_stopped<T>(
+    /// Does something with each of these, side by side; a stop leaves some of them out.
+    fn until_stopped<I: Sync, T: Send>(
         &self,
-        job: impl FnOnce() -> Result<T, RunError>,
-    ) -> Result<Option<T>, RunError> {
-        if self.requested_stop().is_some() {
-            return Ok(None);
-        }
-        match job() {
-            Err(RunError::World(WorldError::Interrupted)) => Ok(None),
-            done => done.map(Some),
-        }
+        items: &[I],
+        job: impl Fn(&I) -> Result<T, RunError> + Sync,
+        progress: impl Fn(usize) + Sync,
+    ) -> Result<Vec<Option<T>>, RunError> {
+        let one = |index: usize| match self.requested_stop() {
+            Some(_) => Ok(None),
+            None => match job(&items[index]) {
+                Err(RunError::World(WorldError::Interrupted)) => Ok(None),
+                done => done.map(Some),
+            },
+        };
+        in_parallel(items.len(), self.search.limits.threads, one, progress)
     }
 
     fn requested_stop(&self) -> Option<Stop> {

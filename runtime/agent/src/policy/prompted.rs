@@ -10,15 +10,14 @@ mod rehearsal;
 use super::proposing::{Refusal, Settled};
 use super::{Decision, Description, Exchange, Kind, Policy, RoleModels, RunError, StepView};
 use crate::outcome::Outcome;
-pub(crate) use conversation::request;
 pub use conversation::{MessagePart, StageMessage, conversation, opening};
-use dialogue::{Dialogue, Setting};
+use dialogue::{Answers, Dialogue, Setting};
 use fab_model::{Description as ModelDescription, Models, Png, lowering};
 use fab_picture::png;
 use fab_program::render::{RenderError, Values};
 use fab_program::{Program, Read, Stage};
 use image::RgbImage;
-pub use rehearsal::{Rehearsed, rehearse};
+pub use rehearsal::{FirstQuestion, Rehearsed, first_questions, rehearse};
 use std::collections::BTreeMap;
 
 /// What the model is told with the picture of what would come of its answer.
@@ -46,11 +45,13 @@ impl<'m> Prompted<'m> {
     }
 
     fn setting<'a>(&'a self, step: &StepView<'a>, stage: &'a Stage) -> Setting<'a> {
+        let model = self.models.of(stage.model);
         Setting {
             view: *step,
             stage,
             texts: &self.texts,
-            model: self.models.of(stage.model),
+            lowering: model.lowering(),
+            answers: Answers::Model(model),
         }
     }
 
@@ -133,7 +134,7 @@ impl Policy for Prompted<'_> {
             return Ok(None);
         };
         let at = self.setting(step, stage);
-        let sent = at.model.lowering().resized(predicted).into_owned();
+        let sent = at.lowering.resized(predicted).into_owned();
         dialogue.show_prediction(PREDICTED, Png::new(png::encode(&sent)));
         dialogue.asked = self.asked();
         let settled = dialogue.settle(at, 1, exchange)?;

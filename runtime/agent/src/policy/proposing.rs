@@ -69,14 +69,10 @@ pub(super) fn settle(
             Finding::Text { name, value, .. } => return Ok(Settled::Text { name, value }),
             Finding::Failed { outcome, why, .. } => return Ok(Settled::Failed { outcome, why }),
             Finding::Malformed(malformed) => (malformed.field, malformed.message, None),
-            Finding::Action {
-                fields, verdict, ..
-            } => match verdict {
-                Verdict::Accept => {
-                    return Ok(Settled::Action(Proposal { fields }, accepted));
-                }
-                Verdict::Reject { check, message, .. } => {
-                    (check, message, Some(Proposal { fields }))
+            Finding::Action { fields, verdict, .. } => match (Proposal { fields }, verdict) {
+                (proposal, Verdict::Accept) => return Ok(Settled::Action(proposal, accepted)),
+                (proposal, Verdict::Reject { check, message, .. }) => {
+                    (check, message, Some(proposal))
                 }
             },
         };
@@ -91,10 +87,7 @@ pub(super) fn settle(
     // The newest action that only a check refuses which the task drops in the end.
     let without = &step.program.verify.relaxed;
     let relaxed = refusals.iter().rev().filter(|_| !without.is_empty());
-    for refusal in relaxed {
-        let Some(proposal) = &refusal.proposal else {
-            continue;
-        };
+    for (refusal, proposal) in relaxed.filter_map(|it| Some((it, it.proposal.as_ref()?))) {
         let verdict = step.verdict(facts, proposal, Strictness::Relaxed)?;
         if verdict == Verdict::Accept {
             let accepted = Accepted {

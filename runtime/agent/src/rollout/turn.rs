@@ -38,12 +38,6 @@ pub(super) struct Memory {
 }
 
 impl Memory {
-    /// Returns whether nothing was said yet that differs from a note only in its numbers.
-    fn is_new(&mut self, note: &str) -> bool {
-        self.said
-            .insert(note.replace(|letter: char| letter.is_numeric(), ""))
-    }
-
     /// Returns a note if the simulated cloth now goes through itself in more places than before.
     pub(super) fn new_crossings(&mut self, crossings: Option<usize>, when: &str) -> Option<String> {
         let crossings = crossings.unwrap_or(0);
@@ -156,7 +150,8 @@ impl<'j> Turn<'j> {
         });
         let notes = observation.notes.iter().cloned();
         for note in notes.chain(scene.beyond_the_picture()) {
-            if memory.is_new(&note) {
+            // Notes that differ only in their numbers are said once.
+            if memory.said.insert(note.replace(char::is_numeric, "")) {
                 let note = format!("before step {step}: {note}");
                 progress(Event::Note { note });
             }
