@@ -16,6 +16,9 @@ use serde::{Deserialize, Serialize};
 /// the detector may place a corner beside the cloth.
 const BESIDE_PX: f64 = 3.5;
 
+/// The most combinations of a step's choices that are compared; each is judged by all checks.
+pub(crate) const MOST_COMBINATIONS: usize = 20_000;
+
 /// What one gripper does, ready for execution.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Action {

@@ -24,8 +24,8 @@ pub struct RunFolder {
     path: PathBuf,
     journal: Appender,
     spent: Appender,
-    /// The lines of an earlier part of the rollout.
-    earlier: ExistingLines,
+    /// The lines of an earlier part of the rollout that have not been repeated yet, oldest first.
+    earlier: VecDeque<String>,
 }
 
 /// Writes a file atomically, and its folder if that is missing.
@@ -62,8 +62,9 @@ impl RunFolder {
         let unreadable = |why| unreadable(&file, why);
         let journal = journal.map_err(|error| unreadable(error.to_string()))?;
         let mut folder = RunFolder::locked(path, journal)?;
-        folder.earlier = ExistingLines::read(&file).map_err(unreadable)?;
-        folder.journal.keep(folder.earlier.bytes);
+        let (earlier, bytes) = earlier_lines(&file).map_err(unreadable)?;
+        folder.earlier = earlier;
+        folder.journal.keep(bytes);
         Ok(folder)
     }
 
@@ -81,18 +82,18 @@ impl RunFolder {
             path: path.to_owned(),
             journal,
             spent: spent.map_err(|why| unreadable(&file, why))?,
-            earlier: ExistingLines::default(),
+            earlier: VecDeque::new(),
         })
     }
 
     /// Returns whether the next line already exists.
     pub fn repeats(&self) -> bool {
-        !self.earlier.lines.is_empty()
+        !self.earlier.is_empty()
     }
 
     /// Returns how many steps of an earlier part of the rollout are to be repeated.
     pub fn earlier_steps(&self) -> u32 {
-        self.earlier.lines.len().saturating_sub(1) as u32
+        self.earlier.len().saturating_sub(1) as u32
     }
 
     /// Makes the first free folder `NAME-0001`, `NAME-0002`, … in `parent`.
@@ -113,7 +114,7 @@ impl RunFolder {
     /// existing ones.
     pub fn append(&mut self, line: &Line) -> Result<(), RunError> {
         let text = jsonl::text(line).expect("journal lines have string keys");
-        if let Some(known) = self.earlier.lines.pop_front() {
+        if let Some(known) = self.earlier.pop_front() {
             return if known == text {
                 Ok(())
             } else {
@@ -178,12 +179,7 @@ impl RunFolder {
     }
 
     /// Writes the exact reply to a question of an action, and returns its name.
-    pub fn keep_reply(
-        &self,
-        action: u32,
-        of: (&str, u32),
-        text: &str,
-    ) -> Result<String, RunError> {
+    pub fn keep_reply(&self, action: u32, of: (&str, u32), text: &str) -> Result<String, RunError> {
         let file = format!("{}.reply.txt", stem(action, of));
         self.keep(&file, text.as_bytes())
     }
@@ -229,42 +225,31 @@ fn transcript(request: &Request) -> String {
     text
 }
 
-/// The whole lines of an earlier part of the same rollout up to the point of resuming: the header, and every step that was
-/// taken. The rest (a step that ended the rollout, its end, a torn line) is written again.
-#[derive(Debug, Default)]
-struct ExistingLines {
-    /// Those that have not been repeated yet, oldest first.
-    lines: VecDeque<String>,
-    /// Bytes up to the end of the last line.
-    bytes: u64,
-}
-
-impl ExistingLines {
-    /// Reads a journal.
-    ///
-    /// Fails for a line of JSON that this program does not write: it belongs to another version, and must not be
-    /// overwritten.
-    fn read(path: &Path) -> Result<ExistingLines, String> {
-        let mut reader = Reader::open(path, MAX_BYTES)?;
-        let mut earlier = ExistingLines::default();
-        while let Some(line) = reader.next_line()? {
-            let text = String::from_utf8_lossy(line).into_owned();
-            match serde_json::from_str(&text) {
-                Ok(Line::Header(_)) if earlier.lines.is_empty() => {}
-                Ok(Line::Step(step)) if !earlier.lines.is_empty() && step.stopped.is_none() => {}
-                Err(error) if error.is_data() => {
-                    let number = earlier.lines.len() + 1;
-                    return Err(format!(
-                        "line {number} is not as this version of fabc writes it: {error}"
-                    ));
-                }
-                _ => break,
+/// Reads the whole lines of an earlier part of the same rollout up to the point of resuming, and how many bytes they take:
+/// the header, and every step that was taken. The rest (a step that ended the rollout, its end, a torn line) is written
+/// again.
+///
+/// Fails for a line of JSON that this program does not write: it belongs to another version, and must not be overwritten.
+fn earlier_lines(path: &Path) -> Result<(VecDeque<String>, u64), String> {
+    let mut reader = Reader::open(path, MAX_BYTES)?;
+    let (mut lines, mut bytes) = (VecDeque::new(), 0);
+    while let Some(line) = reader.next_line()? {
+        let text = String::from_utf8_lossy(line).into_owned();
+        match serde_json::from_str(&text) {
+            Ok(Line::Header(_)) if lines.is_empty() => {}
+            Ok(Line::Step(step)) if !lines.is_empty() && step.stopped.is_none() => {}
+            Err(error) if error.is_data() => {
+                let number = lines.len() + 1;
+                return Err(format!(
+                    "line {number} is not as this version of fabc writes it: {error}"
+                ));
             }
-            earlier.lines.push_back(text);
-            earlier.bytes = reader.whole_bytes();
+            _ => break,
         }
-        Ok(earlier)
+        lines.push_back(text);
+        bytes = reader.whole_bytes();
     }
+    Ok((lines, bytes))
 }
 
 /// Names the field in which two lines differ.

@@ -39,8 +39,8 @@ use writer::RolloutWriter;
 pub(crate) use tries::Tries;
 
 pub use crate::error::RunError;
-pub use event::Event;
 pub use crate::policy::FirstQuestion;
+pub use event::Event;
 pub use first::first_questions;
 
 /// What to run.

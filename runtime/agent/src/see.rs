@@ -65,7 +65,7 @@ pub fn see(program: &Program, brought: SeeInput) -> Result<SeeOutput, RunError> 
     observation.notes.extend(scene.beyond_the_picture());
     Ok(SeeOutput {
         stages: scene.stages(&program, &observation.rgb, last.as_ref())?,
-        annotated: scene.annotated(&program, &observation.rgb, last.as_ref())?,
+        annotated: scene.annotated(&program, &program.layers, &observation.rgb, last.as_ref())?,
         left_out,
         notes: observation.notes,
         scene,

@@ -72,14 +72,9 @@ pub enum Origin {
     DrawnAnew,
 }
 
-/// The pictures around one step.
+/// The pictures around one step, current and next: without arrows, and with that of the step.
 #[derive(Clone, Debug)]
-pub struct StepPictures {
-    /// Current and next, without arrows.
-    bare: [RgbImage; 2],
-    /// Current and next, with the arrow of the step.
-    with_arrow: [RgbImage; 2],
-}
+pub struct StepPictures([[RgbImage; 2]; 2]);
 
 impl SubgoalSet {
     /// Returns the program's pictures; `folder` contains its file.
@@ -137,21 +132,14 @@ impl SubgoalSet {
                 fab_vision::draw_arrow(picture, tail, tip)?;
             }
         }
-        Ok(Some(StepPictures { bare, with_arrow }))
+        Ok(Some(StepPictures([bare, with_arrow])))
     }
 }
 
 impl StepPictures {
     /// Returns one of the two pictures.
     pub fn picture(&self, which: SubgoalStep, arrow: Arrow) -> &RgbImage {
-        let [now, next] = match arrow {
-            Arrow::Drawn => &self.with_arrow,
-            Arrow::Absent => &self.bare,
-        };
-        match which {
-            SubgoalStep::Now => now,
-            SubgoalStep::Next => next,
-        }
+        &self.0[usize::from(arrow == Arrow::Drawn)][usize::from(which == SubgoalStep::Next)]
     }
 }
 
@@ -166,9 +154,8 @@ fn load_images(program: &Program, folder: &Path) -> Result<SubgoalSet, RunError>
     };
     for image in images {
         let path = task_files::resolve(folder, &image.file)?;
-        let picture = png::load(&path).map_err(|why| {
-            RunError::Failed(format!("a subgoal picture cannot be used: {why}"))
-        })?;
+        let picture = png::load(&path)
+            .map_err(|why| RunError::Failed(format!("a subgoal picture cannot be used: {why}")))?;
         set.pictures.push(picture);
         let pixel = |point: fab_program::PixelPoint| [f64::from(point.u), f64::from(point.v)];
         set.arrows

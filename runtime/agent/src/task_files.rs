@@ -10,17 +10,12 @@ use std::path::{Path, PathBuf};
 
 /// Returns the path of a file; `folder` contains the task's file.
 pub fn resolve(folder: &Path, file: &FileRef) -> Result<PathBuf, RunError> {
-    let folder = if folder.as_os_str().is_empty() {
-        Path::new(".")
-    } else {
-        folder
-    };
     let path = folder.join(&file.path);
     let real = |path: &Path| {
         fs::canonicalize(path)
             .map_err(|error| RunError::Failed(format!("cannot read `{}`: {error}", path.display())))
     };
-    let (root, target) = (real(folder)?, real(&path)?);
+    let (root, target) = (real(&Path::new(".").join(folder))?, real(&path)?);
     if !target.starts_with(&root) {
         return Err(RunError::Failed(format!(
             "`{}` leads out of the task's folder, to `{}`",

@@ -3,9 +3,9 @@
 //! In: the scene of a state. Out: [`Offers`]. Each action is judged as a rollout judges it. Actions that move the cloth
 //! alike are offered once.
 
-use super::aim::{ExpertGrip, off_m};
 use super::Choice;
-use crate::action::{Action, combinations};
+use super::aim::{ExpertGrip, off_m};
+use crate::action::{Action, MOST_COMBINATIONS, combinations};
 use crate::error::RunError;
 use crate::policy::Ground;
 use fab_base::chance::Chance;
@@ -15,9 +15,6 @@ use fab_program::verify::{Strictness, Verdict};
 use fab_program::{Choices, Proposal, space};
 use fab_world::WorldError;
 use std::collections::BTreeSet;
-
-/// The most combinations of a step's choices that are listed.
-const MOST_COMBINATIONS: usize = 20_000;
 
 /// How many of more combinations are drawn.
 const DRAWN: usize = 2_000;

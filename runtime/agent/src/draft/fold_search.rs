@@ -5,8 +5,8 @@
 //! is taken. Reflecting the outline alone would often be wrong: a cloth held down by another corner does not fold along the
 //! line between the two points.
 
-use super::outline::Outline;
 use super::DraftStep;
+use super::outline::Outline;
 use crate::error::RunError;
 use crate::subgoals::ArrowPx;
 use fab_base::interrupt::Interrupt;
@@ -120,12 +120,7 @@ impl StepSearch<'_> {
     fn likely(&self, world: &dyn World) -> Result<Vec<Candidate>, RunError> {
         let gone = self.before.without(self.after);
         let camera = self.camera;
-        let lens = Camera::top_down(
-            camera.height_m,
-            camera.fov_rad,
-            camera.image_px,
-            camera.up,
-        );
+        let lens = Camera::top_down(camera.height_m, camera.fov_rad, camera.image_px, camera.up);
         let mut candidates: Vec<Candidate> = Vec::new();
         let points = named_points();
         let picks = points.iter().filter(|pick| **pick != ClothPoint::Center);

@@ -182,11 +182,7 @@ fn common_side(pictures: &[NamedPicture]) -> Result<u32, RunError> {
 }
 
 /// Makes sure that something was folded, and nothing unfolded.
-fn check_change(
-    before: &Outline,
-    after: &Outline,
-    [from, to]: [&str; 2],
-) -> Result<(), RunError> {
+fn check_change(before: &Outline, after: &Outline, [from, to]: [&str; 2]) -> Result<(), RunError> {
     let [before_px, after_px] = [before, after].map(|outline| outline.0.area_px() as f64);
     let growth = after_px / before_px.max(1.0);
     let overlap = before.overlap(after);

@@ -53,23 +53,18 @@ impl Policy for Expert {
         until_accepted(step, exchange, &mut |refusals, _| {
             let refused = refusals.iter().filter_map(|it| it.proposal.as_ref());
             let refused: Vec<&Proposal> = refused.collect();
-            let nearest = match &aim {
+            let mut source = Source::default();
+            let answer = match &aim {
+                Err(why) => stop(Outcome::PolicyStopped, why),
                 Ok(aim) => match aim.nearest(step.ground, &refused) {
-                    Some((proposal, action)) => Ok((proposal, aim.note(&action))),
-                    None => Err("no other action is offered"),
+                    Some((proposal, action)) => {
+                        source.note = Some(aim.note(&action));
+                        Ok(proposal)
+                    }
+                    None => stop(Outcome::PolicyStopped, "no other action is offered"),
                 },
-                Err(why) => Err(why.as_str()),
             };
-            Ok(match nearest {
-                Ok((proposal, note)) => {
-                    let source = Source {
-                        note: Some(note),
-                        ..Source::default()
-                    };
-                    (source, Ok(proposal))
-                }
-                Err(why) => (Source::default(), stop(Outcome::PolicyStopped, why)),
-            })
+            Ok((source, answer))
         })
     }
 }
@@ -104,7 +99,10 @@ impl Aim {
             let seen = observation.camera.pixel_from_world(point);
             seen.ok_or_else(|| format!("the {what} point is behind the camera"))
         };
-        Ok(Aim([pixel(grip.pick, "pick")?, pixel(grip.place, "place")?]))
+        Ok(Aim([
+            pixel(grip.pick, "pick")?,
+            pixel(grip.place, "place")?,
+        ]))
     }
 
     /// Returns how far the pick and the place of an action are from it, pixels.

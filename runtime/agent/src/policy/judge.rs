@@ -34,11 +34,7 @@ pub struct Ground<'a> {
 
 impl<'a> Ground<'a> {
     /// Makes the ground of a world that reaches everything and refuses nothing.
-    pub fn of(
-        program: &'a Program,
-        scene: &'a Scene,
-        observation: &'a Observation,
-    ) -> Ground<'a> {
+    pub fn of(program: &'a Program, scene: &'a Scene, observation: &'a Observation) -> Ground<'a> {
         Ground {
             program,
             scene,

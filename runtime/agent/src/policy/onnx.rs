@@ -9,7 +9,7 @@
 use super::expert::least_refused;
 use super::proposing::{Source, stop, until_accepted};
 use super::{Decision, Description, Exchange, Kind, Policy, RunError, StepView};
-use crate::action::{Action, combinations};
+use crate::action::{Action, MOST_COMBINATIONS, combinations};
 use crate::outcome::Outcome;
 use fab_base::wording::quoted;
 use fab_base::{digest, files};
@@ -24,9 +24,6 @@ const SMOOTHER: &[u8] = include_bytes!("smoother.onnx");
 
 /// The largest file, bytes.
 const MAX_BYTES: u64 = 1 << 30;
-
-/// The most combinations of a step's choices that are offered; each is judged by all checks.
-const MOST_COMBINATIONS: usize = 20_000;
 
 /// The most actions that a network values at once: `smoother` needs some 0.2 MB for each, several times.
 const BATCH: usize = 256;
@@ -315,5 +312,9 @@ fn accepted_first(step: &StepView<'_>, offers: Vec<Offer>) -> Result<Vec<Offer>,
             Verdict::Reject { .. } => refused.push(offer),
         }
     }
-    Ok(if accepted.is_empty() { refused } else { accepted })
+    Ok(if accepted.is_empty() {
+        refused
+    } else {
+        accepted
+    })
 }

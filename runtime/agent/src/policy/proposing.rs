@@ -69,7 +69,9 @@ pub(super) fn settle(
             Finding::Text { name, value, .. } => return Ok(Settled::Text { name, value }),
             Finding::Failed { outcome, why, .. } => return Ok(Settled::Failed { outcome, why }),
             Finding::Malformed(malformed) => (malformed.field, malformed.message, None),
-            Finding::Action { fields, verdict, .. } => match (Proposal { fields }, verdict) {
+            Finding::Action {
+                fields, verdict, ..
+            } => match (Proposal { fields }, verdict) {
                 (proposal, Verdict::Accept) => return Ok(Settled::Action(proposal, accepted)),
                 (proposal, Verdict::Reject { check, message, .. }) => {
                     (check, message, Some(proposal))

@@ -40,12 +40,4 @@ impl Timer {
         self.add_planning(what, begun.elapsed());
         result
     }
-
-    /// Times a piece of other work.
-    pub(super) fn time<T>(&mut self, what: &str, work: impl FnOnce() -> T) -> T {
-        let begun = Instant::now();
-        let result = work();
-        self.add(what, begun.elapsed());
-        result
-    }
 }

@@ -292,7 +292,9 @@ impl<'j> Turn<'j> {
         let before = world.particles();
         self.line.action = Some(vec![action.clone()]);
         let motion = Motion::from(action.grip);
-        let executed = self.timer.time("act", || world.act(&motion, job.interrupt));
+        let begun = Instant::now();
+        let executed = world.act(&motion, job.interrupt);
+        self.timer.add("act", begun.elapsed());
         let executed = executed?;
         // It was done, whatever can be seen of it.
         self.line.executed = Some(executed.clone());

@@ -38,7 +38,8 @@ impl Scene {
             return Ok(self);
         }
         let is_in_reach = |point: PixelPoint| unreachable.iter().all(|it| it.point != point);
-        let is_offered = |name: &String| program.actions.iter().flat_map(points).any(|it| it == name);
+        let is_offered =
+            |name: &String| program.actions.iter().flat_map(points).any(|it| it == name);
         for (name, found) in &mut self.found {
             if let (true, Extracted::Points(points)) = (is_offered(name), found) {
                 points.retain(|point| is_in_reach(point.pixel));

@@ -8,9 +8,7 @@ use crate::error::RunError;
 use crate::examples::Examples;
 use crate::pictures::Pictures;
 use fab_model::{Lowering, Message, Part, Png, Speaker};
-use fab_program::render::{
-    self, NUMBERED_POINTS, PromptPicture, PromptText, RenderError, Values,
-};
+use fab_program::render::{self, NUMBERED_POINTS, PromptPicture, PromptText, RenderError, Values};
 use fab_program::{Picture, Program, Stage};
 
 /// A message of a stage.
