@@ -105,7 +105,7 @@ impl Policy for Prompted<'_> {
                 continue;
             }
             let at = self.setting(step, stage);
-            let mut dialogue = Dialogue::begin(at, Values::Known, [step.answer, self.asked()])?;
+            let mut dialogue = Dialogue::begin(at, Values::Known, self.asked())?;
             let settled = dialogue.settle(at, step.program.verify.attempts, exchange)?;
             if is_acting {
                 self.acting.push(dialogue);

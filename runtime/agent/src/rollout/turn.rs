@@ -90,28 +90,22 @@ impl<'j> Turn<'j> {
         keeper: &mut RolloutWriter,
         progress: &mut dyn FnMut(Event),
     ) -> Result<Option<Outcome>, RunError> {
-        let (outcome, why) = match self.act(policy, world, memory, keeper, progress) {
-            Err(RunError::World(error)) => {
-                let outcome = match error {
-                    WorldError::PlannedOnly => Outcome::Planned,
-                    WorldError::Interrupted | WorldError::Halted { .. } => Outcome::Interrupted,
-                    _ => Outcome::WorldFailed,
-                };
-                (outcome, error.to_string())
-            }
-            Err(RunError::Scene(error)) => {
-                let outcome = match error {
-                    SceneError::OutOfView { .. } => Outcome::ClothOutOfView,
-                    SceneError::NoCandidates { .. } | SceneError::NoneInReach { .. } => {
-                        Outcome::NoCandidates
-                    }
-                    SceneError::Missing(_) | SceneError::Vision(_) => Outcome::WorldFailed,
-                };
-                (outcome, error.to_string())
-            }
-            other => return other,
+        let error = match self.act(policy, world, memory, keeper, progress) {
+            Err(error @ (RunError::World(_) | RunError::Scene(_))) => error,
+            done => return done,
         };
-        Ok(self.stop(outcome, &why))
+        let outcome = match &error {
+            RunError::World(WorldError::PlannedOnly) => Outcome::Planned,
+            RunError::World(WorldError::Interrupted | WorldError::Halted { .. }) => {
+                Outcome::Interrupted
+            }
+            RunError::Scene(SceneError::OutOfView(..)) => Outcome::ClothOutOfView,
+            RunError::Scene(SceneError::NoCandidates(..) | SceneError::NoneInReach(..)) => {
+                Outcome::NoCandidates
+            }
+            _ => Outcome::WorldFailed,
+        };
+        Ok(self.stop(outcome, &error.to_string()))
     }
 
     fn act(

@@ -56,8 +56,6 @@ pub(super) struct Dialogue {
     notation: Notation,
     /// The schema of valid answers for this scene.
     schema: Value,
-    /// Which of several answers to one question is asked for, from 0.
-    candidate: u32,
     /// The number of this stage's last question in the step, whichever conversation asked it.
     pub asked: u32,
     /// The last answer; empty if none came.
@@ -68,12 +66,11 @@ impl Dialogue {
     /// Begins with the stage's messages.
     ///
     /// - `known`: [`Values::Known`], or [`Values::Partly`] to show missing texts as words in angle brackets.
-    /// - `candidate`: which of several answers is asked for, from 0.
     /// - `asked`: questions of this stage and step so far.
     pub fn begin<'a>(
         at: Setting<'a>,
         known: fn(Facts<'a>) -> Values<'a>,
-        [candidate, asked]: [u32; 2],
+        asked: u32,
     ) -> Result<Dialogue, RunError> {
         let (program, view, facts) = (at.view.program, at.view, at.facts());
         let (values, pictures, lowering) = (known(facts), view.pictures, &at.lowering);
@@ -90,7 +87,6 @@ impl Dialogue {
             messages,
             schema: reply::for_stage(program, at.stage, &notation, &offered),
             notation,
-            candidate,
             asked,
             answer: String::new(),
         })
@@ -103,18 +99,13 @@ impl Dialogue {
         attempts: u32,
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Settled, RunError> {
-        settle(
-            &at.view,
-            attempts,
-            at.facts(),
-            exchange,
-            &mut |refusals, exchange| {
-                if let Some(refusal) = refusals.last() {
-                    self.correct(at, refusal)?;
-                }
-                self.ask(at, exchange)
-            },
-        )
+        let mut ask = |refusals: &[Refusal], exchange: &mut Exchange<'_, '_>| {
+            if let Some(refusal) = refusals.last() {
+                self.correct(at, refusal)?;
+            }
+            self.ask(at, exchange)
+        };
+        settle(&at.view, attempts, at.facts(), exchange, &mut ask)
     }
 
     /// Adds the last answer, and what would come of it.
@@ -145,7 +136,7 @@ impl Dialogue {
             repetition: view.repetition,
             start: view.start_number,
             step: view.number,
-            candidate: self.candidate,
+            candidate: view.answer,
             schema: Some(self.schema.clone()),
         }
     }

@@ -55,7 +55,7 @@ pub fn first_questions(
         };
         Ok(FirstQuestion {
             stage: stage.name.clone(),
-            request: Dialogue::begin(at, Values::Partly, [0, 0])?.request(at),
+            request: Dialogue::begin(at, Values::Partly, 0)?.request(at),
         })
     };
     view.program.stages.iter().map(question).collect()
@@ -86,7 +86,7 @@ pub fn rehearse(
             lowering,
             answers: Answers::Given(&answers),
         };
-        let mut dialogue = Dialogue::begin(at, Values::Partly, [0, 0])?;
+        let mut dialogue = Dialogue::begin(at, Values::Partly, 0)?;
         let n_asked_first = dialogue.messages.len();
         let mut findings = Vec::new();
         let mut exchange = Exchange {
