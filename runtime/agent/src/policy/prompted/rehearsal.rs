@@ -12,8 +12,8 @@ use crate::record::SentFiles;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::{Budget, Ledger};
 use fab_model::{Lowering, Models, Request};
-use fab_program::Stage;
 use fab_program::render::Values;
+use fab_program::{Read, Stage, reply};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, VecDeque};
 
@@ -35,7 +35,8 @@ pub struct Rehearsed {
 pub struct FirstQuestion {
     /// The stage.
     pub stage: String,
-    /// The question, with words in angle brackets for texts that only a model can give.
+    /// The question, with words in angle brackets for texts that only a model can give; if the stage reads the action, its
+    /// schema lacks the scene's values.
     pub request: Request,
 }
 
@@ -53,9 +54,13 @@ pub fn first_questions(
             lowering: models.of(stage.model).lowering(),
             answers: Answers::Given(&answers),
         };
+        let mut request = Dialogue::begin(at, Values::Partly, 0)?.request(at);
+        if stage.read == Read::Action {
+            request.schema = Some(reply::static_schema(view.program));
+        }
         Ok(FirstQuestion {
             stage: stage.name.clone(),
-            request: Dialogue::begin(at, Values::Partly, 0)?.request(at),
+            request,
         })
     };
     view.program.stages.iter().map(question).collect()
