@@ -101,7 +101,11 @@ impl<E: std::error::Error + 'static> From<E> for Failure {
         #[cfg(feature = "runtime")]
         {
             let error: &dyn std::error::Error = &error;
-            if let Some(fab_world::WorldError::Interrupted) = error.downcast_ref() {
+            let of_run = error.downcast_ref().and_then(|error| match error {
+                fab_agent::rollout::RunError::World(error) => Some(error),
+                _ => None,
+            });
+            if let Some(fab_world::WorldError::Interrupted) = error.downcast_ref().or(of_run) {
                 return Failure::interrupted();
             }
         }

@@ -591,7 +591,7 @@ fn a_world_without_copies_is_searched_with_equal_results_and_one_without_particl
     let refused = search(&|| Ok(Box::new(blind()?))).unwrap_err();
     assert_eq!(
         refused.to_string(),
-        "the world `blind` does not know where the cloth's particles are, so actions cannot be tried in it: search in `sim`, or in a program that repeats and knows its particles"
+        "the world `blind` cannot lay a start again exactly, or does not know where the cloth's particles are, so actions cannot be tried in it: search in `sim`, or in a program that does both"
     );
 }
 
@@ -610,7 +610,7 @@ fn a_program_that_repeats_is_searched_as_the_simulator_is() {
     let world = format!("exec:sh '{}'", once.display());
     let mut command = self::command(folder.path(), TWICE, arguments);
     let refused = finish(command.args(["--world", &world]));
-    let why = "cannot lay a start again exactly, so actions cannot be tried in it";
+    let why = "cannot lay a start again exactly, or does not know";
     assert!(
         refused.code == 2 && refused.stdout.contains(why),
         "{}",

@@ -1,7 +1,8 @@
 //! Keypoints from colour alone, as on the paper's real table: no depth, and no number that depends on the lighting.
 
 use super::support::{self, ProjectFiles, Trial};
-use fab_agent::see::{SeeError, SeeInput, SeeOutput, see};
+use fab_agent::rollout::RunError;
+use fab_agent::see::{SeeInput, SeeOutput, see};
 use fab_compiler::{LoadError, Loader};
 use fab_program::{PixelPoint, Program};
 use fab_world::Look;
@@ -19,7 +20,7 @@ fn table(grey: u8, cloth: [u8; 3]) -> RgbImage {
     })
 }
 
-fn look(program: &Program, rgb: RgbImage) -> Result<SeeOutput, SeeError> {
+fn look(program: &Program, rgb: RgbImage) -> Result<SeeOutput, RunError> {
     let (depth_m, last_place) = (None, None);
     let brought = SeeInput {
         rgb,

@@ -37,7 +37,7 @@ fn a_file_that_no_policy_can_play_is_refused_with_what_would_be_right() {
         ("crumpled.png", "is not an ONNX network that fabc can run: "),
         (
             "unknown_input.onnx",
-            "takes `image`, which fabc does not provide; the inputs are `color`, `depth`, `cloth`, `faces`, `edge`, `picks`, `places`",
+            "takes or returns `image`, which fabc does not know; the inputs are `color`, `depth`, `cloth`, `faces`, `edge`, `picks`, `places`",
         ),
         (
             "channels_first.onnx",
@@ -51,7 +51,7 @@ fn a_file_that_no_policy_can_play_is_refused_with_what_would_be_right() {
             "without_actions.onnx",
             "takes neither `picks` nor `places`, so it cannot tell actions apart",
         ),
-        ("scores.onnx", "must return `values` alone"),
+        ("scores.onnx", "and the output is `values`"),
         ("table.onnx", "declares `values` as [N, 2]; it must be [N]"),
         ("one_value.onnx", "declares `values` as [1]; it must be [N]"),
         (

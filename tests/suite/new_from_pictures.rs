@@ -83,8 +83,16 @@ fn pictures_that_nothing_can_be_drafted_from_are_refused_and_nothing_is_written(
             64,
             "1 picture given; there must be 2 to 101",
         ),
-        (vec![flat.as_str(), flat.as_str()], 2, "shows the cloth as"),
-        (vec![folded.as_str(), flat.as_str()], 2, "more cloth than"),
+        (
+            vec![flat.as_str(), flat.as_str()],
+            2,
+            "shows 100 % of the cloth",
+        ),
+        (
+            vec![folded.as_str(), flat.as_str()],
+            2,
+            "but a fold must show less",
+        ),
     ] {
         let mut arguments = vec!["new", "fold", "gable", "--from-images"];
         arguments.extend(pictures);

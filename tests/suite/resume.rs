@@ -1,7 +1,7 @@
 //! Resuming rollouts that were cut off, stopped by a cap, or changed in the meantime.
 
 use super::support::{self, Captured, Trial, bring_library, fabc, finish, project};
-use fab_agent::journal::{JournalError, RunFolder};
+use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
 use fab_agent::record::RECORD_FILE;
 use fab_agent::rollout::Ended;
@@ -220,10 +220,8 @@ fn a_run_that_is_being_written_is_not_gone_on_with() {
     let folder = tempfile::tempdir().unwrap();
     let run = folder.path().join("run");
     let open = RunFolder::create(&run).unwrap();
-    assert!(matches!(
-        RunFolder::reopen(&run),
-        Err(JournalError::InUse { .. })
-    ));
+    let refused = RunFolder::reopen(&run).unwrap_err().to_string();
+    assert!(refused.contains("another fabc is writing"), "{refused}");
     drop(open);
     assert!(RunFolder::reopen(&run).is_ok());
 }

@@ -197,7 +197,7 @@ fn a_picture_of_something_else_is_refused() {
     let mut empty = flat(&program, 28);
     empty.depth_m.fill(0.0);
     let message = play(&program, Some(empty)).unwrap_err().to_string();
-    assert!(message.contains("finds no cloth in it"), "{message}");
+    assert!(message.contains("must find the cloth"), "{message}");
 }
 
 /// A world that can be seen no more once the cloth was moved.

@@ -10,10 +10,14 @@ pub trait SceneView {
 
     /// Returns the distance from `point` to the nearest pixel of a mask or box, pixels, 0 inside it; `None` for an
     /// unknown name or an empty mask.
-    fn distance_px(&self, region: &str, point: PixelPoint) -> Option<f64>;
+    fn distance_px(&self, _region: &str, _point: PixelPoint) -> Option<f64> {
+        None
+    }
 
     /// Returns the number of a mask's pixels; `None` for an unknown name.
-    fn area_px(&self, mask: &str) -> Option<f64>;
+    fn area_px(&self, _mask: &str) -> Option<f64> {
+        None
+    }
 
     /// Returns a pixel of a mask by its number from 0, row by row; `None` beyond the last one, and if a scene does
     /// not know the pixels of its masks.

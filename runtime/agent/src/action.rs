@@ -8,14 +8,16 @@ use fab_picture::SubpixelPoint;
 use fab_picture::camera::center_of;
 use fab_picture::observation::Observation;
 use fab_program::facts::ExecutedAction;
-use fab_program::{Choices, PixelPoint, Program, Value};
-use fab_program::{Proposal, space};
+use fab_program::{ActionField, Choices, PixelPoint, Program, Proposal, Value, space};
 use fab_world::{Grip, WorldPoint};
 use serde::{Deserialize, Serialize};
 
 /// How far a keypoint may lie from the nearest cloth pixel and still be picked at its exact position, pixels: as far as
 /// the detector may place a corner beside the cloth.
 const BESIDE_PX: f64 = 3.5;
+
+/// The most combinations of a step's choices that are compared; each is judged by all checks.
+pub(crate) const MOST_COMBINATIONS: usize = 20_000;
 
 /// What one gripper does, ready for execution.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -68,13 +70,16 @@ impl Action {
     }
 }
 
-/// Returns every combination of these values of fields; those of the last field follow each other.
-pub(crate) fn combinations(
-    fields: &[(String, Vec<Value>)],
-) -> impl ExactSizeIterator<Item = Proposal> {
+/// Returns every combination of values of a task's fields; those of the last field follow each other.
+pub(crate) fn combinations<F: Fn(&ActionField) -> Vec<Value>>(
+    program: &Program,
+    values: F,
+) -> impl ExactSizeIterator<Item = Proposal> + use<F> {
+    let fields = program.actions.iter();
+    let fields: Vec<_> = fields.map(|it| (it.name.clone(), values(it))).collect();
     let counts = fields.iter().map(|(_, values)| values.len());
     let numbers = 0..counts.fold(1, usize::saturating_mul);
-    numbers.map(|mut number| {
+    numbers.map(move |mut number| {
         let chosen = fields.iter().rev().map(|(name, values)| {
             let value = values[number % values.len()].clone();
             number /= values.len();

@@ -3,8 +3,9 @@
 //! In: a program and the folder of its file. Out: pictures by path, and questions with their answers by step. An
 //! example's question is the task's own, filled with a demonstration's observations, so the two cannot drift apart.
 
-use crate::demos::{Demonstrations, DemosError};
-use crate::task_files::{self, FileError};
+use crate::demos::Demonstrations;
+use crate::error::RunError;
+use crate::task_files;
 use fab_model::Png;
 use fab_picture::png;
 use fab_program::Program;
@@ -20,34 +21,23 @@ pub struct Examples {
     pub demonstrations: Option<Demonstrations>,
 }
 
-/// Why the examples of a task cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum ExamplesError {
-    /// A picture cannot be read.
-    #[error(transparent)]
-    File(#[from] FileError),
-    /// The demonstrations cannot be shown.
-    #[error(transparent)]
-    Demos(#[from] DemosError),
-}
-
 impl Examples {
     /// Reads the pictures and the demonstrations of a program; `folder` is the one that holds its file.
-    pub fn load(program: &Program, folder: &Path) -> Result<Examples, ExamplesError> {
+    pub fn load(program: &Program, folder: &Path) -> Result<Examples, RunError> {
         let mut pictures = BTreeMap::new();
         let examples = program.stages.iter().flat_map(|stage| &stage.examples);
         for file in examples.flat_map(|example| &example.images) {
             let path = task_files::resolve(folder, file)?;
-            let picture = png::load(&path).map_err(FileError::from)?;
+            let picture = png::load(&path).map_err(|why| {
+                RunError::Failed(format!("the picture of an example cannot be used: {why}"))
+            })?;
             pictures.insert(file.path.clone(), Png::new(png::encode(&picture)));
         }
-        let demonstrations = match &program.demos {
-            Some(demos) => Some(Demonstrations::load(program, demos, folder)?),
-            None => None,
-        };
+        let demos = program.demos.as_ref();
+        let demonstrations = demos.map(|demos| Demonstrations::load(program, demos, folder));
         Ok(Examples {
             pictures,
-            demonstrations,
+            demonstrations: demonstrations.transpose()?,
         })
     }
 }

@@ -5,12 +5,12 @@
 //! finish. The same rollout always writes the same bytes; durations and costs, which differ, are in `spent.jsonl`. So
 //! an interrupted rollout is resumed by repeating it: lines that already exist are compared instead of written.
 
+use crate::error::RunError;
 use crate::policy::Question;
 use crate::record::{Line, MAX_BYTES, RECORD_FILE, SPENT_FILE, SentFiles, Spent};
 use fab_base::difference;
 use fab_base::files;
 use fab_base::jsonl::{self, Appender, Reader};
-use fab_model::calls::LedgerError;
 use fab_model::{Part, Request, Speaker};
 use serde_json::Value;
 use std::collections::VecDeque;
@@ -24,104 +24,82 @@ pub struct RunFolder {
     path: PathBuf,
     journal: Appender,
     spent: Appender,
-    /// The lines of an earlier part of the rollout.
-    earlier: ExistingLines,
-}
-
-/// Why a run cannot be stored.
-#[derive(Debug, thiserror::Error)]
-pub enum JournalError {
-    /// A file or folder cannot be written; says why.
-    #[error("cannot write `{0}`: {1}")]
-    Unwritable(PathBuf, String),
-    /// A file of a rollout to be resumed cannot be read; says why.
-    #[error("cannot read `{0}`: {1}")]
-    Unreadable(PathBuf, String),
-    /// Another process is writing to the folder.
-    #[error("another fabc is writing into the run folder `{0}`")]
-    InUse(PathBuf),
-    /// The repeated rollout differs from the original; says where.
-    #[error("the rollout in `{0}` cannot be resumed, because it does not repeat identically: {1}")]
-    Differs(PathBuf, String),
-    /// The calls of an earlier part cannot be read.
-    #[error(transparent)]
-    Ledger(#[from] LedgerError),
-    /// The folder is not empty.
-    #[error("the run folder `{0}` is not empty; name a new one, nothing is overwritten")]
-    NotEmpty(PathBuf),
-}
-
-impl JournalError {
-    pub(crate) fn unwritable(path: &Path, error: io::Error) -> JournalError {
-        JournalError::Unwritable(path.to_owned(), error.to_string())
-    }
+    /// The lines of an earlier part of the rollout that have not been repeated yet, oldest first.
+    earlier: VecDeque<String>,
 }
 
 /// Writes a file atomically, and its folder if that is missing.
-pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), JournalError> {
+pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), RunError> {
     let folder = path.parent().unwrap_or(path);
     let written = fs::create_dir_all(folder).and_then(|()| files::write_whole(path, bytes));
-    written.map_err(|error| JournalError::unwritable(path, error))
+    written.map_err(|error| RunError::unwritable(path, error))
 }
 
 impl RunFolder {
     /// Makes a folder for one rollout; it must not exist or be empty.
-    pub fn create(path: &Path) -> Result<RunFolder, JournalError> {
+    pub fn create(path: &Path) -> Result<RunFolder, RunError> {
         let entries = fs::create_dir_all(path).and_then(|()| fs::read_dir(path));
-        let mut entries = entries.map_err(|error| JournalError::unwritable(path, error))?;
+        let mut entries = entries.map_err(|error| RunError::unwritable(path, error))?;
         if entries.next().is_some() {
-            return Err(JournalError::NotEmpty(path.to_owned()));
+            return Err(RunError::Failed(format!(
+                "the run folder `{}` is not empty; name a new one, nothing is overwritten",
+                path.display()
+            )));
         }
         let file = path.join(RECORD_FILE);
         let journal = Appender::open(&file);
-        let journal = journal.map_err(|error| JournalError::unwritable(&file, error))?;
+        let journal = journal.map_err(|error| RunError::unwritable(&file, error))?;
         RunFolder::locked(path, journal)
     }
 
     /// Opens the folder of an interrupted rollout, to resume it.
     ///
     /// Nothing in it changes until a new line is appended.
-    pub fn reopen(path: &Path) -> Result<RunFolder, JournalError> {
+    pub fn reopen(path: &Path) -> Result<RunFolder, RunError> {
         let file = path.join(RECORD_FILE);
         // `Appender::open` would create a missing file.
         let journal = fs::metadata(&file).and_then(|_| Appender::open(&file));
-        let unreadable = |why: String| JournalError::Unreadable(file.clone(), why);
+        let unreadable = |why| unreadable(&file, why);
         let journal = journal.map_err(|error| unreadable(error.to_string()))?;
         let mut folder = RunFolder::locked(path, journal)?;
-        folder.earlier = ExistingLines::read(&file).map_err(unreadable)?;
-        folder.journal.keep(folder.earlier.bytes);
+        let (earlier, bytes) = earlier_lines(&file).map_err(unreadable)?;
+        folder.earlier = earlier;
+        folder.journal.keep(bytes);
         Ok(folder)
     }
 
     /// Makes sure that no other process writes the journal, and opens the file beside it.
-    fn locked(path: &Path, journal: Appender) -> Result<RunFolder, JournalError> {
+    fn locked(path: &Path, journal: Appender) -> Result<RunFolder, RunError> {
         if !journal.lock() {
-            return Err(JournalError::InUse(path.to_owned()));
+            return Err(RunError::Failed(format!(
+                "another fabc is writing into the run folder `{}`",
+                path.display()
+            )));
         }
         let file = path.join(SPENT_FILE);
         let spent = Appender::open_after_whole_lines(&file, MAX_BYTES);
         Ok(RunFolder {
             path: path.to_owned(),
             journal,
-            spent: spent.map_err(|why| JournalError::Unreadable(file, why))?,
-            earlier: ExistingLines::default(),
+            spent: spent.map_err(|why| unreadable(&file, why))?,
+            earlier: VecDeque::new(),
         })
     }
 
     /// Returns whether the next line already exists.
     pub fn repeats(&self) -> bool {
-        !self.earlier.lines.is_empty()
+        !self.earlier.is_empty()
     }
 
     /// Returns how many steps of an earlier part of the rollout are to be repeated.
     pub fn earlier_steps(&self) -> u32 {
-        self.earlier.lines.len().saturating_sub(1) as u32
+        self.earlier.len().saturating_sub(1) as u32
     }
 
     /// Makes the first free folder `NAME-0001`, `NAME-0002`, … in `parent`.
-    pub fn create_next(parent: &Path, name: &str) -> Result<RunFolder, JournalError> {
+    pub fn create_next(parent: &Path, name: &str) -> Result<RunFolder, RunError> {
         let folder = files::next_folder(parent, name)
-            .map_err(|error| JournalError::unwritable(parent, error))?;
+            .map_err(|error| RunError::unwritable(parent, error))?;
         RunFolder::create(&folder)
     }
 
@@ -134,14 +112,16 @@ impl RunFolder {
     ///
     /// If the line already exists it must be the same, and stays. The first new line replaces everything after the
     /// existing ones.
-    pub fn append(&mut self, line: &Line) -> Result<(), JournalError> {
+    pub fn append(&mut self, line: &Line) -> Result<(), RunError> {
         let text = jsonl::text(line).expect("journal lines have string keys");
-        if let Some(known) = self.earlier.lines.pop_front() {
+        if let Some(known) = self.earlier.pop_front() {
             return if known == text {
                 Ok(())
             } else {
-                let why = difference(&known, &text);
-                Err(JournalError::Differs(self.path.clone(), why))
+                let (path, why) = (self.path.display(), difference(&known, &text));
+                Err(RunError::Failed(format!(
+                    "the rollout in `{path}` cannot be resumed, because it does not repeat identically: {why}"
+                )))
             };
         }
         let written = self.journal.append_text(text);
@@ -149,13 +129,13 @@ impl RunFolder {
     }
 
     /// Adds a line to the rollout's durations and costs.
-    pub fn spend(&mut self, line: &Spent) -> Result<(), JournalError> {
+    pub fn spend(&mut self, line: &Spent) -> Result<(), RunError> {
         let written = self.spent.append(line);
         written.map_err(|error| self.unwritable(SPENT_FILE, error))
     }
 
     /// Writes a file of the run atomically, and returns its name for the journal.
-    pub fn keep(&self, name: &str, bytes: &[u8]) -> Result<String, JournalError> {
+    pub fn keep(&self, name: &str, bytes: &[u8]) -> Result<String, RunError> {
         write(&self.path.join(name), bytes)?;
         Ok(name.to_owned())
     }
@@ -168,55 +148,49 @@ impl RunFolder {
         action: u32,
         of: (&str, u32),
         question: &Question,
-    ) -> Result<SentFiles, JournalError> {
+    ) -> Result<SentFiles, RunError> {
         let stem = stem(action, of);
-        let is_prompt = matches!(question, Question::Prompt(_));
-        let sent = SentFiles {
-            request_key: Some(question.key()),
-            request: Some(format!("{stem}.request.json")),
-            prompt: is_prompt.then(|| format!("{stem}.prompt.txt")),
-        };
-        if self.repeats() {
-            return Ok(sent);
-        }
-        let text = match question {
-            Question::Line { text, .. } => text.clone().into_bytes(),
-            Question::Prompt(request) => {
-                for part in request.messages.iter().flat_map(|message| &message.parts) {
-                    let Part::Image(png) = part else { continue };
-                    let name = image_name(png.sha256());
-                    // Files are written whole, so one that is there is complete.
-                    if !self.path.join(&name).exists() {
-                        self.keep(&name, png.bytes())?;
+        let sent = format!("{stem}.request.json");
+        let prompt = format!("{stem}.prompt.txt");
+        if !self.repeats() {
+            let text = match question {
+                Question::Line { text, .. } => text.clone().into_bytes(),
+                Question::Prompt(request) => {
+                    for part in request.messages.iter().flat_map(|message| &message.parts) {
+                        let Part::Image(png) = part else { continue };
+                        let name = image_name(png.sha256());
+                        // Files are written whole, so one that is there is complete.
+                        if !self.path.join(&name).exists() {
+                            self.keep(&name, png.bytes())?;
+                        }
                     }
+                    self.keep(&prompt, transcript(request).as_bytes())?;
+                    serde_json::to_vec_pretty(request)
+                        .expect("a request holds strings and finite numbers")
                 }
-                if let Some(file) = &sent.prompt {
-                    self.keep(file, transcript(request).as_bytes())?;
-                }
-                serde_json::to_vec_pretty(request)
-                    .expect("a request holds strings and finite numbers")
-            }
-        };
-        if let Some(file) = &sent.request {
-            self.keep(file, &text)?;
+            };
+            self.keep(&sent, &text)?;
         }
-        Ok(sent)
+        Ok(SentFiles {
+            request_key: Some(question.key()),
+            request: Some(sent),
+            prompt: matches!(question, Question::Prompt(_)).then_some(prompt),
+        })
     }
 
     /// Writes the exact reply to a question of an action, and returns its name.
-    pub fn keep_reply(
-        &self,
-        action: u32,
-        of: (&str, u32),
-        text: &str,
-    ) -> Result<String, JournalError> {
+    pub fn keep_reply(&self, action: u32, of: (&str, u32), text: &str) -> Result<String, RunError> {
         let file = format!("{}.reply.txt", stem(action, of));
         self.keep(&file, text.as_bytes())
     }
 
-    fn unwritable(&self, name: &str, error: io::Error) -> JournalError {
-        JournalError::unwritable(&self.path.join(name), error)
+    fn unwritable(&self, name: &str, error: io::Error) -> RunError {
+        RunError::unwritable(&self.path.join(name), error)
     }
+}
+
+fn unreadable(path: &Path, why: String) -> RunError {
+    RunError::Failed(format!("cannot read `{}`: {why}", path.display()))
 }
 
 /// Returns what the names of a question's files begin with.
@@ -251,42 +225,31 @@ fn transcript(request: &Request) -> String {
     text
 }
 
-/// The whole lines of an earlier part of the same rollout up to the point of resuming: the header, and every step that was
-/// taken. The rest (a step that ended the rollout, its end, a torn line) is written again.
-#[derive(Debug, Default)]
-struct ExistingLines {
-    /// Those that have not been repeated yet, oldest first.
-    lines: VecDeque<String>,
-    /// Bytes up to the end of the last line.
-    bytes: u64,
-}
-
-impl ExistingLines {
-    /// Reads a journal.
-    ///
-    /// Fails for a line of JSON that this program does not write: it belongs to another version, and must not be
-    /// overwritten.
-    fn read(path: &Path) -> Result<ExistingLines, String> {
-        let mut reader = Reader::open(path, MAX_BYTES)?;
-        let mut earlier = ExistingLines::default();
-        while let Some(line) = reader.next_line()? {
-            let text = String::from_utf8_lossy(line).into_owned();
-            match serde_json::from_str(&text) {
-                Ok(Line::Header(_)) if earlier.lines.is_empty() => {}
-                Ok(Line::Step(step)) if !earlier.lines.is_empty() && step.stopped.is_none() => {}
-                Err(error) if error.is_data() => {
-                    let number = earlier.lines.len() + 1;
-                    return Err(format!(
-                        "line {number} is not as this version of fabc writes it: {error}"
-                    ));
-                }
-                _ => break,
+/// Reads the whole lines of an earlier part of the same rollout up to the point of resuming, and how many bytes they take:
+/// the header, and every step that was taken. The rest (a step that ended the rollout, its end, a torn line) is written
+/// again.
+///
+/// Fails for a line of JSON that this program does not write: it belongs to another version, and must not be overwritten.
+fn earlier_lines(path: &Path) -> Result<(VecDeque<String>, u64), String> {
+    let mut reader = Reader::open(path, MAX_BYTES)?;
+    let (mut lines, mut bytes) = (VecDeque::new(), 0);
+    while let Some(line) = reader.next_line()? {
+        let text = String::from_utf8_lossy(line).into_owned();
+        match serde_json::from_str(&text) {
+            Ok(Line::Header(_)) if lines.is_empty() => {}
+            Ok(Line::Step(step)) if !lines.is_empty() && step.stopped.is_none() => {}
+            Err(error) if error.is_data() => {
+                let number = lines.len() + 1;
+                return Err(format!(
+                    "line {number} is not as this version of fabc writes it: {error}"
+                ));
             }
-            earlier.lines.push_back(text);
-            earlier.bytes = reader.whole_bytes();
+            _ => break,
         }
-        Ok(earlier)
+        lines.push_back(text);
+        bytes = reader.whole_bytes();
     }
+    Ok((lines, bytes))
 }
 
 /// Names the field in which two lines differ.

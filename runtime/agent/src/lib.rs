@@ -98,6 +98,7 @@ pub mod arm_sight;
 pub mod best;
 pub mod demos;
 pub mod draft;
+pub mod error;
 pub mod examples;
 pub mod judgement;
 pub mod outcome;

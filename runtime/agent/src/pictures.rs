@@ -42,7 +42,7 @@ impl Pictures {
     ) -> Result<Pictures, SceneError> {
         Ok(Pictures {
             subgoals,
-            annotated: scene.annotated(program, &observation.rgb, last)?,
+            annotated: scene.annotated(program, &program.layers, &observation.rgb, last)?,
             scene: observation.rgb.clone(),
             examples,
         })

@@ -21,21 +21,22 @@ pub use expert::Expert;
 pub use external::{External, Sight};
 pub use onnx::Onnx;
 pub use prompted::{
-    MessagePart, Prompted, Rehearsed, StageMessage, conversation, opening, rehearse,
+    FirstQuestion, MessagePart, Prompted, Rehearsed, StageMessage, conversation, first_questions,
+    opening, rehearse,
 };
 pub use random::Random;
 pub use rehearsing::Rehearsing;
 
 pub use judge::Ground;
 
+pub(crate) use expert::Aim;
 pub(crate) use judge::is_accepted;
 
-use crate::journal::JournalError;
+use crate::error::RunError;
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
 use crate::record::{Asked, RehearsedStep, SentFiles};
 use crate::result::StepResult;
-use crate::rollout::RunError;
 use crate::scene::Scene;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::Fault;
@@ -77,34 +78,21 @@ pub trait Policy {
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Decision, RunError>;
 
-    /// Returns whether its answers are tried on twins where the task rehearses: [`Policy::again`] gives further ones.
+    /// Returns whether its answers are tried on twins where the task rehearses: it is asked for further ones, by
+    /// [`StepView::answer`] and [`Policy::revise`].
     fn rehearses(&self) -> bool {
         false
     }
 
-    /// Gives another answer to the step that was decided last; `None` if there is none.
-    fn again(
+    /// Revises an answer to the step that was decided last, given how the cloth would lie after it; `None` if it cannot.
+    fn revise(
         &mut self,
         _step: &StepView<'_>,
         _exchange: &mut Exchange<'_, '_>,
-        _again: Again<'_>,
+        _predicted: &RgbImage,
     ) -> Result<Option<Decision>, RunError> {
         Ok(None)
     }
-}
-
-/// Which further answer to a step is asked for.
-#[derive(Clone, Copy, Debug)]
-pub enum Again<'p> {
-    /// One that does not depend on the others.
-    Independent,
-    /// A revision of an earlier one.
-    Revised {
-        /// Which one: 0 is the first, and each independent one counts.
-        answer: usize,
-        /// How the cloth would lie after it.
-        predicted: &'p RgbImage,
-    },
 }
 
 /// Makes the policy of one rollout; all policies that it makes are equal.
@@ -161,6 +149,17 @@ pub struct RoleModels {
 }
 
 impl Description {
+    /// Describes a policy that asks no model, sees what the camera shows, and is part of fabc.
+    fn new(kind: Kind, name: String) -> Description {
+        Description {
+            kind,
+            name,
+            sees_particles: false,
+            models: None,
+            code: None,
+        }
+    }
+
     /// Returns whether a stand-in answers in place of a vision-language model.
     pub fn is_stand_in(&self) -> bool {
         let mut asked = self.models.iter().flat_map(|it| [&it.vision, &it.text]);
@@ -189,6 +188,9 @@ pub struct StepView<'a> {
     pub number: u32,
     /// The number of this step, from 1.
     pub step: u32,
+    /// Which of several independent answers to the step is asked for or revised, from 0; only a policy that rehearses is
+    /// asked for more than one.
+    pub answer: u32,
     /// The most steps.
     pub horizon: u32,
     /// The result of the previous action, if it was for the same step.
@@ -239,15 +241,10 @@ impl<'a> StepView<'a> {
         pictures: &'a Pictures,
     ) -> StepView<'a> {
         StepView {
-            ground: Ground {
-                program,
-                scene,
-                observation,
-                reach: &fab_world::everywhere,
-                refuses: &fab_world::nothing,
-            },
+            ground: Ground::of(program, scene, observation),
             number: step,
             step,
+            answer: 0,
             horizon: program.horizon,
             before: None,
             last,
@@ -291,7 +288,7 @@ pub struct Exchange<'e, 'j> {
     pub asking: &'e mut Asking<'j>,
     /// Receives each question before it is asked, and each attempt as soon as it is complete. Returns the files of a
     /// question, and nothing else.
-    pub record: &'e mut dyn FnMut(Exchanged<'_>) -> Result<SentFiles, JournalError>,
+    pub record: &'e mut dyn FnMut(Exchanged<'_>) -> Result<SentFiles, RunError>,
     /// A request to stop early.
     pub interrupt: &'e Interrupt,
 }

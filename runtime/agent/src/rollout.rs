@@ -12,14 +12,12 @@ mod tries;
 mod turn;
 mod writer;
 
-use crate::demos::DemosError;
 use crate::examples::Examples;
-use crate::journal::{JournalError, RunFolder};
+use crate::journal::RunFolder;
 use crate::judgement::Operator;
 use crate::outcome::Outcome;
 use crate::policy::{Asking, MakePolicy, Rehearsing};
 use crate::record::{Header, Report, RunCosts};
-use crate::scene::SceneError;
 use crate::subgoals::SubgoalSet;
 use crate::twins::Twins;
 use covered::Covered;
@@ -27,10 +25,8 @@ use event::At;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_base::wording::counted;
-use fab_model::calls::{Budget, CallRefused, Ledger};
-use fab_program::render::RenderError;
+use fab_model::calls::{Budget, Ledger};
 use fab_program::{ActionField, Choices, Manner, Metric, Program, manner_field};
-use fab_vision::VisionError;
 use fab_world::expert::MakeWorld;
 use fab_world::start::{RESTING_HEIGHT_M, Start};
 use fab_world::{Grip, World, WorldError, WorldPoint};
@@ -42,8 +38,10 @@ use writer::RolloutWriter;
 
 pub(crate) use tries::Tries;
 
+pub use crate::error::RunError;
+pub use crate::policy::FirstQuestion;
 pub use event::Event;
-pub use first::{FirstQuestion, first_questions};
+pub use first::first_questions;
 
 /// What to run.
 #[derive(Clone, Copy)]
@@ -116,35 +114,6 @@ impl Deref for Ended {
     }
 }
 
-/// Why a rollout could not be run or stored.
-#[derive(Debug, thiserror::Error)]
-pub enum RunError {
-    /// The run folder cannot be written.
-    #[error(transparent)]
-    Journal(#[from] JournalError),
-    /// The world cannot be set up.
-    #[error(transparent)]
-    World(#[from] WorldError),
-    /// The task cannot be done by this policy or in this world, or its results cannot be measured there.
-    #[error("{0}")]
-    Unfit(String),
-    /// A template and its values do not match, or a stage does not support the model's point convention.
-    #[error(transparent)]
-    Render(#[from] RenderError),
-    /// The demonstrations cannot be shown.
-    #[error(transparent)]
-    Demos(#[from] DemosError),
-    /// An answer could not be stored, or is lost: nothing further may be asked.
-    #[error(transparent)]
-    Calls(CallRefused),
-    /// The picture of the start gives nothing to ask about.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// A picture cannot be drawn on.
-    #[error(transparent)]
-    Vision(#[from] VisionError),
-}
-
 /// Runs a job to its end and writes everything into `folder`.
 ///
 /// Fails if the world cannot take the start, or the folder cannot be written; any other end is an [`Outcome`] in the
@@ -170,7 +139,7 @@ pub fn run(
     if let Some(why) = unfit(job.program, world.as_ref()) {
         return Err(RunError::Unfit(why));
     }
-    let ledger = Ledger::open(folder.path(), job.budget).map_err(JournalError::from)?;
+    let ledger = Ledger::open(folder.path(), job.budget).map_err(RunError::failed)?;
     let asking = Asking::of(ledger);
     let mut keeper =
         RolloutWriter::open(job, folder, asking, who.clone(), world.as_ref(), progress)?;

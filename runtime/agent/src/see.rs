@@ -3,12 +3,13 @@
 //! In: a program and pictures. Out: the [`Scene`] of a rollout's first step there, and a picture of each stage.
 //! Extractors and layers are the same as in a rollout.
 
-use crate::scene::{Scene, SceneError};
+use crate::error::RunError;
+use crate::scene::Scene;
 use fab_picture::DepthImage;
 use fab_picture::observation::Observation;
 use fab_program::Proposal;
 use fab_program::facts::ExecutedAction;
-use fab_program::{Extractor, Layer, PixelPoint, Program, Sight};
+use fab_program::{Layer, PixelPoint, Program};
 use image::RgbImage;
 
 /// The user's input.
@@ -37,24 +38,15 @@ pub struct SeeOutput {
     pub notes: Vec<String>,
 }
 
-/// Why there is no result.
-#[derive(Debug, thiserror::Error)]
-pub enum SeeError {
-    /// A keypoint needs depth; says what would work without.
-    #[error("`{0}` needs depth, but the picture has none; use {1} instead")]
-    NeedsDepth(String, &'static str),
-    /// The depth is not that of the picture.
-    #[error("{0}")]
-    NotAligned(String),
-    /// A keypoint was not found, or a layer not drawn.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-}
-
 /// Finds every keypoint in a picture, and draws every layer.
-pub fn see(program: &Program, brought: SeeInput) -> Result<SeeOutput, SeeError> {
-    if brought.depth_m.is_none() {
-        check_depth(program)?;
+pub fn see(program: &Program, brought: SeeInput) -> Result<SeeOutput, RunError> {
+    let mut keypoints = program.keypoints.iter();
+    let by_depth = keypoints.find(|it| it.extractor.needs_depth());
+    if let (None, Some(keypoint)) = (&brought.depth_m, by_depth) {
+        return Err(RunError::Unfit(format!(
+            "`{}` needs depth, but the picture has none; use `mask(hue: …, saturation: …, value: …)`, and detectors with `of: mask` or `of: picture`",
+            keypoint.name
+        )));
     }
     let is_known = brought.last_place.is_some();
     let is_left_out = |layer: &Layer| layer.uses_last_pick() || (layer.uses_last() && !is_known);
@@ -68,28 +60,14 @@ pub fn see(program: &Program, brought: SeeInput) -> Result<SeeOutput, SeeError> 
         place,
     });
     let observation = Observation::of_picture(&program.camera, brought.rgb, brought.depth_m);
-    let mut observation = observation.map_err(SeeError::NotAligned)?;
+    let mut observation = observation.map_err(RunError::Unfit)?;
     let scene = Scene::of(&program, &observation, None)?;
     observation.notes.extend(scene.beyond_the_picture());
     Ok(SeeOutput {
         stages: scene.stages(&program, &observation.rgb, last.as_ref())?,
-        annotated: scene.annotated(&program, &observation.rgb, last.as_ref())?,
+        annotated: scene.annotated(&program, &program.layers, &observation.rgb, last.as_ref())?,
         left_out,
         notes: observation.notes,
         scene,
     })
-}
-
-fn check_depth(program: &Program) -> Result<(), SeeError> {
-    let by_depth = |keypoint: &&fab_program::Keypoint| keypoint.extractor.needs_depth();
-    let Some(keypoint) = program.keypoints.iter().find(by_depth) else {
-        return Ok(());
-    };
-    let alternative = match &keypoint.extractor {
-        Extractor::Corners {
-            of: Sight::Depth, ..
-        } => "a detector that looks at `of: mask` or `of: picture`",
-        _ => "`mask(hue: …, saturation: …, value: …)`",
-    };
-    Err(SeeError::NeedsDepth(keypoint.name.clone(), alternative))
 }

@@ -57,35 +57,39 @@ impl Sheet {
         let width = 3 * cell + 4 * MARGIN_PX;
         let height = HEADLINE_PX + rows * (CAPTION_PX + cell + MARGIN_PX);
         let mut sheet = RgbImage::from_pixel(width, height, PAPER);
-        let mut label = |text: &str, [left, base]: [u32; 2], height_px: u32| {
-            let at = PixelPoint::new(left as i32, base as i32);
-            fab_vision::draw_label(&mut sheet, text, at, INK, height_px)
-        };
         let title = format!("{}   policy: {}", header.task, header.policy.title());
-        label(&title, [MARGIN_PX, 22], 10)?;
+        label(&mut sheet, &title, [MARGIN_PX, 22], 10)?;
         let distance = match (report.mean_particle_distance_mm, report.measures.coverage) {
             (Some(mm), _) => format!("   {mm:.1} mm from the nearest expert result"),
             (None, Some(coverage)) => format!("   coverage {coverage:.3}"),
             (None, None) => String::new(),
         };
         let result = format!("{}{distance}", report.outcome.name());
-        label(&result, [MARGIN_PX, 44], 10)?;
-        let places = |number: usize| {
-            let top = HEADLINE_PX + number as u32 * (CAPTION_PX + cell + MARGIN_PX) + CAPTION_PX;
-            [0, 1, 2].map(|column| [MARGIN_PX + column * (cell + MARGIN_PX), top])
-        };
-        for (number, (step, _)) in self.rows.iter().enumerate() {
-            for (caption, [left, top]) in CAPTIONS.iter().zip(places(number)) {
-                label(&format!("{step}. {caption}"), [left, top - 7], 8)?;
-            }
-        }
-        for (number, (_, row)) in self.rows.iter().enumerate() {
-            for (picture, [left, top]) in row.iter().zip(places(number)) {
+        label(&mut sheet, &result, [MARGIN_PX, 44], 10)?;
+        let mut top = HEADLINE_PX + CAPTION_PX;
+        for (step, row) in &self.rows {
+            let mut left = MARGIN_PX;
+            for (caption, picture) in CAPTIONS.iter().zip(row) {
+                let caption = format!("{step}. {caption}");
+                label(&mut sheet, &caption, [left, top - 7], 8)?;
                 imageops::replace(&mut sheet, &fit(picture, cell), left.into(), top.into());
+                left += cell + MARGIN_PX;
             }
+            top += CAPTION_PX + cell + MARGIN_PX;
         }
         Ok(Some(sheet))
     }
+}
+
+/// Writes a line of text that begins here.
+fn label(
+    sheet: &mut RgbImage,
+    text: &str,
+    [left, base]: [u32; 2],
+    height_px: u32,
+) -> Result<(), VisionError> {
+    let at = PixelPoint::new(left as i32, base as i32);
+    fab_vision::draw_label(sheet, text, at, INK, height_px)
 }
 
 /// Scales a picture to a square of the given side.

@@ -5,11 +5,10 @@
 
 mod pins;
 
-use crate::journal::JournalError;
-use crate::task_files::{self, FileError};
+use crate::error::RunError;
+use crate::task_files;
 use fab_base::interrupt::Interrupt;
 use fab_picture::png;
-use fab_picture::png::PictureError;
 use fab_program::{Arrow, Effect, Fold, Program, StepTrial, SubgoalStep, Subgoals, Trial};
 use fab_vision::VisionError;
 use fab_world::metrics::{ClothMoved, cloth_moved};
@@ -73,34 +72,9 @@ pub enum Origin {
     DrawnAnew,
 }
 
-/// The pictures around one step.
+/// The pictures around one step, current and next: without arrows, and with that of the step.
 #[derive(Clone, Debug)]
-pub struct StepPictures {
-    /// Current and next, without arrows.
-    bare: [RgbImage; 2],
-    /// Current and next, with the arrow of the step.
-    with_arrow: [RgbImage; 2],
-}
-
-/// Why there are no pictures.
-#[derive(Debug, thiserror::Error)]
-pub enum SubgoalError {
-    /// A file is not where a task's files must be.
-    #[error(transparent)]
-    File(#[from] FileError),
-    /// A picture cannot be used.
-    #[error("a subgoal picture cannot be used: {0}")]
-    Picture(#[from] PictureError),
-    /// A file cannot be written.
-    #[error(transparent)]
-    Unwritable(#[from] JournalError),
-    /// An arrow cannot be drawn.
-    #[error(transparent)]
-    Vision(#[from] VisionError),
-    /// The demonstration cannot be executed.
-    #[error("the demonstration cannot be executed: {0}")]
-    World(#[from] WorldError),
-}
+pub struct StepPictures([[RgbImage; 2]; 2]);
 
 impl SubgoalSet {
     /// Returns the program's pictures; `folder` contains its file.
@@ -111,7 +85,7 @@ impl SubgoalSet {
         folder: &Path,
         world: &mut dyn World,
         interrupt: &Interrupt,
-    ) -> Result<SubgoalSet, SubgoalError> {
+    ) -> Result<SubgoalSet, RunError> {
         let Some(Subgoals::Demonstrate { folds }) = &program.subgoals else {
             return load_images(program, folder);
         };
@@ -132,7 +106,7 @@ impl SubgoalSet {
         folder: &Path,
         world: &mut dyn World,
         interrupt: &Interrupt,
-    ) -> Result<SubgoalSet, SubgoalError> {
+    ) -> Result<SubgoalSet, RunError> {
         let Some(Subgoals::Demonstrate { folds }) = &program.subgoals else {
             return load_images(program, folder);
         };
@@ -158,26 +132,19 @@ impl SubgoalSet {
                 fab_vision::draw_arrow(picture, tail, tip)?;
             }
         }
-        Ok(Some(StepPictures { bare, with_arrow }))
+        Ok(Some(StepPictures([bare, with_arrow])))
     }
 }
 
 impl StepPictures {
     /// Returns one of the two pictures.
     pub fn picture(&self, which: SubgoalStep, arrow: Arrow) -> &RgbImage {
-        let [now, next] = match arrow {
-            Arrow::Drawn => &self.with_arrow,
-            Arrow::Absent => &self.bare,
-        };
-        match which {
-            SubgoalStep::Now => now,
-            SubgoalStep::Next => next,
-        }
+        &self.0[usize::from(arrow == Arrow::Drawn)][usize::from(which == SubgoalStep::Next)]
     }
 }
 
 /// Loads the author's pictures; none if the task names none.
-fn load_images(program: &Program, folder: &Path) -> Result<SubgoalSet, SubgoalError> {
+fn load_images(program: &Program, folder: &Path) -> Result<SubgoalSet, RunError> {
     let Some(Subgoals::Images { images }) = &program.subgoals else {
         return Ok(SubgoalSet::default());
     };
@@ -187,7 +154,9 @@ fn load_images(program: &Program, folder: &Path) -> Result<SubgoalSet, SubgoalEr
     };
     for image in images {
         let path = task_files::resolve(folder, &image.file)?;
-        set.pictures.push(png::load(&path)?);
+        let picture = png::load(&path)
+            .map_err(|why| RunError::Failed(format!("a subgoal picture cannot be used: {why}")))?;
+        set.pictures.push(picture);
         let pixel = |point: fab_program::PixelPoint| [f64::from(point.u), f64::from(point.v)];
         set.arrows
             .push(image.arrow.map(|[tail, tip]| [pixel(tail), pixel(tip)]));
@@ -250,7 +219,7 @@ fn demonstrate(
     folds: &[Fold],
     world: &mut dyn World,
     interrupt: &Interrupt,
-) -> Result<(SubgoalSet, Vec<DoneStep>), SubgoalError> {
+) -> Result<(SubgoalSet, Vec<DoneStep>), RunError> {
     let start = Start::flat(&program.cloth);
     let mut steps = Vec::new();
     world.reset(&start)?;

@@ -3,40 +3,25 @@
 //! In: the folder of the task's file and a [`FileRef`]. Out: a path, or why there is none. Links that lead out of the
 //! folder are refused: a stranger's task must not show a model files from elsewhere.
 
-use fab_picture::png::PictureError;
+use crate::error::RunError;
 use fab_program::FileRef;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Why a file of a task cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum FileError {
-    /// The file cannot be read; says why.
-    #[error("cannot read `{0}`: {1}")]
-    Unreadable(PathBuf, String),
-    /// The file lies outside the folder; says where.
-    #[error("`{0}` leads out of the task's folder, to `{1}`")]
-    Outside(PathBuf, PathBuf),
-    /// It is not a picture.
-    #[error("the picture of an example cannot be used: {0}")]
-    Picture(#[from] PictureError),
-}
-
 /// Returns the path of a file; `folder` contains the task's file.
-pub fn resolve(folder: &Path, file: &FileRef) -> Result<PathBuf, FileError> {
-    let folder = if folder.as_os_str().is_empty() {
-        Path::new(".")
-    } else {
-        folder
-    };
+pub fn resolve(folder: &Path, file: &FileRef) -> Result<PathBuf, RunError> {
     let path = folder.join(&file.path);
     let real = |path: &Path| {
         fs::canonicalize(path)
-            .map_err(|error| FileError::Unreadable(path.to_owned(), error.to_string()))
+            .map_err(|error| RunError::Failed(format!("cannot read `{}`: {error}", path.display())))
     };
-    let (root, target) = (real(folder)?, real(&path)?);
+    let (root, target) = (real(&Path::new(".").join(folder))?, real(&path)?);
     if !target.starts_with(&root) {
-        return Err(FileError::Outside(path, target));
+        return Err(RunError::Failed(format!(
+            "`{}` leads out of the task's folder, to `{}`",
+            path.display(),
+            target.display()
+        )));
     }
     Ok(path)
 }

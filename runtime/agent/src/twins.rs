@@ -13,7 +13,6 @@ use fab_picture::Mask;
 use fab_picture::camera::center_of;
 use fab_picture::observation::Observation;
 use fab_program::{Distrusted, PixelPoint, Program, Rehearsal, RehearsalMeasure};
-use fab_vision::Rectangle;
 use fab_world::twin::{Drawn, Kind, Sighting, Twin, TwinView};
 use fab_world::{Motion, WorldError};
 use image::RgbImage;
@@ -192,7 +191,9 @@ impl<'p> Twins<'p> {
         }
         let rectangle = fab_vision::rectangle_around(cloth).map_err(because(UNREADABLE))?;
         let rectangle = rectangle.ok_or(NO_CLOTH)?;
-        let seen = Sighting::of(observation, corners_px(&rectangle))
+        let corners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
+        let corners_px = corners.map(|share| rectangle.point(share));
+        let seen = Sighting::of(observation, corners_px)
             .ok_or("the camera does not tell where on the table the cloth lies")?;
         let kind = Kind {
             camera: &self.program.camera,
@@ -337,19 +338,6 @@ fn raised_m(observation: &Observation, cloth: &Mask) -> Option<f64> {
     heights_m.sort_by(f64::total_cmp);
     let highest = (heights_m.len() as f64 * HIGHEST) as usize;
     heights_m.into_iter().rev().nth(highest)
-}
-
-/// Returns the corners of a rectangle in order around it.
-fn corners_px(rectangle: &Rectangle) -> [[f64; 2]; 4] {
-    let Rectangle {
-        center,
-        along,
-        sides,
-    } = rectangle;
-    let across = [-along[1], along[0]];
-    [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(|[s, t]| {
-        [0, 1].map(|axis| center[axis] + s * sides[0] * along[axis] + t * sides[1] * across[axis])
-    })
 }
 
 #[cfg(test)]

@@ -361,7 +361,7 @@ fn run(
     } else {
         RunFolder::create(folder)
     };
-    let open = open.map_err(|error| failed(error.into()))?;
+    let open = open.map_err(failed)?;
     let rollout::Ended { report, took, .. } = match rollout::run(job, open, listen) {
         // Nobody lays a cloth for a program that was asked to stop.
         Err(RunError::World(WorldError::Start { .. } | WorldError::Interrupted))

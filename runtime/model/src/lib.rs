@@ -13,6 +13,7 @@ use crate::calls::{CallRefused, Calls, Fault, Usage, Usd};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
+pub use fab_program::render::PromptSpeaker as Speaker;
 pub use fab_program::{ModelRole, Reasoning};
 pub use lowering::Lowering;
 
@@ -210,18 +211,6 @@ impl Message {
             parts: vec![Part::Text(text.into())],
         }
     }
-}
-
-/// Who speaks in a conversation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Speaker {
-    /// The system prompt.
-    System,
-    /// fabc.
-    User,
-    /// The model.
-    Assistant,
 }
 
 /// A piece of a turn.

@@ -17,6 +17,15 @@ pub struct Rectangle {
     pub sides: [f64; 2],
 }
 
+impl Rectangle {
+    /// Returns the point at these shares of the longer and the shorter side from the middle.
+    pub fn point(&self, [s, t]: [f64; 2]) -> [f64; 2] {
+        let (along, [longer, shorter]) = (self.along, self.sides);
+        let across = [-along[1], along[0]];
+        [0, 1].map(|axis| self.center[axis] + s * longer * along[axis] + t * shorter * across[axis])
+    }
+}
+
 /// Returns the rectangle of least area around a mask's largest piece; `None` if the mask is empty.
 ///
 /// Fails if the mask is larger than a picture may be.

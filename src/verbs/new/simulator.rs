@@ -49,7 +49,6 @@ pub fn demonstrated(program: &Program, io: &Io) -> Result<Option<(SubgoalSet, St
     let interrupt = io.interrupt()?;
     let mut world = setting::world(program)?;
     let beside = Path::new("");
-    let drawn = SubgoalSet::draw(program, beside, world.as_mut(), &interrupt);
-    let drawn = drawn.map_err(setting::no_subgoals)?;
+    let drawn = SubgoalSet::draw(program, beside, world.as_mut(), &interrupt)?;
     Ok(Some((drawn, world.parameters())))
 }

@@ -214,8 +214,7 @@ pub fn displayed(message: &StageMessage, step: u32) -> DisplayMessage {
         let (title, png) = match part {
             MessagePart::Text(said) => return DisplayPart::Text { said: said.clone() },
             MessagePart::Picture(picture, png) => (title(picture, step), png.as_ref()),
-            MessagePart::RefusedAction(png) => ("the refused action".to_owned(), Some(png)),
-            MessagePart::Prediction(png) => ("what would come of the answer".to_owned(), Some(png)),
+            MessagePart::Added(what, png) => ((*what).to_owned(), Some(png)),
         };
         let png = png.map(|png| png.bytes().to_vec());
         DisplayPart::Image { title, png }

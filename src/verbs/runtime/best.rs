@@ -13,12 +13,11 @@ use crate::verbs::runtime::setting::worlds::{self, WorldChoice};
 use crate::verbs::runtime::setting::{self, StartArguments};
 use crate::verbs::runtime::sim::{ThreadArguments, threads};
 use clap::{Args, ValueHint};
-use fab_agent::best::{self, Aim, BestError, Limits, Search};
+use fab_agent::best::{self, Aim, Limits, Search};
 use fab_agent::examples::Examples;
 use fab_agent::policy::Expert;
 use fab_agent::rollout::Job;
 use fab_model::calls::Budget;
-use fab_world::WorldError;
 use report::BestReport;
 use rows::Row;
 use std::path::PathBuf;
@@ -113,7 +112,7 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
         seed: arguments.seed,
         threads: threads(&arguments.threads),
     };
-    let aim = Aim::of(&job).map_err(failure)?;
+    let aim = Aim::of(&job).map_err(setting::unfit_usage)?;
     let (policies, hint) = rows::play(&job, &limits, &aim, &out, io)?;
     let search = Search {
         job: &job,
@@ -121,7 +120,7 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
         hint: &hint,
         progress: &|trials| io.progress(&format!("{trials} of {} trials", arguments.trials)),
     };
-    let found = best::search(&search, &aim).map_err(failure)?;
+    let found = best::search(&search, &aim)?;
     io.progress("");
     let mut best = Row {
         name: "best",
@@ -142,12 +141,4 @@ pub fn run(arguments: &BestArguments, io: &Io) -> Result<Exit, Failure> {
     } else {
         Exit::Done
     })
-}
-
-fn failure(error: BestError) -> Failure {
-    match error {
-        BestError::Aimless(_) => Failure::usage(error.to_string()),
-        BestError::World(WorldError::Interrupted) => Failure::interrupted(),
-        error => Failure::environment(error),
-    }
 }

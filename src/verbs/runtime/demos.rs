@@ -6,7 +6,7 @@ use crate::shipped;
 use crate::sources::{self, TaskArguments};
 use crate::verbs::runtime::setting;
 use clap::{Args, ValueHint};
-use fab_agent::demos::{self, DemoRequest, MakeError};
+use fab_agent::demos::{self, DemoRequest};
 use serde::Serialize;
 use serde_json::json;
 use std::fs;
@@ -46,12 +46,8 @@ pub fn run(arguments: &DemosArguments, io: &Io) -> Result<Exit, Failure> {
         interrupt: &interrupt,
     };
     let mut announce = |what: &str| io.talk(what);
-    let (header, made) = match demos::make(&making, &mut announce) {
-        Ok(made) => made,
-        Err(MakeError::World(error)) => return Err(error.into()),
-        Err(MakeError::Task(why)) => return Err(Failure::usage(why)),
-        Err(error) => return Err(Failure::environment(error)),
-    };
+    let made = demos::make(&making, &mut announce);
+    let (header, made) = made.map_err(setting::unfit_usage)?;
     let path = match (&arguments.out, &program.demos) {
         (Some(path), _) => path.clone(),
         (None, Some(named)) => sources::folder_of(&arguments.task.file).join(&named.file.path),

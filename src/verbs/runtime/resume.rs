@@ -13,8 +13,8 @@ use crate::verbs::runtime::setting::worlds::WorldChoice;
 use crate::{shipped, sources};
 use clap::{Args, ValueHint};
 use fab_agent::outcome::Outcome;
-use fab_agent::record::Record;
-use fab_agent::rollout::Ended;
+use fab_agent::record::{Header, Record, Report, RunCosts};
+use serde::Serialize;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -83,6 +83,17 @@ fn begun(folder: &Path, named: &Path) -> Result<Begun, Failure> {
     begun.map_err(|error| wrong(format!("its {RUN_FILE} is damaged ({error})")))
 }
 
+/// A rollout that had ended, as [`fab_agent::rollout::Ended`] prints it; its costs may be lost.
+#[derive(Serialize)]
+struct EndedBefore {
+    #[serde(flatten)]
+    header: Header,
+    #[serde(flatten)]
+    report: Report,
+    #[serde(flatten)]
+    took: Option<RunCosts>,
+}
+
 /// Reports a rollout that ended for good; one ended by the user, a cap or an unavailable model did not. The exit code is
 /// the run's.
 fn ended(folder: &Path, arguments: &ResumeArguments, io: &Io) -> Option<Exit> {
@@ -103,16 +114,11 @@ fn ended(folder: &Path, arguments: &ResumeArguments, io: &Io) -> Option<Exit> {
     let judged = report.operator.as_ref().map(|judgement| judgement.reached);
     let exit = run::exit_of(report.outcome, report.goal_reached, judged);
     if arguments.json {
-        let header = Box::new(record.header);
-        let document = match record.took {
-            Some(took) => serde_json::to_value(Ended {
-                header,
-                report,
-                took,
-            }),
-            None => serde_json::to_value(report),
-        };
-        io.json(&document.expect("a report has string keys and finite numbers"));
+        io.json(&EndedBefore {
+            header: record.header,
+            report,
+            took: record.took,
+        });
     }
     Some(exit)
 }

@@ -4,7 +4,8 @@ use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use crate::sources::{self, TaskArguments};
 use clap::{Args, ValueHint};
-use fab_agent::see::{SeeError, SeeInput, SeeOutput, see};
+use fab_agent::rollout::RunError;
+use fab_agent::see::{SeeInput, SeeOutput, see};
 use fab_base::files;
 use fab_picture::png;
 use fab_program::PixelPoint;
@@ -63,7 +64,10 @@ pub fn run(arguments: &SeeArguments, io: &Io) -> Result<Exit, Failure> {
         depth_m: depth_m.transpose()?,
         last_place: arguments.last_place,
     };
-    let seen = see(&program, brought).map_err(failure)?;
+    let seen = see(&program, brought).map_err(|error| match error {
+        RunError::Unfit(why) => Failure::usage(format!("{why}; `--depth PNG` brings it")),
+        error => Failure::environment(error),
+    })?;
     for note in &seen.notes {
         io.talk(&format!("note: {note}"));
     }
@@ -101,14 +105,6 @@ pub fn pixel(text: &str) -> Result<PixelPoint, String> {
             ))
         })
         .ok_or_else(|| "write column and row of a pixel, such as `120,64`".to_owned())
-}
-
-/// Names a missing option; every other error is due to the picture.
-fn failure(error: SeeError) -> Failure {
-    match error {
-        SeeError::NeedsDepth(..) => Failure::usage(format!("{error}; `--depth PNG` brings it")),
-        SeeError::NotAligned(_) | SeeError::Scene(_) => Failure::environment(error),
-    }
 }
 
 /// Writes a picture of each stage, numbered, and `annotated.png`; returns their paths.

@@ -13,7 +13,8 @@ use crate::exit::Failure;
 use crate::io::Io;
 use crate::sources::{self, TaskArguments};
 use clap::{Args, ValueHint};
-use fab_agent::subgoals::{SubgoalError, SubgoalSet};
+use fab_agent::rollout::RunError;
+use fab_agent::subgoals::SubgoalSet;
 use fab_agent::task_files;
 use fab_base::cache::Cache;
 use fab_base::files;
@@ -61,13 +62,13 @@ pub fn subgoals(
     world: &mut dyn World,
     interrupt: &Interrupt,
 ) -> Result<SubgoalSet, Failure> {
-    SubgoalSet::obtain(program, folder, world, interrupt).map_err(no_subgoals)
+    Ok(SubgoalSet::obtain(program, folder, world, interrupt)?)
 }
 
-/// Returns why there are no pictures of subgoals; the user may have stopped it.
-pub fn no_subgoals(error: SubgoalError) -> Failure {
+/// Blames the command line if what it asks for cannot be done.
+pub fn unfit_usage(error: RunError) -> Failure {
     match error {
-        SubgoalError::World(error) => error.into(),
+        RunError::Unfit(why) => Failure::usage(why),
         error => error.into(),
     }
 }

@@ -35,8 +35,7 @@ pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
     let folder = sources::folder_of(&arguments.task.file);
     let interrupt = io.interrupt()?;
     let mut world = setting::world(&program)?;
-    let drawn = SubgoalSet::draw(&program, &folder, world.as_mut(), &interrupt);
-    let set = drawn.map_err(setting::no_subgoals)?;
+    let set = SubgoalSet::draw(&program, &folder, world.as_mut(), &interrupt)?;
     let mut files = if shipped::is_shipped(&arguments.task.file, io) {
         Vec::new()
     } else {

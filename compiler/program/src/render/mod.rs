@@ -25,6 +25,7 @@ use crate::scene::Missing;
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Value;
 use minijinja::{AutoEscape, Environment, UndefinedBehavior};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// The most steps that minijinja may take for one template.
@@ -77,7 +78,8 @@ impl Values<'_> {
 }
 
 /// Who speaks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum PromptSpeaker {
     /// The instructions for the whole conversation.
     System,

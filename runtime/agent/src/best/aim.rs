@@ -3,7 +3,7 @@
 //! In: particle positions. Out: losses, of which lower is better. On the way, a fold is compared with the states
 //! of the experts after as many folds; the least distance counts.
 
-use super::BestError;
+use crate::error::RunError;
 use crate::rollout::Job;
 use fab_program::{Comparison, Goal, Metric, Sequence};
 use fab_world::expert::{self, Sequences};
@@ -33,22 +33,23 @@ impl<'a> Aim<'a> {
     ///
     /// Fails if the task says nowhere what is better, actions cannot be tried in the world, the start gives nothing to
     /// measure, or a fold cannot be executed; on an interrupt, with [`WorldError::Interrupted`].
-    pub fn of(job: &Job<'a>) -> Result<Aim<'a>, BestError> {
+    pub fn of(job: &Job<'a>) -> Result<Aim<'a>, RunError> {
         let mut world = (job.make_world)()?;
         world.reset(job.start)?;
-        let unsearchable = |why| BestError::Unsearchable(world.name().to_owned(), why);
-        if !world.repeats() {
-            return Err(unsearchable("cannot lay a start again exactly"));
-        }
-        if world.particles().is_none() {
-            let why = "does not know where the cloth's particles are";
-            return Err(unsearchable(why));
+        if !world.repeats() || world.particles().is_none() {
+            return Err(RunError::Failed(format!(
+                "the world `{}` cannot lay a start again exactly, or does not know where the cloth's particles are, so actions cannot be tried in it: search in `sim`, or in a program that does both",
+                world.name()
+            )));
         }
         let goal = job.program.goal.as_ref();
         let metric = goal.map_or(Metric::ParticleDistance, |goal| goal.metric);
         let experts = match metric {
             Metric::ParticleDistance if job.program.experts.is_empty() => {
-                return Err(BestError::Aimless(job.program.title()));
+                return Err(RunError::Unfit(format!(
+                    "`{}` declares no `goal`, no `experts` and no demonstration, so no result is better than another: declare one of them",
+                    job.program.title()
+                )));
             }
             Metric::ParticleDistance => experts(job)?,
             Metric::Coverage | Metric::NormalizedImprovement => Vec::new(),
@@ -76,7 +77,7 @@ impl<'a> Aim<'a> {
     /// - `positions`: one for each particle, world frame, metres.
     ///
     /// Fails if it cannot be measured from this start.
-    pub fn value(&self, positions: &[[f32; 3]]) -> Result<f64, BestError> {
+    pub fn value(&self, positions: &[[f32; 3]]) -> Result<f64, RunError> {
         let start = self.start;
         let value = match self.metric {
             Metric::Coverage => coverage(positions, &start.grid),
@@ -85,12 +86,17 @@ impl<'a> Aim<'a> {
                 .and_then(|(now, before)| normalized_improvement(now, before)),
             Metric::ParticleDistance => self.distance_m(positions, u32::MAX),
         };
-        value.ok_or_else(|| BestError::Unmeasured(start.name.clone()))
+        value.ok_or_else(|| {
+            RunError::Failed(format!(
+                "the start `{}` cannot be measured: it covers as much as the flat cloth, or its particles are not those of the experts",
+                start.name
+            ))
+        })
     }
 
     /// Returns how far a state is from the nearest state of an expert after `folds` folds, metres; its loss where no
     /// expert leads.
-    pub(super) fn behind(&self, positions: &[[f32; 3]], folds: u32) -> Result<f64, BestError> {
+    pub(super) fn behind(&self, positions: &[[f32; 3]], folds: u32) -> Result<f64, RunError> {
         match self.distance_m(positions, folds) {
             Some(least) => Ok(least),
             None => Ok(self.loss(self.value(positions)?)),

@@ -21,12 +21,10 @@ mod tree;
 pub use aim::Aim;
 
 use crate::action::Action;
+use crate::error::RunError;
 use crate::record;
 use crate::rollout::Job;
-use crate::scene::SceneError;
-use fab_program::render::RenderError;
 use fab_program::{Metric, Program, Proposal, space};
-use fab_world::WorldError;
 use serde::Serialize;
 use std::time::Instant;
 use tree::Tree;
@@ -158,42 +156,10 @@ pub struct Found {
     pub stop: Option<Stop>,
 }
 
-/// Why there is no result.
-#[derive(Debug, thiserror::Error)]
-pub enum BestError {
-    /// The task does not say what is better.
-    #[error(
-        "`{0}` declares no `goal`, no `experts` and no demonstration, so no result is better than another: declare one of them"
-    )]
-    Aimless(String),
-    /// The start gives nothing to measure.
-    #[error(
-        "the start `{0}` cannot be measured: it covers as much as the flat cloth, or its particles are not those of the experts"
-    )]
-    Unmeasured(String),
-    /// The world cannot take an action back, or does not show what became of the cloth.
-    #[error(
-        "the world `{0}` {1}, so actions cannot be tried in it: search in `sim`, or in a program that repeats and knows its particles"
-    )]
-    Unsearchable(String, &'static str),
-    /// The world failed.
-    #[error(transparent)]
-    World(#[from] WorldError),
-    /// The scene of a state cannot be found.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// A check cannot be evaluated; happens only in a hand-edited program.
-    #[error(transparent)]
-    Render(#[from] RenderError),
-    /// A thread cannot be started.
-    #[error(transparent)]
-    Threads(#[from] std::io::Error),
-}
-
 /// Searches the best actions. An interrupt ends it with what was found so far.
 ///
 /// Fails if the start gives nothing to choose from, or the world or the vision fails.
-pub fn search(search: &Search<'_>, aim: &Aim<'_>) -> Result<Found, BestError> {
+pub fn search(search: &Search<'_>, aim: &Aim<'_>) -> Result<Found, RunError> {
     let mut tree = Tree::at_start(search, aim)?;
     tree.follow(search.hint)?;
     tree.widen()?;

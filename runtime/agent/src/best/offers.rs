@@ -3,9 +3,10 @@
 //! In: the scene of a state. Out: [`Offers`]. Each action is judged as a rollout judges it. Actions that move the cloth
 //! alike are offered once.
 
+use super::Choice;
 use super::aim::{ExpertGrip, off_m};
-use super::{BestError, Choice};
-use crate::action::{Action, combinations};
+use crate::action::{Action, MOST_COMBINATIONS, combinations};
+use crate::error::RunError;
 use crate::policy::Ground;
 use fab_base::chance::Chance;
 use fab_base::interrupt::Interrupt;
@@ -14,9 +15,6 @@ use fab_program::verify::{Strictness, Verdict};
 use fab_program::{Choices, Proposal, space};
 use fab_world::WorldError;
 use std::collections::BTreeSet;
-
-/// The most combinations of a step's choices that are listed.
-const MOST_COMBINATIONS: usize = 20_000;
 
 /// How many of more combinations are drawn.
 const DRAWN: usize = 2_000;
@@ -42,7 +40,7 @@ impl Offers {
         experts: &[ExpertGrip],
         mut chance: Chance,
         interrupt: &Interrupt,
-    ) -> Result<Offers, BestError> {
+    ) -> Result<Offers, RunError> {
         let relaxed = &at.program.verify.relaxed;
         let (proposals, are_drawn) = proposals(at, &mut chance);
         let mut seen = BTreeSet::new();
@@ -93,12 +91,9 @@ impl Offers {
 /// Combines the choices of all fields; of too many combinations, or of the pixels of a mask, some are drawn. Returns whether
 /// they were.
 fn proposals(at: Ground<'_>, chance: &mut Chance) -> (Vec<Proposal>, bool) {
-    let fields = at.program.actions.iter();
-    let is_mask = |choices: &Choices| matches!(choices, Choices::Region { .. });
-    if !fields.clone().any(|field| is_mask(&field.choices)) {
-        let listed = fields.map(|field| (field.name.clone(), space::choices(field, at.scene)));
-        let listed: Vec<_> = listed.collect();
-        let all = combinations(&listed);
+    let mut fields = at.program.actions.iter();
+    if !fields.any(|field| matches!(field.choices, Choices::Region { .. })) {
+        let all = combinations(at.program, |field| space::choices(field, at.scene));
         if all.len() <= MOST_COMBINATIONS {
             return (all.collect(), false);
         }

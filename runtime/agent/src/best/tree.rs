@@ -5,7 +5,8 @@
 
 use super::aim::Aim;
 use super::offers::Offers;
-use super::{BestError, Choice, Found, Search, Stop, Taken};
+use super::{Choice, Found, Search, Stop, Taken};
+use crate::error::RunError;
 use crate::policy::Ground;
 use crate::result::StepResult;
 use crate::rollout::Tries;
@@ -67,7 +68,7 @@ impl<'a> Tree<'a> {
     /// Begins at the start of a rollout.
     ///
     /// Fails if the start gives nothing to choose from.
-    pub fn at_start(search: &'a Search<'a>, aim: &'a Aim<'a>) -> Result<Tree<'a>, BestError> {
+    pub fn at_start(search: &'a Search<'a>, aim: &'a Aim<'a>) -> Result<Tree<'a>, RunError> {
         let job = search.job;
         let mut world = (job.make_world)()?;
         world.reset(job.start)?;
@@ -92,7 +93,7 @@ impl<'a> Tree<'a> {
     }
 
     /// Tries the actions of another rollout, as far as there are trials left.
-    pub fn follow(&mut self, hint: &[Choice]) -> Result<(), BestError> {
+    pub fn follow(&mut self, hint: &[Choice]) -> Result<(), RunError> {
         for choice in hint {
             let node = self.nodes.len() - 1;
             if self.nodes[node].end != End::Open || self.stop.is_some() || self.trials_left() == 0 {
@@ -110,7 +111,7 @@ impl<'a> Tree<'a> {
     }
 
     /// Goes through all depths with more and more states, until everything was tried or a limit is reached.
-    pub fn widen(&mut self) -> Result<(), BestError> {
+    pub fn widen(&mut self) -> Result<(), RunError> {
         let mut width = 1;
         while self.stop.is_none() && !self.nodes.iter().all(Node::is_tried_out) {
             if self.trials_left() == 0 {
@@ -124,7 +125,7 @@ impl<'a> Tree<'a> {
     }
 
     /// Goes through all depths once.
-    fn pass(&mut self, width: usize) -> Result<(), BestError> {
+    fn pass(&mut self, width: usize) -> Result<(), RunError> {
         let job = self.search.job;
         let depths = job.horizon() * job.program.actions_per_step();
         for depth in 0..depths {
@@ -174,14 +175,10 @@ impl<'a> Tree<'a> {
     /// Makes trials, and adds the states that they lead to; a stop leaves some of them out.
     ///
     /// - `due`: the index of a state, and that of one of its choices.
-    fn make(&mut self, due: &[(usize, usize)]) -> Result<(), BestError> {
+    fn make(&mut self, due: &[(usize, usize)]) -> Result<(), RunError> {
         let made = self.n_trials();
-        let reached = in_parallel(
-            due.len(),
-            self.search.limits.threads,
-            |index| self.unless_stopped(|| self.reach(due[index])),
-            |done| (self.search.progress)(made + done as u32),
-        )?;
+        let progress = |done| (self.search.progress)(made + done as u32);
+        let reached = self.until_stopped(due, |due| self.reach(*due), progress)?;
         for ((parent, _), node) in due.iter().zip(reached) {
             if let Some(node) = node {
                 self.nodes[*parent].tried += 1;
@@ -193,15 +190,10 @@ impl<'a> Tree<'a> {
     }
 
     /// Lists what can be done in states, where that is not done yet; a stop leaves some of them out.
-    fn list(&mut self, nodes: &[usize]) -> Result<(), BestError> {
+    fn list(&mut self, nodes: &[usize]) -> Result<(), RunError> {
         let is_new = |node: &usize| self.nodes[*node].offers.is_none();
         let new: Vec<usize> = nodes.iter().copied().filter(is_new).collect();
-        let listed = in_parallel(
-            new.len(),
-            self.search.limits.threads,
-            |index| self.unless_stopped(|| self.offers(new[index])),
-            |_| {},
-        )?;
+        let listed = self.until_stopped(&new, |node| self.offers(*node), |_| {})?;
         for (node, offers) in new.into_iter().zip(listed) {
             self.nodes[node].offers = offers;
         }
@@ -209,18 +201,21 @@ impl<'a> Tree<'a> {
         Ok(())
     }
 
-    /// Does something unless the search should stop, or is stopped in it.
-    fn unless_stopped<T>(
+    /// Does something with each of these, side by side; a stop leaves some of them out.
+    fn until_stopped<I: Sync, T: Send>(
         &self,
-        job: impl FnOnce() -> Result<T, BestError>,
-    ) -> Result<Option<T>, BestError> {
-        if self.requested_stop().is_some() {
-            return Ok(None);
-        }
-        match job() {
-            Err(BestError::World(WorldError::Interrupted)) => Ok(None),
-            done => done.map(Some),
-        }
+        items: &[I],
+        job: impl Fn(&I) -> Result<T, RunError> + Sync,
+        progress: impl Fn(usize) + Sync,
+    ) -> Result<Vec<Option<T>>, RunError> {
+        let one = |index: usize| match self.requested_stop() {
+            Some(_) => Ok(None),
+            None => match job(&items[index]) {
+                Err(RunError::World(WorldError::Interrupted)) => Ok(None),
+                done => done.map(Some),
+            },
+        };
+        in_parallel(items.len(), self.search.limits.threads, one, progress)
     }
 
     fn requested_stop(&self) -> Option<Stop> {
@@ -233,7 +228,7 @@ impl<'a> Tree<'a> {
     }
 
     /// Tries one choice on a copy of a state's world.
-    fn reach(&self, (parent, number): (usize, usize)) -> Result<Node, BestError> {
+    fn reach(&self, (parent, number): (usize, usize)) -> Result<Node, RunError> {
         let (job, aim, it) = (self.search.job, self.aim, &self.nodes[parent]);
         let program = job.program;
         let offers = it.offers.as_ref().expect("only listed actions are tried");
@@ -271,7 +266,7 @@ impl<'a> Tree<'a> {
     }
 
     /// Lists what can be done in a state.
-    fn offers(&self, node: usize) -> Result<Offers, BestError> {
+    fn offers(&self, node: usize) -> Result<Offers, RunError> {
         let (job, it) = (self.search.job, &self.nodes[node]);
         let mut world = self.world_at(it)?;
         let observation = world.observe()?;
@@ -303,7 +298,7 @@ impl<'a> Tree<'a> {
     }
 
     /// Returns the world of a state; where no copy of it is kept, the actions that lead to it are executed again.
-    fn world_at(&self, node: &Node) -> Result<Box<dyn World>, BestError> {
+    fn world_at(&self, node: &Node) -> Result<Box<dyn World>, RunError> {
         if let Some(copy) = node.world.as_ref().and_then(|world| world.fork()) {
             return Ok(copy);
         }

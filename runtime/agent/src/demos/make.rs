@@ -6,22 +6,22 @@
 
 use super::words::{self, NamedPoint};
 use super::{DEMOS_FORMAT, Demo, DemoStep, Header};
-use crate::action::Action;
+use crate::error::RunError;
+use crate::policy::{Aim, Ground};
 use crate::scene::Scene;
 use fab_base::chance::Chance;
 use fab_base::interrupt::Interrupt;
 use fab_base::wording::quoted;
 use fab_picture::SubpixelPoint;
-use fab_program::Proposal;
 use fab_program::facts::Facts;
 use fab_program::pointing::Pointing;
 use fab_program::scene::SceneView;
-use fab_program::verify::{self, Strictness, Verdict};
-use fab_program::{Choices, Fold, PixelPoint, Program, Read, Subgoals, Value};
+use fab_program::verify::{Strictness, Verdict};
+use fab_program::{Choices, Fold, Program, Read, Subgoals};
 use fab_world::expert;
 use fab_world::expert::MakeWorld;
 use fab_world::start::RESTING_HEIGHT_M;
-use fab_world::{World, WorldError, WorldPoint};
+use fab_world::{World, WorldPoint};
 use std::collections::BTreeMap;
 
 /// Most starts tried for each requested demonstration.
@@ -48,35 +48,6 @@ pub struct DemoRequest<'a> {
     pub interrupt: &'a Interrupt,
 }
 
-/// Why there are no demonstrations.
-#[derive(Debug, thiserror::Error)]
-pub enum MakeError {
-    /// The task cannot be demonstrated.
-    #[error("{0}")]
-    Task(String),
-    /// Too few starts led to accepted answers; says how many, and why the last one did not.
-    #[error("{0}")]
-    TooFew(String),
-    /// The world failed, or a stop was requested.
-    #[error(transparent)]
-    World(#[from] WorldError),
-}
-
-/// Why a start gives no demonstration.
-#[derive(Debug, thiserror::Error)]
-enum Unfit {
-    #[error("{0}")]
-    Because(String),
-    #[error(transparent)]
-    World(#[from] WorldError),
-}
-
-impl From<String> for Unfit {
-    fn from(why: String) -> Unfit {
-        Unfit::Because(why)
-    }
-}
-
 /// Makes demonstrations; `announce` is told of each discarded start, with the reason.
 ///
 /// Starts are flat cloths of the task's proportions in other sizes, turned by whole degrees that are not multiples of
@@ -84,9 +55,9 @@ impl From<String> for Unfit {
 pub fn make(
     making: &DemoRequest<'_>,
     announce: &mut dyn FnMut(&str),
-) -> Result<(Header, Vec<Demo>), MakeError> {
+) -> Result<(Header, Vec<Demo>), RunError> {
     let program = making.program;
-    let task_error = |why: &str| MakeError::Task(format!("`{}` {why}", program.title()));
+    let task_error = |why: &str| RunError::Unfit(format!("`{}` {why}", program.title()));
     let Some(demos) = &program.demos else {
         return Err(task_error(
             "names no demonstrations: write `demos STAGE from \"FILE\"`, or choose the variant that does with `--variant`",
@@ -137,7 +108,7 @@ pub fn make(
         let text = reads.first().copied();
         match demonstrate(making, folds, text, &mut demo, world.as_mut()) {
             Ok(()) => made.push(demo),
-            Err(Unfit::World(error)) => return Err(error.into()),
+            Err(error @ RunError::World(_)) => return Err(error),
             Err(why) => {
                 last = why.to_string();
                 let Demo {
@@ -152,7 +123,7 @@ pub fn make(
         }
     }
     if made.len() < wanted {
-        return Err(MakeError::TooFew(format!(
+        return Err(RunError::Failed(format!(
             "only {} of {wanted} demonstrations were made from {most} starts; the last failed because {last}",
             made.len()
         )));
@@ -190,44 +161,38 @@ fn demonstrate(
     text: Option<&str>,
     demo: &mut Demo,
     world: &mut dyn World,
-) -> Result<(), Unfit> {
+) -> Result<(), RunError> {
     let program = making.program;
-    let start = super::start_of(program, demo)?;
+    let start = super::start_of(program, demo).map_err(RunError::Failed)?;
     let [center_x, center_y] = start.center_m();
     let middle = WorldPoint::new(center_x, center_y, RESTING_HEIGHT_M);
     world.reset(&start)?;
     let mut first = None;
     let mut last = None;
     for (fold, number) in folds.iter().zip(1..) {
-        let in_step = |why: &str| format!("in step {number} {why}");
-        let beyond = || in_step("the camera does not see the table");
+        let in_step = |why: &str| RunError::Failed(format!("in step {number} {why}"));
         let observation = world.observe()?;
         let scene = Scene::of(program, &observation, first.as_ref());
         let scene = scene.map_err(|why| in_step(&why.to_string()))?;
-        let grip = expert::grip(fold, &start, world)?;
+        let ground = Ground::of(program, &scene, &observation);
         let camera = &observation.camera;
-        let pixel = |point| Some(SubpixelPoint::at(camera.pixel_from_world(point)?).pixel);
-        let center = pixel(middle).ok_or_else(beyond)?;
-        let named = |name: &'static str, point: WorldPoint, of| {
-            let offered = verify::offered(program, &scene, name);
-            let at = pixel(point).and_then(|wanted| nearest(wanted, &offered, program));
-            let unoffered = || {
-                in_step(&format!(
-                    "no offered point is near the expert's {name} point"
-                ))
-            };
-            let at = at.ok_or_else(unoffered)?;
-            Ok::<_, String>(NamedPoint { point: of, at })
-        };
-        let pick = named("pick", grip.pick, &fold.pick)?;
-        let place = named("place", grip.place, &fold.place)?;
-        let fields = program.actions.iter().map(|field| {
-            let named = if field.name == "pick" { pick } else { place };
-            (field.name.clone(), Value::Point(named.at))
-        });
-        let proposal = Proposal {
-            fields: fields.collect(),
-        };
+        let center = camera.pixel_from_world(middle);
+        let center = center.ok_or_else(|| in_step("the camera does not see the table"))?;
+        let center = SubpixelPoint::at(center).pixel;
+        let grip = expert::grip(fold, &start, world)?;
+        let aim = Aim::of(grip, &observation).map_err(|why| in_step(&why))?;
+        let nearest = aim.nearest(ground, &[]);
+        let (proposal, action) = nearest.ok_or_else(|| in_step("no action is offered"))?;
+        let limit_px = NEAR * f64::from(program.camera.image_px);
+        for (name, off_px) in ["pick", "place"].into_iter().zip(aim.off_px(&action)) {
+            if off_px > limit_px {
+                let why = format!("no offered point is near the expert's {name} point");
+                return Err(in_step(&why));
+            }
+        }
+        let named = |point, at| NamedPoint { point, at };
+        let pick = named(&fold.pick, action.pick_px);
+        let place = named(&fold.place, action.place_px);
         let instruction = words::instruction(pick, place, center);
         let texts = text
             .iter()
@@ -238,10 +203,9 @@ fn demonstrate(
             last: last.as_ref(),
             ..Facts::of(&scene, number, Pointing::of_camera(&program.camera))
         };
-        let verdict = verify::verdict(program, facts, &proposal, Strictness::Full);
-        if let Verdict::Reject { check, .. } = verdict.map_err(|error| error.to_string())? {
+        if let Verdict::Reject { check, .. } = ground.verdict(facts, &proposal, Strictness::Full)? {
             let why = format!("the check `{check}` refuses the expert's answer");
-            return Err(in_step(&why).into());
+            return Err(in_step(&why));
         }
         let keypoints = program.keypoints.iter();
         let points = keypoints.filter_map(|it| Some((it.name.clone(), scene.points(&it.name)?)));
@@ -251,25 +215,14 @@ fn demonstrate(
             chosen: proposal.fields.iter().cloned().collect(),
             reason: words::reason(pick, place, center),
         });
-        let action = Action::lower(program, &proposal, &scene, &observation);
-        let action = action.ok_or_else(beyond)?;
-        let done = world.act(&action.grip.into(), making.interrupt)?;
-        if done.has_missed() {
-            return Err(in_step("nothing was grasped").into());
+        if world
+            .act(&action.grip.into(), making.interrupt)?
+            .has_missed()
+        {
+            return Err(in_step("nothing was grasped"));
         }
         last = Some(action.executed(proposal));
         first.get_or_insert(scene);
     }
     Ok(())
-}
-
-/// Returns the offered point nearest to a pixel, if near enough to stand for it.
-fn nearest(wanted: PixelPoint, offered: &[Value], program: &Program) -> Option<PixelPoint> {
-    let limit_px = NEAR * f64::from(program.camera.image_px);
-    let points = offered.iter().filter_map(|value| match value {
-        Value::Point(point) => Some(*point),
-        _ => None,
-    });
-    let nearest = points.min_by(|a, b| a.distance_px(wanted).total_cmp(&b.distance_px(wanted)));
-    nearest.filter(|point| point.distance_px(wanted) <= limit_px)
 }

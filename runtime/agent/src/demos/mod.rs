@@ -6,9 +6,10 @@
 mod make;
 mod words;
 
-pub use make::{DemoRequest, MakeError, make};
+pub use make::{DemoRequest, make};
 
-use crate::task_files::{self, FileError};
+use crate::error::RunError;
+use crate::task_files;
 use fab_base::files;
 use fab_program::Proposal;
 use fab_program::facts::Facts;
@@ -24,7 +25,7 @@ use fab_world::metrics;
 use fab_world::start::Start;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Version of the file's lines.
 pub const DEMOS_FORMAT: u32 = 1;
@@ -77,23 +78,6 @@ pub struct DemoStep {
     pub reason: String,
 }
 
-/// Why demonstrations cannot be shown.
-#[derive(Debug, thiserror::Error)]
-pub enum DemosError {
-    /// The file is missing, or not where a task's files must be.
-    #[error("{0}; `fabc demos FILE --variant NAME` makes the demonstrations")]
-    File(#[from] FileError),
-    /// The file cannot be read; says why.
-    #[error("cannot read the demonstrations `{0}`: {1}")]
-    Unreadable(PathBuf, String),
-    /// A line, from 1, is not a demonstration of this task; says why.
-    #[error("line {1} of the demonstrations `{0}`: {2}")]
-    Line(PathBuf, usize, String),
-    /// They cannot be written in the point convention of the model; says why.
-    #[error("the demonstrations cannot be written for this model: {0}")]
-    Frame(String),
-}
-
 /// The demonstrations of one stage, ready to be shown.
 #[derive(Clone, Debug)]
 pub struct Demonstrations {
@@ -101,8 +85,8 @@ pub struct Demonstrations {
     /// The file as the task names it.
     file: String,
     starts: Vec<Start>,
-    /// The demonstrations of each step, each with its line number.
-    by_step: Vec<Vec<(u32, DemoStep)>>,
+    /// The demonstrations, each with its line number.
+    demos: Vec<(u32, Demo)>,
 }
 
 impl Demonstrations {
@@ -114,10 +98,19 @@ impl Demonstrations {
         program: &Program,
         demos: &program::Demos,
         folder: &Path,
-    ) -> Result<Demonstrations, DemosError> {
-        let path = task_files::resolve(folder, &demos.file)?;
-        let unreadable = |why: String| DemosError::Unreadable(path.clone(), why);
-        let wrong = |line: usize, why: String| DemosError::Line(path.clone(), line, why);
+    ) -> Result<Demonstrations, RunError> {
+        let path = task_files::resolve(folder, &demos.file).map_err(|why| {
+            RunError::Failed(format!(
+                "{why}; `fabc demos FILE --variant NAME` makes the demonstrations"
+            ))
+        })?;
+        let file = path.display();
+        let unreadable = |why: String| {
+            RunError::Failed(format!("cannot read the demonstrations `{file}`: {why}"))
+        };
+        let wrong = |line: usize, why: String| {
+            RunError::Failed(format!("line {line} of the demonstrations `{file}`: {why}"))
+        };
         let text = files::read_text(&path, MAX_BYTES).map_err(unreadable)?;
         let lines = text.lines().zip(1..);
         let mut lines = lines.filter(|(line, _)| !line.trim().is_empty());
@@ -138,26 +131,23 @@ impl Demonstrations {
             stage: demos.stage.clone(),
             file: demos.file.path.clone(),
             starts: Vec::new(),
-            by_step: Vec::new(),
+            demos: Vec::new(),
         };
         for (line, number) in lines {
             let demo = serde_json::from_str(line).map_err(|error| error.to_string());
-            demo.and_then(|demo| demonstrations.add(program, &demo, number as u32))
+            demo.and_then(|demo| demonstrations.add(program, demo, number as u32))
                 .map_err(|why| wrong(number, why))?;
         }
         Ok(demonstrations)
     }
 
-    fn add(&mut self, program: &Program, demo: &Demo, line: u32) -> Result<(), String> {
-        self.starts.push(start_of(program, demo)?);
+    fn add(&mut self, program: &Program, demo: Demo, line: u32) -> Result<(), String> {
+        self.starts.push(start_of(program, &demo)?);
         let pointing = Pointing::of_camera(&program.camera);
-        for (step, at) in demo.steps.iter().zip(0..) {
-            question_and_answer(program, &self.stage, step, at as u32 + 1, pointing)?;
-            if self.by_step.len() <= at {
-                self.by_step.push(Vec::new());
-            }
-            self.by_step[at].push((line, step.clone()));
+        for (step, number) in demo.steps.iter().zip(1..) {
+            question_and_answer(program, &self.stage, step, number, pointing)?;
         }
+        self.demos.push((line, demo));
         Ok(())
     }
 
@@ -171,13 +161,11 @@ impl Demonstrations {
         stage: &str,
         step: u32,
         pointing: Pointing,
-    ) -> Result<Vec<[PromptText; 2]>, DemosError> {
-        let steps = match self.by_step.get(step.saturating_sub(1) as usize) {
-            Some(steps) if stage == self.stage => steps.as_slice(),
-            _ => &[],
-        };
-        steps
-            .iter()
+    ) -> Result<Vec<[PromptText; 2]>, RunError> {
+        let shown = self.demos.iter().filter(|_| stage == self.stage);
+        let index = step.saturating_sub(1) as usize;
+        shown
+            .filter_map(|(line, demo)| Some((line, demo.steps.get(index)?)))
             .zip(1..)
             .map(|((line, demo), number)| {
                 let (question, answer) = question_and_answer(program, stage, demo, step, pointing)?;
@@ -192,12 +180,16 @@ impl Demonstrations {
                 Ok([question, answer].map(|text| PromptText::of(text, origin.clone())))
             })
             .collect::<Result<_, _>>()
-            .map_err(DemosError::Frame)
+            .map_err(|why: String| {
+                RunError::Failed(format!(
+                    "the demonstrations cannot be written for this model: {why}"
+                ))
+            })
     }
 
     /// Returns how many actions are demonstrated, over all steps.
     pub fn data_size(&self) -> usize {
-        self.by_step.iter().map(Vec::len).sum()
+        self.demos.iter().map(|(_, demo)| demo.steps.len()).sum()
     }
 
     /// Returns the number, from 1, of the demonstration that begins at this start.
@@ -284,13 +276,5 @@ struct DemoScene<'a>(&'a BTreeMap<String, Vec<PixelPoint>>);
 impl SceneView for DemoScene<'_> {
     fn points(&self, keypoint: &str) -> Option<Vec<PixelPoint>> {
         self.0.get(keypoint).cloned()
-    }
-
-    fn distance_px(&self, _: &str, _: PixelPoint) -> Option<f64> {
-        None
-    }
-
-    fn area_px(&self, _: &str) -> Option<f64> {
-        None
     }
 }

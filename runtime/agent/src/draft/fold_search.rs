@@ -5,8 +5,9 @@
 //! is taken. Reflecting the outline alone would often be wrong: a cloth held down by another corner does not fold along the
 //! line between the two points.
 
+use super::DraftStep;
 use super::outline::Outline;
-use super::{DraftError, DraftStep};
+use crate::error::RunError;
 use crate::subgoals::ArrowPx;
 use fab_base::interrupt::Interrupt;
 use fab_base::parallel;
@@ -82,11 +83,12 @@ impl StepSearch<'_> {
     pub fn explain(
         &self,
         positions: &[[f32; 3]],
-    ) -> Result<Option<(DraftStep, Positions)>, DraftError> {
+    ) -> Result<Option<(DraftStep, Positions)>, RunError> {
         let candidates = self.likely(self.lay(positions)?.as_ref())?;
         let mut tried = self.try_all(&candidates, positions)?;
         // The sort is stable: of equals, the simplest name comes first.
-        tried.sort_by(|a, b| b.merit().total_cmp(&a.merit()));
+        let merit = |it: &TriedFold| it.overlap - handicap(&it.candidate);
+        tried.sort_by(|a, b| merit(b).total_cmp(&merit(a)));
         let mut tried = tried.into_iter();
         let Some(taken) = tried.next() else {
             return Ok(None);
@@ -102,11 +104,6 @@ impl StepSearch<'_> {
         Ok(Some((step, taken.positions)))
     }
 
-    fn lens(&self) -> Camera {
-        let camera = self.camera;
-        Camera::top_down(camera.height_m, camera.fov_rad, camera.image_px, camera.up)
-    }
-
     fn lay(&self, positions: &[[f32; 3]]) -> Result<Box<dyn World>, WorldError> {
         let mut world = (self.make_world)()?;
         world.reset(&Start {
@@ -120,13 +117,34 @@ impl StepSearch<'_> {
     ///
     /// Picks are the points farthest from the cloth's new outline; places are covered by it. Of too many, those stay for
     /// which stiff paper comes closest to the new outline.
-    fn likely(&self, world: &dyn World) -> Result<Vec<Candidate>, DraftError> {
+    fn likely(&self, world: &dyn World) -> Result<Vec<Candidate>, RunError> {
         let gone = self.before.without(self.after);
-        let mut candidates = self.folds(world, |[tail, tip]| {
-            gone.distance_px(*tail) <= GONE_PX
-                && self.after.distance_px(*tip) <= BESIDE_PX
-                && distance(*tail, *tip) > SHORTEST_PX
-        })?;
+        let camera = self.camera;
+        let lens = Camera::top_down(camera.height_m, camera.fov_rad, camera.image_px, camera.up);
+        let mut candidates: Vec<Candidate> = Vec::new();
+        let points = named_points();
+        let picks = points.iter().filter(|pick| **pick != ClothPoint::Center);
+        for (&pick, &place) in picks.flat_map(|pick| points.iter().map(move |to| (pick, to))) {
+            let fold = Fold {
+                pick,
+                place,
+                fraction: 1.0,
+            };
+            let grip = expert::grip(&fold, self.start, world)?;
+            let seen = [grip.pick, grip.place].map(|at| lens.pixel_from_world(at));
+            let [Some(tail), Some(tip)] = seen else {
+                continue;
+            };
+            let arrow = [tail, tip];
+            let fits = gone.distance_px(tail) <= GONE_PX
+                && self.after.distance_px(tip) <= BESIDE_PX
+                && distance(tail, tip) > SHORTEST_PX;
+            // Of folds that look the same, the first.
+            let is_known = |other: &Candidate| are_near(&other.arrow, &arrow, SAME_PX);
+            if fits && !candidates.iter().any(is_known) {
+                candidates.push(Candidate { fold, grip, arrow });
+            }
+        }
         // People pick corners and middles; a quarter point is one only where none of these has moved.
         if candidates.iter().any(|it| is_main(it.fold.pick)) {
             candidates.retain(|it| is_main(it.fold.pick));
@@ -143,44 +161,14 @@ impl StepSearch<'_> {
         Ok(candidates)
     }
 
-    /// Collects the folds between named points that fit; of those that look the same, the first.
-    fn folds(
-        &self,
-        world: &dyn World,
-        fits: impl Fn(&ArrowPx) -> bool,
-    ) -> Result<Vec<Candidate>, DraftError> {
-        let mut candidates: Vec<Candidate> = Vec::new();
-        let lens = self.lens();
-        let points = named_points();
-        let picks = points.iter().filter(|pick| **pick != ClothPoint::Center);
-        for (&pick, &place) in picks.flat_map(|pick| points.iter().map(move |to| (pick, to))) {
-            let fold = Fold {
-                pick,
-                place,
-                fraction: 1.0,
-            };
-            let grip = expert::grip(&fold, self.start, world)?;
-            let seen = [grip.pick, grip.place].map(|at| lens.pixel_from_world(at));
-            let [Some(tail), Some(tip)] = seen else {
-                continue;
-            };
-            let arrow = [tail, tip];
-            let is_known = |other: &Candidate| are_near(&other.arrow, &arrow, SAME_PX);
-            if fits(&arrow) && !candidates.iter().any(is_known) {
-                candidates.push(Candidate { fold, grip, arrow });
-            }
-        }
-        Ok(candidates)
-    }
-
     /// Simulates the candidates, each from the same state; those that fail are omitted.
     fn try_all(
         &self,
         candidates: &[Candidate],
         positions: &[[f32; 3]],
-    ) -> Result<Vec<TriedFold>, DraftError> {
+    ) -> Result<Vec<TriedFold>, RunError> {
         let threads = thread::available_parallelism().map_or(1, usize::from);
-        let one = |number: usize| -> Result<_, DraftError> {
+        let one = |number: usize| -> Result<_, RunError> {
             let candidate = candidates[number].clone();
             let mut world = self.lay(positions)?;
             match world.act(&candidate.grip.into(), self.interrupt) {
@@ -200,12 +188,6 @@ impl StepSearch<'_> {
         };
         let tried = parallel::in_parallel(candidates.len(), threads, one, |_| {})?;
         Ok(tried.into_iter().flatten().flatten().collect())
-    }
-}
-
-impl TriedFold {
-    fn merit(&self) -> f64 {
-        self.overlap - handicap(&self.candidate)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Infers the camera and the cloth's size; pictures show only the ratio between them.
 
-use super::DraftError;
+use crate::error::RunError;
 use fab_program::{
     Camera, Cloth, ClothStart, ImageUp, PARTICLES_A_SIDE, RECORDED_SPACING_M, particles_along,
 };
@@ -31,7 +31,7 @@ pub fn of(
     sides_px: [f64; 2],
     side_px: u32,
     longer_m: Option<f64>,
-) -> Result<(Camera, Cloth), DraftError> {
+) -> Result<(Camera, Cloth), RunError> {
     let sides_px = sides_px.map(|side| side - RIM_PX);
     let longer_px = sides_px[0].max(sides_px[1]);
     let focal_px = f64::from(side_px) / 2.0 / (VIEW_RAD / 2.0).tan();
@@ -42,7 +42,7 @@ pub fn of(
     let longer_m = longer_m.unwrap_or(longer_px * (height_m - RESTING_HEIGHT_M) / focal_px);
     if !(HEIGHTS_M.contains(&height_m) && longer_m <= LARGEST_M) {
         let mm = |length_m: f64| length_m * 1000.0;
-        return Err(DraftError::Unfit(format!(
+        return Err(RunError::Failed(format!(
             "a cloth of {:.0} mm that takes up {longer_px:.0} of {side_px} px needs a camera {:.0} mm above the table; a \
              task's camera is 100 to 5000 mm above it, and its cloth measures at most {:.0} mm",
             mm(longer_m),

@@ -12,11 +12,11 @@ mod outline;
 #[cfg(test)]
 mod tests;
 
+use crate::error::RunError;
 use crate::subgoals::ArrowPx;
 use fab_base::interrupt::Interrupt;
 use fab_picture::Mask;
 use fab_program::{self as program, Cloth, Fold};
-use fab_vision::VisionError;
 use fab_world::metrics::mean_particle_distance_m;
 use fab_world::start::Start;
 use fab_world::{World, WorldError};
@@ -97,26 +97,6 @@ impl DraftStep {
     }
 }
 
-/// Why pictures cannot be drafted from.
-#[derive(Debug, thiserror::Error)]
-pub enum DraftError {
-    /// There are too few or too many pictures; says how many.
-    #[error("{0} given; there must be 2 to {max}, the flat cloth first and then one after each step", max = MAX_STEPS + 1)]
-    Count(String),
-    /// The pictures show no folds of a cloth; says which picture, and what would be right.
-    #[error("{0}")]
-    Unfit(String),
-    /// A picture cannot be processed.
-    #[error(transparent)]
-    Vision(#[from] VisionError),
-    /// Folds cannot be simulated.
-    #[error("folds cannot be tried: {0}")]
-    World(#[from] WorldError),
-    /// Folds cannot be tried in parallel.
-    #[error("folds cannot be tried: {0}")]
-    Threads(#[from] std::io::Error),
-}
-
 /// Makes a fresh world with a camera.
 pub type MakeWorld<'a> = dyn Fn(&program::Camera) -> Result<Box<dyn World>, WorldError> + Sync + 'a;
 
@@ -132,10 +112,13 @@ pub fn draft(
     make_world: &MakeWorld<'_>,
     interrupt: &Interrupt,
     announce: &dyn Fn(usize),
-) -> Result<Draft, DraftError> {
+) -> Result<Draft, RunError> {
     if !(2..=MAX_STEPS + 1).contains(&pictures.len()) {
         let count = fab_base::wording::counted(pictures.len(), "picture");
-        return Err(DraftError::Count(count));
+        let most = MAX_STEPS + 1;
+        return Err(RunError::Unfit(format!(
+            "{count} given; there must be 2 to {most}, the flat cloth first and then one after each step"
+        )));
     }
     let side_px = common_side(pictures)?;
     let shown = pictures.iter().map(cloth_of);
@@ -165,7 +148,7 @@ pub fn draft(
         };
         let Some((found, folded)) = search.explain(&positions)? else {
             let [before, after] = names;
-            return Err(DraftError::Unfit(format!(
+            return Err(RunError::Failed(format!(
                 "no fold leads from `{before}` to `{after}`: the part that is gone holds no corner, side middle or \
                  quarter point of the cloth"
             )));
@@ -183,12 +166,12 @@ pub fn draft(
     })
 }
 
-fn common_side(pictures: &[NamedPicture]) -> Result<u32, DraftError> {
+fn common_side(pictures: &[NamedPicture]) -> Result<u32, RunError> {
     let side_px = pictures[0].picture.width();
     for NamedPicture { name, picture } in pictures {
         let (width, height) = picture.dimensions();
         if [width, height] != [side_px; 2] || !SIDE_PX.contains(&side_px) {
-            return Err(DraftError::Unfit(format!(
+            return Err(RunError::Failed(format!(
                 "`{name}` has {width} x {height} px; it must be a square of {} to {} px a side, as large as the others",
                 SIDE_PX.start(),
                 SIDE_PX.end()
@@ -199,25 +182,15 @@ fn common_side(pictures: &[NamedPicture]) -> Result<u32, DraftError> {
 }
 
 /// Makes sure that something was folded, and nothing unfolded.
-fn check_change(
-    before: &Outline,
-    after: &Outline,
-    [from, to]: [&str; 2],
-) -> Result<(), DraftError> {
+fn check_change(before: &Outline, after: &Outline, [from, to]: [&str; 2]) -> Result<(), RunError> {
     let [before_px, after_px] = [before, after].map(|outline| outline.0.area_px() as f64);
     let growth = after_px / before_px.max(1.0);
-    if growth > GROWTH {
-        return Err(DraftError::Unfit(format!(
-            "`{to}` shows {:.0} % more cloth than `{from}`, but a fold must show less; give the flat cloth first and \
-             then the pictures in the order of the steps",
-            (growth - 1.0) * 100.0
-        )));
-    }
     let overlap = before.overlap(after);
-    if overlap > ALIKE {
-        return Err(DraftError::Unfit(format!(
-            "`{to}` shows the cloth as `{from}` does (their outlines overlap by {overlap:.3}); give one picture after \
-             each fold"
+    if growth > GROWTH || overlap > ALIKE {
+        return Err(RunError::Failed(format!(
+            "`{to}` shows {:.0} % of the cloth of `{from}` (their outlines overlap by {overlap:.3}), but a fold must show \
+             less; give the flat cloth first and then one picture after each fold, in their order",
+            growth * 100.0
         )));
     }
     Ok(())

@@ -3,7 +3,8 @@
 //! In: pictures. Out: [`Outline`]s, normalised: the cloth's sides along the picture's, its middle in the middle, and
 //! the picture as large as those of worlds here.
 
-use super::{COMPARED_PX, DraftError, NamedPicture};
+use super::{COMPARED_PX, NamedPicture};
+use crate::error::RunError;
 use crate::result::silhouette;
 use crate::subgoals::ArrowPx;
 use fab_picture::{Mask, SubpixelPoint};
@@ -14,15 +15,15 @@ const LEAST_CLOTH: f64 = 0.003;
 /// Least side of the flat cloth, as a share of the picture's.
 const LEAST_SIDE: f64 = 0.125;
 
-fn no_cloth(name: &str) -> DraftError {
-    DraftError::Unfit(format!(
-        "no cloth is seen on `{name}`; the picture must show a plain table all round the whole cloth, in a colour unlike \
-         the cloth's"
+fn no_cloth(name: &str) -> RunError {
+    RunError::Failed(format!(
+        "no whole cloth is seen on `{name}`; the picture must show a plain, evenly lit table all round the cloth, in a colour \
+         unlike the cloth's, and the cloth must fill at least an eighth of its side"
     ))
 }
 
 /// Finds the cloth in a square picture, in its own pixels; fails if there is none.
-pub fn cloth_of(NamedPicture { name, picture }: &NamedPicture) -> Result<Mask, DraftError> {
+pub fn cloth_of(NamedPicture { name, picture }: &NamedPicture) -> Result<Mask, RunError> {
     let cloth = silhouette(picture);
     let all_px = f64::from(picture.width()) * f64::from(picture.height());
     if (cloth.area_px() as f64) < LEAST_CLOTH * all_px {
@@ -46,7 +47,7 @@ pub struct Pose {
 
 impl Pose {
     /// Measures the flat cloth by its bounding rectangle.
-    pub fn of(flat: &Mask, name: &str) -> Result<Pose, DraftError> {
+    pub fn of(flat: &Mask, name: &str) -> Result<Pose, RunError> {
         let side_px = f64::from(flat.width());
         let rectangle = fab_vision::rectangle_around(flat)?;
         let rectangle = rectangle.ok_or_else(|| no_cloth(name))?;
@@ -58,18 +59,9 @@ impl Pose {
         } else {
             ([-y, x].map(|part| part * -y.signum()), [short, long])
         };
-        if !flat.reached_borders().is_empty() {
-            return Err(DraftError::Unfit(format!(
-                "the cloth on `{name}` reaches the picture's border, or its table is not plain; the table must have one \
-                 colour, be evenly lit, and be visible all round the cloth"
-            )));
-        }
-        if sides_px.iter().any(|side| *side < LEAST_SIDE * side_px) {
-            let [width, height] = sides_px;
-            return Err(DraftError::Unfit(format!(
-                "the cloth on `{name}` measures {width:.0} x {height:.0} of {side_px} px; it must fill at least an eighth \
-                 of the picture's side"
-            )));
+        let is_small = sides_px.iter().any(|side| *side < LEAST_SIDE * side_px);
+        if is_small || !flat.reached_borders().is_empty() {
+            return Err(no_cloth(name));
         }
         Ok(Pose {
             center: rectangle.center,

@@ -13,7 +13,7 @@ fn make_world(camera: &program::Camera) -> Result<Box<dyn World>, WorldError> {
     Ok(Box::new(world))
 }
 
-fn drafted(pictures: &[NamedPicture]) -> Result<Draft, DraftError> {
+fn drafted(pictures: &[NamedPicture]) -> Result<Draft, RunError> {
     draft(pictures, None, &make_world, &Interrupt::default(), &|_| {})
 }
 
@@ -241,15 +241,15 @@ fn pictures_that_show_no_fold_are_refused_with_what_would_be_right() {
     let cases: [(Vec<&NamedPicture>, &str); 12] = [
         (
             vec![&cut, &cut],
-            "no cloth is seen on `cut.png`; the picture must show a plain table",
+            "no whole cloth is seen on `cut.png`; the picture must show a plain, evenly lit table",
         ),
         (
             vec![&nearly, &nearly],
-            "`nearly.png` reaches the picture's border",
+            "no whole cloth is seen on `nearly.png`",
         ),
         (
             vec![&carpet, &carpet],
-            "on `carpet.png` reaches the picture's border, or its table is not plain",
+            "no whole cloth is seen on `carpet.png`",
         ),
         (vec![], "0 pictures given; there must be 2 to 101"),
         (vec![&flat], "1 picture given; there must be 2 to 101"),
@@ -265,18 +265,18 @@ fn pictures_that_show_no_fold_are_refused_with_what_would_be_right() {
             vec![&flat, &small],
             "`small.png` has 112 x 112 px; it must be a square",
         ),
-        (vec![&flat, &table], "no cloth is seen on `table.png`"),
+        (vec![&flat, &table], "no whole cloth is seen on `table.png`"),
         (
             vec![&speck, &speck],
-            "the cloth on `speck.png` measures 20 x 24 of 224 px",
+            "the cloth must fill at least an eighth",
         ),
         (
             vec![&flat, &flat],
-            "`flat.png` shows the cloth as `flat.png` does (their outlines overlap by 1.000)",
+            "`flat.png` shows 100 % of the cloth of `flat.png` (their outlines overlap by 1.000)",
         ),
         (
             vec![&half, &flat],
-            "`flat.png` shows 100 % more cloth than `half.png`",
+            "`flat.png` shows 200 % of the cloth of `half.png`",
         ),
     ];
     for (pictures, told) in cases {

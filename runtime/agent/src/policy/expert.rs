@@ -5,14 +5,14 @@
 //! lose against the demonstration. It sees true particles, so it must not be compared with other policies.
 
 use super::proposing::{Source, stop, until_accepted};
-use super::{Decision, Description, Exchange, Kind, Policy, RunError, StepView};
+use super::{Decision, Description, Exchange, Ground, Kind, Policy, RunError, StepView};
 use crate::action::{Action, combinations};
 use crate::outcome::Outcome;
 use fab_picture::SubpixelPoint;
 use fab_picture::observation::Observation;
 use fab_program::space;
 use fab_program::{ActionField, Choices, Fold, PixelPoint, Program, Proposal, Subgoals, Value};
-use fab_world::{WorldPoint, expert};
+use fab_world::{Grip, WorldPoint, expert};
 
 /// The fields besides points on which the motion depends.
 const MOVING: [&str; 2] = ["direction", "distance"];
@@ -27,11 +27,8 @@ pub struct Expert;
 impl Policy for Expert {
     fn description(&self) -> Description {
         Description {
-            kind: Kind::Expert,
-            name: "expert policy".to_owned(),
             sees_particles: true,
-            models: None,
-            code: None,
+            ..Description::new(Kind::Expert, "expert policy".to_owned())
         }
     }
 
@@ -50,26 +47,24 @@ impl Policy for Expert {
     ) -> Result<Decision, RunError> {
         let folds = folds(step.program)?;
         let aim = match folds.get(step.step as usize - 1) {
-            Some(fold) => wanted(fold, step),
+            Some(fold) => aim_of(fold, step),
             None => Err(format!("the demonstration has {} folds", folds.len())),
         };
         until_accepted(step, exchange, &mut |refusals, _| {
             let refused = refusals.iter().filter_map(|it| it.proposal.as_ref());
             let refused: Vec<&Proposal> = refused.collect();
-            let nearest = match &aim {
-                Ok(aim) => nearest(step, *aim, &refused).ok_or("no other action is offered"),
-                Err(why) => Err(why.as_str()),
+            let mut source = Source::default();
+            let answer = match &aim {
+                Err(why) => stop(Outcome::PolicyStopped, why),
+                Ok(aim) => match aim.nearest(step.ground, &refused) {
+                    Some((proposal, action)) => {
+                        source.note = Some(aim.note(&action));
+                        Ok(proposal)
+                    }
+                    None => stop(Outcome::PolicyStopped, "no other action is offered"),
+                },
             };
-            Ok(match nearest {
-                Ok((proposal, note)) => {
-                    let source = Source {
-                        note: Some(note),
-                        ..Source::default()
-                    };
-                    (source, Ok(proposal))
-                }
-                Err(why) => (Source::default(), stop(Outcome::PolicyStopped, why)),
-            })
+            Ok((source, answer))
         })
     }
 }
@@ -85,97 +80,119 @@ fn folds(program: &Program) -> Result<&[Fold], RunError> {
     }
 }
 
-/// Where a fold picks and places, pixels, `[column, row]`.
-type Aim = [[f64; 2]; 2];
-
 /// Returns where a fold picks and places on the cloth's current state.
-fn wanted(fold: &Fold, step: &StepView<'_>) -> Result<Aim, String> {
+fn aim_of(fold: &Fold, step: &StepView<'_>) -> Result<Aim, String> {
     let truth = step.truth.ok_or("where the particles are is not known")?;
     let grip = expert::grip_of(fold, truth.start, truth.particles)
         .ok_or("the fold names a particle that the cloth does not have")?;
-    let pixel = |point: WorldPoint, what: &str| {
-        let Observation { camera, .. } = step.observation;
-        camera
-            .pixel_from_world(point)
-            .ok_or_else(|| format!("the {what} point is behind the camera"))
-    };
-    Ok([pixel(grip.pick, "pick")?, pixel(grip.place, "place")?])
+    Aim::of(grip, step.observation)
 }
 
-/// Returns the offered action closest to the aim that was not refused yet, with a note on its distance.
-///
-/// It looks at the nearest points, and at all directions and distances; any other field has the value that was refused
-/// least often.
-fn nearest(step: &StepView<'_>, aim: Aim, refused: &[&Proposal]) -> Option<(Proposal, String)> {
-    let fields = step.program.actions.iter().map(|field| {
-        let values = if field.is_point() || MOVING.contains(&field.name.as_str()) {
-            candidates(step, field, aim)
-        } else {
-            least_refused(step, field, refused).into_iter().collect()
+/// Where an expert picks and places, pixels, `[column, row]`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Aim([[f64; 2]; 2]);
+
+impl Aim {
+    /// Returns where the camera sees both ends of an expert's grip; fails with the reason.
+    pub(crate) fn of(grip: Grip, observation: &Observation) -> Result<Aim, String> {
+        let pixel = |point: WorldPoint, what: &str| {
+            let seen = observation.camera.pixel_from_world(point);
+            seen.ok_or_else(|| format!("the {what} point is behind the camera"))
         };
-        (field.name.clone(), values)
-    });
-    let fields: Vec<_> = fields.collect();
-    let offered = combinations(&fields).filter(|proposal| !refused.contains(&proposal));
-    let offered = offered.filter_map(|proposal| {
-        let action = Action::lower(step.program, &proposal, step.scene, step.observation)?;
-        let away = away_px(aim[0], action.pick_px) + away_px(aim[1], action.place_px);
-        Some((away, proposal, action))
-    });
-    // Of equals, the first.
-    let (_, proposal, action) = offered.reduce(|best, it| if it.0 < best.0 { it } else { best })?;
-    let deviation = |what: &str, [u, v]: [f64; 2], offered: PixelPoint| {
-        format!(
-            "{what} wanted ({}, {}), nearest offered {offered}, {:.0} px away",
-            u.floor(),
-            v.floor(),
-            away_px([u, v], offered)
-        )
-    };
-    let note = format!(
-        "{}; {}",
-        deviation("pick", aim[0], action.pick_px),
-        deviation("place", aim[1], action.place_px)
-    );
-    Some((proposal, note))
+        Ok(Aim([
+            pixel(grip.pick, "pick")?,
+            pixel(grip.place, "place")?,
+        ]))
+    }
+
+    /// Returns how far the pick and the place of an action are from it, pixels.
+    pub(crate) fn off_px(self, action: &Action) -> [f64; 2] {
+        let Aim([pick, place]) = self;
+        [
+            away_px(pick, action.pick_px),
+            away_px(place, action.place_px),
+        ]
+    }
+
+    /// Returns the offered action closest to it that was not refused yet.
+    ///
+    /// It looks at the nearest points, and at all directions and distances; any other field has the value that was refused
+    /// least often.
+    pub(crate) fn nearest(
+        self,
+        at: Ground<'_>,
+        refused: &[&Proposal],
+    ) -> Option<(Proposal, Action)> {
+        let offered = combinations(at.program, |field| {
+            if field.is_point() || MOVING.contains(&field.name.as_str()) {
+                self.candidates(at, field)
+            } else {
+                least_refused(at, field, refused).into_iter().collect()
+            }
+        });
+        let offered = offered.filter(|proposal| !refused.contains(&proposal));
+        let offered = offered.filter_map(|proposal| {
+            let action = Action::lower(at.program, &proposal, at.scene, at.observation)?;
+            let away: f64 = self.off_px(&action).iter().sum();
+            Some((away, proposal, action))
+        });
+        // Of equals, the first.
+        let nearest = offered.reduce(|best, it| if it.0 < best.0 { it } else { best });
+        nearest.map(|(_, proposal, action)| (proposal, action))
+    }
+
+    fn candidates(self, at: Ground<'_>, field: &ActionField) -> Vec<Value> {
+        let Aim([pick, place]) = self;
+        let target = if field.name == "place" { place } else { pick };
+        if let Choices::Region { mask } = &field.choices {
+            let nearest = at.scene.nearest_in(mask, SubpixelPoint::at(target).pixel);
+            return nearest.map(Value::Point).into_iter().collect();
+        }
+        let mut values = space::choices(field, at.scene);
+        if field.is_point() {
+            let away = |value: &Value| match value {
+                Value::Point(point) => away_px(target, *point),
+                _ => f64::INFINITY,
+            };
+            values.sort_by(|a, b| away(a).total_cmp(&away(b)));
+            values.truncate(NEAREST);
+        }
+        values
+    }
+
+    /// Describes how far an action is from it.
+    fn note(self, action: &Action) -> String {
+        let ends = [("pick", action.pick_px), ("place", action.place_px)];
+        let ends = ends.into_iter().zip(self.0).zip(self.off_px(action));
+        let notes = ends.map(|(((what, offered), [u, v]), off_px)| {
+            format!(
+                "{what} wanted ({}, {}), nearest offered {offered}, {off_px:.0} px away",
+                u.floor(),
+                v.floor()
+            )
+        });
+        notes.collect::<Vec<_>>().join("; ")
+    }
 }
 
 /// Returns the value of a field that was refused least often; of equals, that nearest to how the fold is demonstrated.
 pub(super) fn least_refused(
-    step: &StepView<'_>,
+    at: Ground<'_>,
     field: &ActionField,
     refused: &[&Proposal],
 ) -> Option<Value> {
     let name = &field.name;
-    let usual = step.program.manner.or_usual(name);
+    let usual = at.program.manner.or_usual(name);
     let cost = |value: &Value| {
         let same = refused.iter().filter(|it| it.get(name) == Some(value));
         let away = usual.zip(field.metres(value));
         let away_m = away.map_or(0.0, |(usual, metres)| (metres - usual).abs());
         (same.count(), away_m)
     };
-    let costs = space::choices(field, step.scene).into_iter();
+    let costs = space::choices(field, at.scene).into_iter();
     let costs = costs.map(|value| (cost(&value), value));
     let least = costs.reduce(|least, it| if it.0 < least.0 { it } else { least });
     least.map(|(_, value)| value)
-}
-
-fn candidates(step: &StepView<'_>, field: &ActionField, [pick, place]: Aim) -> Vec<Value> {
-    let target = if field.name == "place" { place } else { pick };
-    if let Choices::Region { mask } = &field.choices {
-        let nearest = step.scene.nearest_in(mask, SubpixelPoint::at(target).pixel);
-        return nearest.map(Value::Point).into_iter().collect();
-    }
-    let mut values = space::choices(field, step.scene);
-    if field.is_point() {
-        let away = |value: &Value| match value {
-            Value::Point(point) => away_px(target, *point),
-            _ => f64::INFINITY,
-        };
-        values.sort_by(|a, b| away(a).total_cmp(&away(b)));
-        values.truncate(NEAREST);
-    }
-    values
 }
 
 /// Returns the distance from a point in the picture to the middle of a pixel.

@@ -13,7 +13,7 @@ use super::protocol::{
 use super::{
     Decision, Description, Exchange, Exchanged, Finding, Kind, Policy, Question, RunError, StepView,
 };
-use crate::journal::{self, JournalError};
+use crate::journal;
 use crate::outcome::Outcome;
 use fab_base::child::{Child, ChildError, CommandLine, excerpt};
 use fab_base::interrupt::Interrupt;
@@ -69,15 +69,14 @@ impl External {
 
 impl Policy for External {
     fn description(&self) -> Description {
+        let name = match self.sight {
+            Sight::Camera => format!("exec:{}", self.command),
+            Sight::Particles => format!("exec+particles:{}", self.command),
+        };
         Description {
-            kind: Kind::Program,
-            name: match self.sight {
-                Sight::Camera => format!("exec:{}", self.command),
-                Sight::Particles => format!("exec+particles:{}", self.command),
-            },
             sees_particles: self.sight == Sight::Particles,
-            models: None,
             code: Some(self.code.clone()),
+            ..Description::new(Kind::Program, name)
         }
     }
 
@@ -86,17 +85,11 @@ impl Policy for External {
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Decision, RunError> {
-        let Some(folder) = step.folder else {
-            let why = "a program is asked in a rollout only: it gets files by their paths";
+        let folder = step.folder.and_then(|it| std::path::absolute(it).ok());
+        let Some(folder) = &folder.filter(|it| it.to_str().is_some()) else {
+            let why = "a program is given files by their paths, and there is no run folder whose path is UTF-8: choose another one with `--out`";
             return Err(RunError::Unfit(why.to_owned()));
         };
-        let folder = &std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
-        if folder.to_str().is_none() {
-            return Err(RunError::Unfit(format!(
-                "the run folder `{}` is not UTF-8, so no line can name it: choose another one with `--out`",
-                folder.display()
-            )));
-        }
         write_files(step, folder)?;
         until_accepted(step, exchange, &mut |refusals, exchange| {
             let asked_in = |folder: &Path| [reset(step, folder), decide(step, folder, refusals)];
@@ -114,7 +107,7 @@ impl Policy for External {
             let asked = exchange
                 .asking
                 .once(&question.key(), |_| self.ask(&sent, folder, interrupt))
-                .map_err(RunError::Calls)?;
+                .map_err(RunError::failed)?;
             let (reply, answer) = match asked {
                 Ok(reply) => {
                     let answer = read(step, &reply.text);
@@ -216,8 +209,11 @@ fn proposal(step: &StepView<'_>, mut grip: Grip) -> Result<Proposal, Box<Finding
             } else {
                 format!("one of {}", space::listed(field, &offered))
             };
-            let stated = excerpt(text(&stated).as_bytes());
-            unreadable(name, format!("`{name}` is {stated}, and has to be {right}"))
+            let is = match &stated {
+                Some(stated) => excerpt(text(stated).as_bytes()),
+                None => "missing".to_owned(),
+            };
+            unreadable(name, format!("`{name}` is {is}, and has to be {right}"))
         })?;
         Ok((name.clone(), value))
     });
@@ -237,7 +233,7 @@ fn file(step: &StepView<'_>, folder: &Path, name: &str) -> PathBuf {
 }
 
 /// Writes the files that the rollout itself does not store.
-fn write_files(step: &StepView<'_>, folder: &Path) -> Result<(), JournalError> {
+fn write_files(step: &StepView<'_>, folder: &Path) -> Result<(), RunError> {
     let depth = &step.observation.depth_m;
     let shape = [u64::from(depth.height()), u64::from(depth.width())];
     let depth = npy::encode_floats(&shape, depth.iter().copied());

@@ -32,7 +32,18 @@ pub struct Ground<'a> {
     pub refuses: &'a Refuses<'a>,
 }
 
-impl Ground<'_> {
+impl<'a> Ground<'a> {
+    /// Makes the ground of a world that reaches everything and refuses nothing.
+    pub fn of(program: &'a Program, scene: &'a Scene, observation: &'a Observation) -> Ground<'a> {
+        Ground {
+            program,
+            scene,
+            observation,
+            reach: &fab_world::everywhere,
+            refuses: &fab_world::nothing,
+        }
+    }
+
     /// Judges an action by the task's checks, and then by the world's reach.
     pub(crate) fn verdict(
         self,

@@ -9,13 +9,13 @@
 use super::expert::least_refused;
 use super::proposing::{Source, stop, until_accepted};
 use super::{Decision, Description, Exchange, Kind, Policy, RunError, StepView};
-use crate::action::{Action, combinations};
+use crate::action::{Action, MOST_COMBINATIONS, combinations};
 use crate::outcome::Outcome;
 use fab_base::wording::quoted;
 use fab_base::{digest, files};
 use fab_program::verify::{Strictness, Verdict};
-use fab_program::{ActionField, Choices, Face, Program, Proposal, Value as FieldValue, space};
-use rten::{DataType, Dimension, Model, NodeId, NodeInfo, Value, ValueType};
+use fab_program::{ActionField, Choices, Face, Program, Proposal, space};
+use rten::{DataType, Dimension, Model, NodeInfo, Value, ValueType};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -24,9 +24,6 @@ const SMOOTHER: &[u8] = include_bytes!("smoother.onnx");
 
 /// The largest file, bytes.
 const MAX_BYTES: u64 = 1 << 30;
-
-/// The most combinations of a step's choices that are offered; each is judged by all checks.
-const MOST_COMBINATIONS: usize = 20_000;
 
 /// The most actions that a network values at once: `smoother` needs some 0.2 MB for each, several times.
 const BATCH: usize = 256;
@@ -43,7 +40,7 @@ const INPUTS: [(&str, &[&str]); 7] = [
 ];
 
 /// What a network returns.
-const OUTPUT: (&str, &[&str]) = ("values", &["N"]);
+const OUTPUTS: [(&str, &[&str]); 1] = [("values", &["N"])];
 
 /// The fields by which a network is told an action.
 const MOVING: [&str; 4] = ["pick", "place", "direction", "distance"];
@@ -85,69 +82,52 @@ impl Onnx {
 
 /// Checks the names, types and shapes of inputs and output for pictures of this width and height; fails with what is wrong.
 fn check_interface(model: &Model, image_px: u32) -> Result<(), String> {
+    let inputs = model.input_ids().iter().map(|id| (id, &INPUTS[..]));
+    let outputs = model.output_ids().iter().map(|id| (id, &OUTPUTS[..]));
     let mut tells_apart = false;
-    for id in model.input_ids() {
+    for (id, known) in inputs.chain(outputs) {
         let info = model.node_info(*id);
         let name = info.as_ref().and_then(NodeInfo::name).unwrap_or_default();
-        let Some((_, shape)) = INPUTS.iter().find(|(input, _)| *input == name) else {
+        let Some((_, shape)) = known.iter().find(|(known, _)| *known == name) else {
             return Err(format!(
-                "takes `{name}`, which fabc does not provide; the inputs are {}",
+                "takes or returns `{name}`, which fabc does not know; the inputs are {}, and the output is `values`",
                 quoted(INPUTS.map(|(input, _)| input))
             ));
         };
         tells_apart |= ["picks", "places"].contains(&name);
-        check_tensor(model, *id, (name, shape), image_px)?;
-    }
-    if !tells_apart {
-        let why = "takes neither `picks` nor `places`, so it cannot tell actions apart";
-        return Err(why.to_owned());
-    }
-    match model.output_ids() {
-        [id] if model.find_node(OUTPUT.0) == Some(*id) => {
-            check_tensor(model, *id, OUTPUT, image_px)
+        let dtype = info.as_ref().and_then(NodeInfo::dtype);
+        if dtype.is_some_and(|it| it != ValueType::Tensor(DataType::Float)) {
+            return Err(format!(
+                "declares `{name}` of another type; it must be float32"
+            ));
         }
-        _ => Err(format!("must return `{}` alone", OUTPUT.0)),
-    }
-}
-
-/// Checks a declared type and shape; a side without a number may have any length.
-fn check_tensor(
-    model: &Model,
-    id: NodeId,
-    (name, shape): (&str, &[&str]),
-    image_px: u32,
-) -> Result<(), String> {
-    let info = model.node_info(id);
-    let float = ValueType::Tensor(DataType::Float);
-    if info
-        .as_ref()
-        .and_then(NodeInfo::dtype)
-        .is_some_and(|it| it != float)
-    {
+        // A side without a number may have any length.
+        let fits = |(declared, side): (&Dimension, &&str)| match (declared, *side) {
+            (Dimension::Symbolic(_), _) => true,
+            (Dimension::Fixed(length), "H" | "W") => *length == image_px as usize,
+            (Dimension::Fixed(length), side) => length.to_string() == side,
+        };
+        let declared = info.as_ref().and_then(NodeInfo::shape);
+        let Some(declared) = declared.filter(|declared| {
+            declared.len() != shape.len() || !declared.iter().zip(*shape).all(fits)
+        }) else {
+            continue;
+        };
+        let declared = declared.iter().map(|side| match side {
+            Dimension::Fixed(length) => length.to_string(),
+            Dimension::Symbolic(name) => name.clone(),
+        });
         return Err(format!(
-            "declares `{name}` of another type; it must be float32"
+            "declares `{name}` as [{}]; it must be [{}], where H and W are {image_px}",
+            declared.collect::<Vec<_>>().join(", "),
+            shape.join(", ")
         ));
     }
-    let fits = |(declared, side): (&Dimension, &&str)| match (declared, *side) {
-        (Dimension::Symbolic(_), _) => true,
-        (Dimension::Fixed(length), "H" | "W") => *length == image_px as usize,
-        (Dimension::Fixed(length), side) => length.to_string() == side,
-    };
-    let Some(declared) = info.and_then(|info| info.shape()) else {
-        return Ok(());
-    };
-    if declared.len() == shape.len() && declared.iter().zip(shape).all(fits) {
+    if tells_apart {
         return Ok(());
     }
-    let declared = declared.iter().map(|side| match side {
-        Dimension::Fixed(length) => length.to_string(),
-        Dimension::Symbolic(name) => name.clone(),
-    });
-    Err(format!(
-        "declares `{name}` as [{}]; it must be [{}], where H and W are {image_px}",
-        declared.collect::<Vec<_>>().join(", "),
-        shape.join(", ")
-    ))
+    let why = "takes neither `picks` nor `places`, so it cannot tell actions apart";
+    Err(why.to_owned())
 }
 
 /// An offered action, and where it picks and places in the picture, `[column, row]`, pixels.
@@ -160,11 +140,8 @@ struct Offer {
 impl Policy for Onnx {
     fn description(&self) -> Description {
         Description {
-            kind: Kind::Network,
-            name: self.name.clone(),
-            sees_particles: false,
-            models: None,
             code: Some(self.code.clone()),
+            ..Description::new(Kind::Network, self.name.clone())
         }
     }
 
@@ -216,16 +193,13 @@ impl Onnx {
     /// value that is nearest to the usual.
     /// Fails if there are more than [`MOST_COMBINATIONS`].
     fn offers(&self, step: &StepView<'_>) -> Result<Vec<Offer>, String> {
-        let fields = step.program.actions.iter().map(|field| {
-            let values = if MOVING.contains(&field.name.as_str()) {
+        let all = combinations(step.program, |field| {
+            if MOVING.contains(&field.name.as_str()) {
                 space::choices(field, step.scene)
             } else {
-                least_refused(step, field, &[]).into_iter().collect()
-            };
-            (field.name.clone(), values)
+                least_refused(step.ground, field, &[]).into_iter().collect()
+            }
         });
-        let fields: Vec<(String, Vec<FieldValue>)> = fields.collect();
-        let all = combinations(&fields);
         if all.len() > MOST_COMBINATIONS {
             let n_offered = all.len();
             let (task, policy) = (step.program.title(), &self.name);
@@ -331,16 +305,16 @@ fn input(name: &str, step: &StepView<'_>, offers: &[Offer]) -> Vec<f32> {
 
 /// Keeps the actions that the task's checks accept; all of them if there is none, for a task that then drops a check.
 fn accepted_first(step: &StepView<'_>, offers: Vec<Offer>) -> Result<Vec<Offer>, RunError> {
-    let facts = step.facts();
-    let verdicts = offers.iter().map(|offer| {
-        let verdict = step.verdict(facts, &offer.proposal, Strictness::Full);
-        verdict.map(|verdict| verdict == Verdict::Accept)
-    });
-    let accepted = verdicts.collect::<Result<Vec<_>, _>>()?;
-    if !accepted.contains(&true) {
-        return Ok(offers);
+    let (facts, mut accepted, mut refused) = (step.facts(), Vec::new(), Vec::new());
+    for offer in offers {
+        match step.verdict(facts, &offer.proposal, Strictness::Full)? {
+            Verdict::Accept => accepted.push(offer),
+            Verdict::Reject { .. } => refused.push(offer),
+        }
     }
-    let judged = offers.into_iter().zip(accepted);
-    let accepted = judged.filter(|(_, is_accepted)| *is_accepted);
-    Ok(accepted.map(|(offer, _)| offer).collect())
+    Ok(if accepted.is_empty() {
+        refused
+    } else {
+        accepted
+    })
 }

@@ -8,15 +8,16 @@ mod dialogue;
 mod rehearsal;
 
 use super::proposing::{Refusal, Settled};
-use super::{Again, Decision, Description, Exchange, Kind, Policy, RoleModels, RunError, StepView};
+use super::{Decision, Description, Exchange, Kind, Policy, RoleModels, RunError, StepView};
 use crate::outcome::Outcome;
 pub use conversation::{MessagePart, StageMessage, conversation, opening};
-use dialogue::{Dialogue, Setting};
+use dialogue::{Answers, Dialogue, Setting};
 use fab_model::{Description as ModelDescription, Models, Png, lowering};
 use fab_picture::png;
 use fab_program::render::{RenderError, Values};
-use fab_program::{Program, Read};
-pub use rehearsal::{Rehearsed, rehearse};
+use fab_program::{Program, Read, Stage};
+use image::RgbImage;
+pub use rehearsal::{FirstQuestion, Rehearsed, first_questions, rehearse};
 use std::collections::BTreeMap;
 
 /// What the model is told with the picture of what would come of its answer.
@@ -29,8 +30,8 @@ pub struct Prompted<'m> {
     pub models: Models<'m>,
     /// The texts that the current step's stages read.
     texts: BTreeMap<String, String>,
-    /// The index of the stage that reads the action, and its conversations in the current step, one for each answer.
-    acting: (usize, Vec<Dialogue>),
+    /// The conversations of the stage that reads the action in the current step, one for each answer.
+    acting: Vec<Dialogue>,
 }
 
 impl<'m> Prompted<'m> {
@@ -39,32 +40,36 @@ impl<'m> Prompted<'m> {
         Prompted {
             models,
             texts: BTreeMap::new(),
-            acting: (0, Vec::new()),
+            acting: Vec::new(),
         }
     }
 
-    fn setting<'a>(&'a self, step: &StepView<'a>, stage: usize) -> Setting<'a> {
-        let stage = &step.program.stages[stage];
+    fn setting<'a>(&'a self, step: &StepView<'a>, stage: &'a Stage) -> Setting<'a> {
+        let model = self.models.of(stage.model);
         Setting {
             view: *step,
             stage,
             texts: &self.texts,
-            model: self.models.of(stage.model),
+            lowering: model.lowering(),
+            answers: Answers::Model(model),
         }
+    }
+
+    /// Returns how many questions the stage that reads the action has asked in this step.
+    fn asked(&self) -> u32 {
+        let asked = self.acting.iter().map(|dialogue| dialogue.asked);
+        asked.max().unwrap_or(0)
     }
 }
 
 impl Policy for Prompted<'_> {
     fn description(&self) -> Description {
         Description {
-            kind: Kind::Prompted,
-            name: self.models.name(),
-            sees_particles: false,
             models: Some(RoleModels {
                 vision: ModelDescription::of(self.models.vision),
                 text: ModelDescription::of(self.models.text),
             }),
-            code: None,
+            ..Description::new(Kind::Prompted, self.models.name())
         }
     }
 
@@ -80,88 +85,72 @@ impl Policy for Prompted<'_> {
         true
     }
 
-    /// Asks every stage of one step and returns the decision.
+    /// Asks every stage of one step and returns the decision; for a further answer, only the stage that reads the action.
     fn decide(
         &mut self,
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Decision, RunError> {
-        self.texts.clear();
-        self.acting.1.clear();
+        if step.answer == 0 {
+            self.texts.clear();
+            self.acting.clear();
+        } else if self.acting.is_empty() {
+            // An earlier stage had no answer, so that nothing was acted on.
+            return Ok(step.without_answer(Outcome::ModelFailed));
+        }
         let mut decision = step.without_answer(Outcome::MalformedReply);
-        for (index, stage) in step.program.stages.iter().enumerate() {
-            let at = self.setting(step, index);
-            let mut dialogue = Dialogue::begin(at, Values::Known, [0, 0])?;
+        for stage in &step.program.stages {
+            let is_acting = stage.read == Read::Action;
+            if step.answer > 0 && !is_acting {
+                continue;
+            }
+            let at = self.setting(step, stage);
+            let mut dialogue = Dialogue::begin(at, Values::Known, self.asked())?;
             let settled = dialogue.settle(at, step.program.verify.attempts, exchange)?;
-            if stage.read == Read::Action {
-                self.acting = (index, vec![dialogue]);
+            if is_acting {
+                self.acting.push(dialogue);
             }
             match settled {
                 Settled::Text { name, value } => {
                     self.texts.insert(name, value);
                 }
                 Settled::Action(proposal, accepted) => decision = Decision::act(proposal, accepted),
-                Settled::Failed { outcome, .. } => return Ok(step.without_answer(outcome)),
-                Settled::Refused(last) => return Ok(step.without_answer(exhausted(last))),
+                settled => return Ok(decided(step, settled)),
             }
         }
         Ok(decision)
     }
 
-    fn again(
+    fn revise(
         &mut self,
         step: &StepView<'_>,
         exchange: &mut Exchange<'_, '_>,
-        again: Again<'_>,
+        predicted: &RgbImage,
     ) -> Result<Option<Decision>, RunError> {
-        // An earlier stage may have had no answer, so that nothing was acted on.
-        if self.acting.1.is_empty() {
+        let mut stages = step.program.stages.iter();
+        let stage = stages.find(|stage| stage.read == Read::Action);
+        let dialogue = self.acting.get(step.answer as usize).cloned();
+        let (Some(stage), Some(mut dialogue)) = (stage, dialogue) else {
             return Ok(None);
-        }
-        let (stage, mut dialogues) = std::mem::take(&mut self.acting);
-        let at = self.setting(step, stage);
-        let asked = dialogues
-            .iter()
-            .map(|dialogue| dialogue.asked)
-            .max()
-            .unwrap_or(0);
-        let settled = match again {
-            Again::Independent => {
-                let numbers = [dialogues.len() as u32, asked];
-                let mut dialogue = Dialogue::begin(at, Values::Known, numbers)?;
-                let settled = dialogue.settle(at, step.program.verify.attempts, exchange)?;
-                dialogues.push(dialogue);
-                settled
-            }
-            Again::Revised { answer, predicted } => {
-                let Some(dialogue) = dialogues.get_mut(answer) else {
-                    return Ok(None);
-                };
-                let sent = at.model.lowering().resized(predicted).into_owned();
-                dialogue.show_prediction(PREDICTED, Png::new(png::encode(&sent)));
-                dialogue.asked = asked;
-                dialogue.settle(at, 1, exchange)?
-            }
         };
-        self.acting = (stage, dialogues);
-        Ok(Some(match settled {
-            Settled::Action(proposal, accepted) => Decision::act(proposal, accepted),
-            Settled::Failed {
-                outcome: outcome @ Outcome::Interrupted,
-                ..
-            } => step.without_answer(outcome),
-            Settled::Failed { outcome, why } => Decision::Stop { outcome, why },
-            Settled::Refused(last) => step.without_answer(exhausted(last)),
-            Settled::Text { .. } => return Ok(None),
-        }))
+        let at = self.setting(step, stage);
+        let sent = at.lowering.resized(predicted).into_owned();
+        dialogue.show_prediction(PREDICTED, Png::new(png::encode(&sent)));
+        dialogue.asked = self.asked();
+        let settled = dialogue.settle(at, 1, exchange)?;
+        self.acting[step.answer as usize] = dialogue;
+        Ok(Some(decided(step, settled)))
     }
 }
 
-/// Returns how a step ends whose last answer was refused, or could not be read.
-fn exhausted(last: Option<Refusal>) -> Outcome {
-    if last.is_some_and(|refusal| refusal.proposal.is_some()) {
-        Outcome::AttemptsExhausted
-    } else {
-        Outcome::MalformedReply
+/// Returns what the stage that reads the action has come to.
+fn decided(step: &StepView<'_>, settled: Settled) -> Decision {
+    match settled {
+        Settled::Action(proposal, accepted) => Decision::act(proposal, accepted),
+        Settled::Failed { outcome, .. } => step.without_answer(outcome),
+        Settled::Refused(Some(Refusal {
+            proposal: Some(_), ..
+        })) => step.without_answer(Outcome::AttemptsExhausted),
+        Settled::Refused(_) | Settled::Text { .. } => step.without_answer(Outcome::MalformedReply),
     }
 }

@@ -71,12 +71,10 @@ pub(super) fn settle(
             Finding::Malformed(malformed) => (malformed.field, malformed.message, None),
             Finding::Action {
                 fields, verdict, ..
-            } => match verdict {
-                Verdict::Accept => {
-                    return Ok(Settled::Action(Proposal { fields }, accepted));
-                }
-                Verdict::Reject { check, message, .. } => {
-                    (check, message, Some(Proposal { fields }))
+            } => match (Proposal { fields }, verdict) {
+                (proposal, Verdict::Accept) => return Ok(Settled::Action(proposal, accepted)),
+                (proposal, Verdict::Reject { check, message, .. }) => {
+                    (check, message, Some(proposal))
                 }
             },
         };
@@ -91,10 +89,7 @@ pub(super) fn settle(
     // The newest action that only a check refuses which the task drops in the end.
     let without = &step.program.verify.relaxed;
     let relaxed = refusals.iter().rev().filter(|_| !without.is_empty());
-    for refusal in relaxed {
-        let Some(proposal) = &refusal.proposal else {
-            continue;
-        };
+    for (refusal, proposal) in relaxed.filter_map(|it| Some((it, it.proposal.as_ref()?))) {
         let verdict = step.verdict(facts, proposal, Strictness::Relaxed)?;
         if verdict == Verdict::Accept {
             let accepted = Accepted {
@@ -140,32 +135,27 @@ pub(super) fn until_accepted(
     propose: &mut Propose<'_>,
 ) -> Result<Decision, RunError> {
     let facts = step.facts();
+    let mut ask = |refusals: &[Refusal], exchange: &mut Exchange<'_, '_>| {
+        let begun = Instant::now();
+        let (Source { sent, reply, note }, answer) = propose(refusals, exchange)?;
+        let took = begun.elapsed();
+        let finding = match answer {
+            Err(finding) => *finding,
+            Ok(proposal) => Finding::Action {
+                verdict: step.verdict(facts, &proposal, Strictness::Full)?,
+                fields: proposal.fields,
+                stated: Vec::new(),
+            },
+        };
+        let asked = Asked {
+            sent,
+            note,
+            ..Asked::new(STAGE, refusals.len() as u32 + 1, finding)
+        };
+        Ok(Attempt { asked, reply, took })
+    };
     let attempts = step.program.verify.attempts;
-    let settled = settle(
-        step,
-        attempts,
-        facts,
-        exchange,
-        &mut |refusals, exchange| {
-            let begun = Instant::now();
-            let (Source { sent, reply, note }, answer) = propose(refusals, exchange)?;
-            let took = begun.elapsed();
-            let finding = match answer {
-                Err(finding) => *finding,
-                Ok(proposal) => Finding::Action {
-                    verdict: step.verdict(facts, &proposal, Strictness::Full)?,
-                    fields: proposal.fields,
-                    stated: Vec::new(),
-                },
-            };
-            let asked = Asked {
-                sent,
-                note,
-                ..Asked::new(STAGE, refusals.len() as u32 + 1, finding)
-            };
-            Ok(Attempt { asked, reply, took })
-        },
-    )?;
+    let settled = settle(step, attempts, facts, exchange, &mut ask)?;
     // A proposal outside the action space is a failure of the policy, not a bad choice.
     let is_outside = |refusal: &Refusal| refusal.proposal.is_none() || refusal.check == OFFERED;
     Ok(match settled {

@@ -18,13 +18,7 @@ pub struct Random {
 
 impl Policy for Random {
     fn description(&self) -> Description {
-        Description {
-            kind: Kind::Random,
-            name: format!("random policy, seed {}", self.seed),
-            sees_particles: false,
-            models: None,
-            code: None,
-        }
+        Description::new(Kind::Random, format!("random policy, seed {}", self.seed))
     }
 
     fn decide(

@@ -5,9 +5,7 @@
 //! inner policy decides by itself. Further ones are asked for as the task says: independent ones, then revisions of the
 //! best. A policy without further answers has one, which is not tried.
 
-use super::{
-    Accepted, Again, Decision, Description, Exchange, Exchanged, Policy, RunError, StepView,
-};
+use super::{Accepted, Decision, Description, Exchange, Exchanged, Policy, RunError, StepView};
 use crate::action::Action;
 use crate::outcome::Outcome;
 use crate::twins::Twins;
@@ -62,11 +60,11 @@ impl<'p> Rehearsing<'p> {
         let mut best: Option<Candidate> = None;
         for answer in 0..count {
             let decision = match answer {
-                0 => Some(first.clone()),
-                _ => self.inner.again(step, exchange, Again::Independent)?,
+                0 => first.clone(),
+                _ => self.inner.decide(&StepView { answer, ..*step }, exchange)?,
             };
             match decision {
-                Some(Decision::Act { grips, accepted }) => {
+                Decision::Act { grips, accepted } => {
                     let candidate = self.tried(step, answer, (grips, accepted), exchange);
                     if exchange.interrupt.is_raised() {
                         return Ok(interrupted);
@@ -76,8 +74,8 @@ impl<'p> Rehearsing<'p> {
                     }
                 }
                 // Only the policy's own faults leave the others a chance.
-                Some(decision) if decision.is_exhausted() => {}
-                Some(decision) if decision.is_interrupted() => return Ok(decision),
+                decision if decision.is_exhausted() => {}
+                decision if decision.is_interrupted() => return Ok(decision),
                 // Without rehearsal it would not have been asked, so the answers that came still count.
                 _ => break,
             }
@@ -90,11 +88,11 @@ impl<'p> Rehearsing<'p> {
             let Some(predicted) = self.twins.picture(taken.motion.as_ref()) else {
                 break;
             };
-            let again = Again::Revised {
-                answer: taken.answer as usize,
-                predicted,
+            let view = StepView {
+                answer: taken.answer,
+                ..*step
             };
-            let revision = match self.inner.again(step, exchange, again)? {
+            let revision = match self.inner.revise(&view, exchange, predicted)? {
                 Some(Decision::Act { grips, accepted })
                     if accepted.without.is_empty() && grips != taken.grips =>
                 {

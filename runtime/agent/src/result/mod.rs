@@ -124,9 +124,7 @@ impl Alignment {
             dot(off, onto.along) / onto.sides[0] * signs[0],
             dot(off, across(onto.along)) / onto.sides[1] * signs[1],
         ];
-        let [s, t] = [0, 1].map(|axis| shares[order[axis]] * from.sides[axis]);
-        let side = across(from.along);
-        [0, 1].map(|axis| from.center[axis] + s * from.along[axis] + t * side[axis])
+        from.point(order.map(|axis| shares[axis]))
     }
 }
 

@@ -66,14 +66,18 @@ impl Covered {
         seen: Option<&Observation>,
     ) -> Result<(), RunError> {
         let grid = &job.start.grid;
-        let (coverage, coverage_true) = match (world.particles(), seen, &self.flat) {
-            (Some(particles), ..) => {
+        let (coverage, coverage_true) = match (self.source, seen, &self.flat) {
+            (Some(CoverageSource::Particles), ..) => {
+                let Some(particles) = world.particles() else {
+                    self.now = Measures::default();
+                    return Ok(());
+                };
                 let triangles = metrics::whole_triangles(grid);
                 let whole_m2 = metrics::whole_area_m2(grid);
                 let coverage_true = metrics::true_coverage(&particles, &triangles, whole_m2);
                 (metrics::coverage(&particles, grid), coverage_true)
             }
-            (None, Some(seen), Some(flat)) => {
+            (Some(CoverageSource::Picture), Some(seen), Some(flat)) => {
                 let now = Scene::cloth_in(job.program, seen)?;
                 (now.and_then(|now| metrics::seen_coverage(&now, flat)), None)
             }
@@ -110,23 +114,13 @@ impl Covered {
 
 /// Finds the cloth in the picture of the flat one, by the task's own mask.
 fn flat_mask(job: &Job<'_>, flat: &Observation, seen: &Observation) -> Result<Mask, RunError> {
-    let unusable = |why: &str| {
+    let mask = Scene::cloth_in(job.program, flat)?.filter(|mask| !mask.is_empty());
+    let [is, wanted] =
+        [&flat.rgb, &seen.rgb].map(|it| format!("{} x {} px", it.width(), it.height()));
+    mask.filter(|_| is == wanted).ok_or_else(|| {
         RunError::Unfit(format!(
-            "the picture of the flat cloth cannot be used: {why}"
+            "the picture of the flat cloth cannot be used: it has {is}, and the camera takes {wanted}; in it, the task's first \
+             mask must find the cloth, alone on the table, and a picture without depth needs a mask by colour"
         ))
-    };
-    if flat.rgb.dimensions() != seen.rgb.dimensions() {
-        let [is, wanted] =
-            [&flat.rgb, &seen.rgb].map(|it| format!("{} x {} px", it.width(), it.height()));
-        return Err(unusable(&format!(
-            "it has {is}, and the camera takes {wanted}"
-        )));
-    }
-    let mask = Scene::cloth_in(job.program, flat)?;
-    mask.filter(|mask| !mask.is_empty()).ok_or_else(|| {
-        unusable(
-            "the task's first mask finds no cloth in it; it must show only the flat cloth on the table, and a \
-             picture without depth needs a mask by colour",
-        )
     })
 }

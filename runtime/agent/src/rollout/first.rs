@@ -1,29 +1,13 @@
 //! The questions of a rollout's first step, before anything is asked: for estimates.
-//!
-//! In: a [`Job`]. Out: the first question of each stage, with words in angle brackets for texts that only a model can
-//! give.
 
 use super::{Job, RunError};
 use crate::pictures::Pictures;
-use crate::policy::{self, StageMessage};
+use crate::policy::{self, FirstQuestion, StepView};
 use crate::scene::Scene;
-use fab_model::{Models, Request};
-use fab_program::Read;
-use fab_program::facts::Facts;
-use fab_program::render::Values;
-use fab_program::reply;
+use fab_model::Models;
 use fab_world::WorldPoint;
 
-/// The first question of a stage.
-#[derive(Clone, Debug)]
-pub struct FirstQuestion {
-    /// The stage.
-    pub stage: String,
-    /// The question; if the stage reads the action, its schema lacks the scene's values.
-    pub request: Request,
-}
-
-/// Lays the cloth, observes it, and renders the first question of each stage.
+/// Lays the cloth, observes it, and writes the first question of each stage.
 ///
 /// Fails if the world cannot take the start, or nothing is found in the picture.
 pub fn first_questions(job: &Job<'_>, models: Models<'_>) -> Result<Vec<FirstQuestion>, RunError> {
@@ -37,25 +21,6 @@ pub fn first_questions(job: &Job<'_>, models: Models<'_>) -> Result<Vec<FirstQue
     let subgoals = job.subgoals.step(0)?;
     let examples = job.examples.clone();
     let pictures = Pictures::of(program, &scene, &observation, None, subgoals, examples)?;
-    let question = |stage: &fab_program::Stage| {
-        let lowering = models.of(stage.model).lowering();
-        let facts = Facts::of(&scene, 1, lowering.pointing(pictures.size()));
-        let values = Values::Partly(facts);
-        let asked = policy::conversation(program, stage, values, &pictures, 1, &lowering)?;
-        Ok(FirstQuestion {
-            stage: stage.name.clone(),
-            request: Request {
-                temperature: stage.temperature,
-                top_p: stage.top_p,
-                max_tokens: stage.max_tokens,
-                reasoning: stage.reasoning,
-                schema: Some(match &stage.read {
-                    Read::Text { before, .. } => reply::text_schema(before),
-                    Read::Action => reply::static_schema(program),
-                }),
-                ..Request::new(stage.model, asked.iter().map(StageMessage::sent).collect())
-            },
-        })
-    };
-    program.stages.iter().map(question).collect()
+    let view = StepView::without_rollout(program, &scene, &observation, 1, None, &pictures);
+    policy::first_questions(view, models)
 }

@@ -8,6 +8,8 @@ use std::time::{Duration, Instant};
 pub(super) struct Timer {
     /// Seconds by activity.
     pub seconds: Map<String, Value>,
+    /// The part that is planning: all but the model, the motion and the writing of files.
+    pub planning: Duration,
 }
 
 impl Timer {
@@ -25,11 +27,17 @@ impl Timer {
         }
     }
 
-    /// Times a piece of work.
-    pub(super) fn time<T>(&mut self, what: &str, work: impl FnOnce() -> T) -> T {
+    /// Adds a piece of planning.
+    pub(super) fn add_planning(&mut self, what: &str, took: Duration) {
+        self.add(what, took);
+        self.planning += took;
+    }
+
+    /// Times a piece of planning.
+    pub(super) fn plan<T>(&mut self, what: &str, work: impl FnOnce() -> T) -> T {
         let begun = Instant::now();
         let result = work();
-        self.add(what, begun.elapsed());
+        self.add_planning(what, begun.elapsed());
         result
     }
 }

@@ -38,12 +38,6 @@ pub(super) struct Memory {
 }
 
 impl Memory {
-    /// Returns whether nothing was said yet that differs from a note only in its numbers.
-    fn is_new(&mut self, note: &str) -> bool {
-        self.said
-            .insert(note.replace(|letter: char| letter.is_numeric(), ""))
-    }
-
     /// Returns a note if the simulated cloth now goes through itself in more places than before.
     pub(super) fn new_crossings(&mut self, crossings: Option<usize>, when: &str) -> Option<String> {
         let crossings = crossings.unwrap_or(0);
@@ -96,28 +90,22 @@ impl<'j> Turn<'j> {
         keeper: &mut RolloutWriter,
         progress: &mut dyn FnMut(Event),
     ) -> Result<Option<Outcome>, RunError> {
-        let (outcome, why) = match self.act(policy, world, memory, keeper, progress) {
-            Err(RunError::World(error)) => {
-                let outcome = match error {
-                    WorldError::PlannedOnly => Outcome::Planned,
-                    WorldError::Interrupted | WorldError::Halted { .. } => Outcome::Interrupted,
-                    _ => Outcome::WorldFailed,
-                };
-                (outcome, error.to_string())
-            }
-            Err(RunError::Scene(error)) => {
-                let outcome = match error {
-                    SceneError::OutOfView { .. } => Outcome::ClothOutOfView,
-                    SceneError::NoCandidates { .. } | SceneError::NoneInReach { .. } => {
-                        Outcome::NoCandidates
-                    }
-                    SceneError::Missing(_) | SceneError::Vision(_) => Outcome::WorldFailed,
-                };
-                (outcome, error.to_string())
-            }
-            other => return other,
+        let error = match self.act(policy, world, memory, keeper, progress) {
+            Err(error @ (RunError::World(_) | RunError::Scene(_))) => error,
+            done => return done,
         };
-        Ok(self.stop(outcome, &why))
+        let outcome = match &error {
+            RunError::World(WorldError::PlannedOnly) => Outcome::Planned,
+            RunError::World(WorldError::Interrupted | WorldError::Halted { .. }) => {
+                Outcome::Interrupted
+            }
+            RunError::Scene(SceneError::OutOfView(..)) => Outcome::ClothOutOfView,
+            RunError::Scene(SceneError::NoCandidates(..) | SceneError::NoneInReach(..)) => {
+                Outcome::NoCandidates
+            }
+            _ => Outcome::WorldFailed,
+        };
+        Ok(self.stop(outcome, &error.to_string()))
     }
 
     fn act(
@@ -136,14 +124,14 @@ impl<'j> Turn<'j> {
         if job.interrupt.is_raised() {
             return Ok(self.stop(Outcome::Interrupted, "interrupted"));
         }
-        let observation = self.timer.time("observe", || world.observe())?;
+        let observation = self.timer.plan("observe", || world.observe())?;
         let file = keeper.keep_picture(number, "before", &observation.rgb)?;
         self.line.files.before = Some(file.clone());
         // The first scene is stored unfiltered: the arm's reach is not a property of the cloth.
         let first = &mut memory.first_scene;
         let reach = |point: &WorldPoint| world.out_of_reach(point);
         let refuses = |motion: &Motion| world.refuses(motion);
-        let scene = self.timer.time("keypoints", || {
+        let scene = self.timer.plan("keypoints", || {
             let scene = Scene::of(job.program, &observation, first.as_ref())?;
             first.get_or_insert_with(|| scene.clone());
             scene.within_reach(job.program, &observation, &reach)
@@ -156,14 +144,15 @@ impl<'j> Turn<'j> {
         });
         let notes = observation.notes.iter().cloned();
         for note in notes.chain(scene.beyond_the_picture()) {
-            if memory.is_new(&note) {
+            // Notes that differ only in their numbers are said once.
+            if memory.said.insert(note.replace(char::is_numeric, "")) {
                 let note = format!("before step {step}: {note}");
                 progress(Event::Note { note });
             }
         }
         let last = memory.last.as_ref();
         let executed = memory.executed.take();
-        let pictures = self.timer.time("annotate", || {
+        let pictures = self.timer.plan("annotate", || {
             let subgoals = job.subgoals.step(step as usize - 1)?;
             let examples = job.examples.clone();
             let pictures =
@@ -241,6 +230,7 @@ impl<'j> Turn<'j> {
             },
             number,
             step,
+            answer: 0,
             horizon: job.horizon(),
             last,
             executed: executed.as_ref(),
@@ -261,7 +251,7 @@ impl<'j> Turn<'j> {
         };
         let decision = policy.decide(&view, &mut exchange)?;
         let deciding = asking.elapsed().saturating_sub(aside);
-        self.timer.add("prompt and verify", deciding);
+        self.timer.add_planning("prompt and verify", deciding);
         let proposal = match decision {
             Decision::Act { grips, accepted } => {
                 let [proposal] = <[Proposal; 1]>::try_from(grips).map_err(|grips| {
@@ -296,7 +286,9 @@ impl<'j> Turn<'j> {
         let before = world.particles();
         self.line.action = Some(vec![action.clone()]);
         let motion = Motion::from(action.grip);
-        let executed = self.timer.time("act", || world.act(&motion, job.interrupt));
+        let begun = Instant::now();
+        let executed = world.act(&motion, job.interrupt);
+        self.timer.add("act", begun.elapsed());
         let executed = executed?;
         // It was done, whatever can be seen of it.
         self.line.executed = Some(executed.clone());

@@ -4,7 +4,7 @@ use super::covered::Covered;
 use super::timer::Timer;
 use super::turn::Turn;
 use super::{Ended, Event, Job, RunError};
-use crate::journal::{JournalError, RunFolder};
+use crate::journal::RunFolder;
 use crate::outcome::Outcome;
 use crate::policy::{self, Asking, Finding};
 use crate::record::{
@@ -21,9 +21,6 @@ use fab_world::start::Up;
 use fab_world::{World, metrics};
 use image::RgbImage;
 use std::time::{Duration, Instant};
-
-/// The activities of planning an action, without the model and the writing of files.
-const PLANNING: [&str; 4] = ["observe", "keypoints", "annotate", "prompt and verify"];
 
 /// Writes a rollout into its folder.
 pub(super) struct RolloutWriter<'j> {
@@ -103,7 +100,7 @@ impl<'j> RolloutWriter<'j> {
         number: u32,
         what: &str,
         picture: &RgbImage,
-    ) -> Result<String, JournalError> {
+    ) -> Result<String, RunError> {
         let name = format!("step_{number}/{what}.png");
         self.folder.keep(&name, &png::encode(picture))
     }
@@ -112,7 +109,7 @@ impl<'j> RolloutWriter<'j> {
         &mut self,
         line: &mut record::Step,
         world: &dyn World,
-    ) -> Result<(), JournalError> {
+    ) -> Result<(), RunError> {
         if let Some(positions) = world.particles() {
             let name = format!("step_{}/positions.npy", line.step);
             let name = self.folder.keep(&name, &npy::encode(&positions))?;
@@ -124,17 +121,14 @@ impl<'j> RolloutWriter<'j> {
     }
 
     /// Writes a step's line, counts the step, and records and returns its durations and costs.
-    pub(super) fn keep_step(&mut self, turn: &Turn<'_>) -> Result<StepSpent, JournalError> {
+    pub(super) fn keep_step(&mut self, turn: &Turn<'_>) -> Result<StepSpent, RunError> {
         let line = &turn.line;
         self.folder.append(&Line::Step(Box::new(line.clone())))?;
-        let seconds = turn.timer.seconds.clone();
-        let planning = PLANNING
-            .iter()
-            .filter_map(|what| seconds.get(*what)?.as_f64());
+        let asked = !line.attempts.is_empty();
         let spent = StepSpent {
             step: line.step,
-            planning_s: (!line.attempts.is_empty()).then(|| planning.sum()),
-            seconds,
+            planning_s: asked.then(|| turn.timer.planning.as_secs_f64()),
+            seconds: turn.timer.seconds.clone(),
             so_far: self.asking.ledger.spent(),
         };
         self.folder.spend(&Spent::Step(spent.clone()))?;

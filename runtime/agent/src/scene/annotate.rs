@@ -17,21 +17,11 @@ const MAGENTA: [u8; 3] = [255, 0, 255];
 const DOT_PX: u32 = 3;
 
 impl Scene {
-    /// Returns the camera's picture with the task's layers on it, later ones over earlier ones.
+    /// Returns the camera's picture with layers of the task on it, later ones over earlier ones.
     ///
     /// A layer that needs the previous action is omitted if there is none. Fails if a keypoint is missing, which
     /// happens only in a hand-edited program.
     pub fn annotated(
-        &self,
-        program: &Program,
-        rgb: &RgbImage,
-        last: Option<&ExecutedAction>,
-    ) -> Result<RgbImage, SceneError> {
-        self.with_layers(program, &program.layers, rgb, last)
-    }
-
-    /// Draws some of the task's layers, as [`Scene::annotated`] does.
-    fn with_layers(
         &self,
         program: &Program,
         layers: &[Layer],
@@ -55,8 +45,8 @@ impl Scene {
         Ok(fab_vision::draw_layers(rgb, &drawn)?)
     }
 
-    /// Draws every keypoint, then every layer over the previous ones, each with its name; the last picture is
-    /// [`Scene::annotated`].
+    /// Draws every keypoint, then every layer over the previous ones, each with its name; the last picture is what a model
+    /// would get.
     ///
     /// A mask is white on black; other keypoints are drawn on the camera's picture, points numbered in their order. A
     /// layer that needs the previous action is omitted if there is none. Fails as [`Scene::annotated`] does.
@@ -73,7 +63,7 @@ impl Scene {
         for (index, layer) in program.layers.iter().enumerate() {
             if last.is_some() || !layer.uses_last() {
                 let layers = &program.layers[..=index];
-                let picture = self.with_layers(program, layers, rgb, last)?;
+                let picture = self.annotated(program, layers, rgb, last)?;
                 stages.push((layer.name.clone(), picture));
             }
         }
@@ -94,11 +84,8 @@ impl Scene {
             Spot::One { point } => Ok(vec![pixel(point)?]),
         };
         let pixels = |at: &[Spot]| -> Result<Vec<PixelPoint>, Missing> {
-            Ok(at
-                .iter()
-                .map(of_spot)
-                .collect::<Result<Vec<_>, _>>()?
-                .concat())
+            let points = at.iter().map(of_spot);
+            Ok(points.collect::<Result<Vec<_>, _>>()?.concat())
         };
         Ok(match mark {
             Mark::Dot { at, radius_px } => DrawnShape::Dots {

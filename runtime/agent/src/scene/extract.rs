@@ -22,16 +22,17 @@ impl Scene {
         let out_of_view = |mask: &str| {
             SceneError::OutOfView(mask.to_owned(), format!("; `{name}` is taken from it"))
         };
-        let seen = |mask: Mask| self.seen(name, mask, extractor, observation);
-        Ok(match extractor {
-            Extractor::DepthMask { below_m } => seen(depth_mask(&observation.depth_m, *below_m))?,
+        let found = match extractor {
+            Extractor::DepthMask { below_m } => {
+                Extracted::Mask(depth_mask(&observation.depth_m, *below_m))
+            }
             Extractor::ColorMask {
                 hue_deg,
                 saturation,
                 value,
             } => {
                 let rgb = &observation.rgb;
-                seen(fab_vision::color_mask(rgb, *hue_deg, *saturation, *value))?
+                Extracted::Mask(fab_vision::color_mask(rgb, *hue_deg, *saturation, *value))
             }
             Extractor::SplitMask {
                 of,
@@ -40,7 +41,7 @@ impl Scene {
                 contrast,
             } => {
                 let rgb = &observation.rgb;
-                seen(fab_vision::split_mask(rgb, *of, *keep, *blur_px, *contrast))?
+                Extracted::Mask(fab_vision::split_mask(rgb, *of, *keep, *blur_px, *contrast))
             }
             Extractor::Closed { mask, by_px } => {
                 Extracted::Mask(fab_vision::closed(self.mask(mask)?, *by_px))
@@ -148,24 +149,16 @@ impl Scene {
                     .map(|pixel| SubpixelPoint::at(center_of(pixel)))
                     .collect(),
             ),
-        })
-    }
-
-    /// Returns a mask, which must not be empty if it is the cloth's.
-    ///
-    /// A colour may be out of sight, like the underside of a flat cloth.
-    fn seen(
-        &self,
-        name: &str,
-        mask: Mask,
-        extractor: &Extractor,
-        observation: &Observation,
-    ) -> Result<Extracted, SceneError> {
-        if mask.is_empty() && self.cloth().is_none() {
+        };
+        // A colour may be out of sight, like the underside of a flat cloth; the cloth may not.
+        if let Extracted::Mask(mask) = &found
+            && mask.is_empty()
+            && self.cloth().is_none()
+        {
             let measured = measured(extractor, observation);
             return Err(SceneError::OutOfView(name.to_owned(), measured));
         }
-        Ok(Extracted::Mask(mask))
+        Ok(found)
     }
 }
 

@@ -68,7 +68,7 @@ pub enum SceneError {
     #[error("`{0}` finds no point in the picture, so there is nothing to choose from{1}")]
     NoCandidates(String, String),
     /// Detectors found points, but none that a field offers is in reach; says why for each point.
-    #[error("no point of `{0}` is in reach: {1}")]
+    #[error("no point of {0} is in reach: {1}")]
     NoneInReach(String, String),
     /// A layer needs something missing; happens only in a hand-edited program.
     #[error("an annotation cannot be drawn: {0}")]
@@ -161,10 +161,8 @@ impl Scene {
     }
 
     fn get(&self, name: &str) -> Option<&Extracted> {
-        self.found
-            .iter()
-            .find(|(known, _)| known == name)
-            .map(|(_, found)| found)
+        let mut found = self.found.iter();
+        found.find(|(known, _)| known == name).map(|(_, it)| it)
     }
 
     fn mask(&self, name: &str) -> Result<&Mask, SceneError> {

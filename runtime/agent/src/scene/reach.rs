@@ -5,10 +5,11 @@
 
 use super::{Extracted, Scene, SceneError};
 use crate::action;
+use fab_base::wording::quoted;
 use fab_picture::observation::Observation;
 use fab_program::scene::{SceneView, Unreachable};
 use fab_program::space;
-use fab_program::{Choices, PixelPoint, Program};
+use fab_program::{ActionField, Choices, PixelPoint, Program};
 use fab_world::Reach;
 
 impl Scene {
@@ -23,17 +24,9 @@ impl Scene {
         observation: &Observation,
         reach: &Reach<'_>,
     ) -> Result<Scene, SceneError> {
-        let offered = program.actions.iter().filter_map(|field| {
-            let keypoints = match &field.choices {
-                Choices::Points { keypoints } => keypoints,
-                _ => return None,
-            };
-            Some((field, keypoints))
-        });
         let mut unreachable: Vec<Unreachable> = Vec::new();
-        for (field, keypoints) in offered.clone() {
-            let candidates = keypoints.iter().filter_map(|name| self.points(name));
-            for point in candidates.flatten() {
+        for field in &program.actions {
+            for point in points(field).filter_map(|name| self.points(name)).flatten() {
                 let is_known = unreachable.iter().any(|it| it.point == point);
                 let on_table = action::candidate(&field.name, point, &self, observation);
                 if let (false, Some(why)) = (is_known, on_table.and_then(|point| reach(&point))) {
@@ -45,25 +38,32 @@ impl Scene {
             return Ok(self);
         }
         let is_in_reach = |point: PixelPoint| unreachable.iter().all(|it| it.point != point);
-        for (_, keypoints) in offered.clone() {
-            let listed = self.found.iter_mut();
-            for (_, found) in listed.filter(|(name, _)| keypoints.contains(name)) {
-                if let Extracted::Points(points) = found {
-                    points.retain(|point| is_in_reach(point.pixel));
-                }
+        let is_offered =
+            |name: &String| program.actions.iter().flat_map(points).any(|it| it == name);
+        for (name, found) in &mut self.found {
+            if let (true, Extracted::Points(points)) = (is_offered(name), found) {
+                points.retain(|point| is_in_reach(point.pixel));
             }
         }
         self.unreachable = unreachable;
-        for (field, keypoints) in offered {
-            if space::choices(field, &self).is_empty() {
+        for field in &program.actions {
+            let keypoints: Vec<&String> = points(field).collect();
+            if !keypoints.is_empty() && space::choices(field, &self).is_empty() {
                 let points = self.unreachable.iter();
                 let why: Vec<String> = points
                     .map(|it| format!("{}: {}", it.point, it.why))
                     .collect();
-                let keypoints = keypoints.join("`, `");
-                return Err(SceneError::NoneInReach(keypoints, why.join("; ")));
+                return Err(SceneError::NoneInReach(quoted(keypoints), why.join("; ")));
             }
         }
         Ok(self)
+    }
+}
+
+/// Returns the keypoints whose points a field offers.
+fn points(field: &ActionField) -> impl Iterator<Item = &String> {
+    match &field.choices {
+        Choices::Points { keypoints } => keypoints.iter(),
+        _ => [].iter(),
     }
 }

@@ -3,8 +3,9 @@
 //! In: a program and the folder of its file. Out: the pictures that `fabc subgoals` drew, if they still match the
 //! program. `pins.json` beside them records what they were drawn from, and their hashes.
 
-use super::{ArrowPx, Origin, SubgoalError, SubgoalSet};
-use crate::journal::{self, JournalError};
+use super::{ArrowPx, Origin, SubgoalSet};
+use crate::error::RunError;
+use crate::journal;
 use fab_base::files;
 use fab_picture::png;
 use fab_program::{Fold, PINS_FILE, Program, Subgoals, Trial, pins_folder};
@@ -75,13 +76,7 @@ fn of_folder(
     for number in 0..=folds.len() {
         let picture = png::load(&source.join(format!("{number}.png")));
         let picture = picture.map_err(|_| Origin::DrawnAnew)?;
-        let is_exchanged = pins
-            .pictures
-            .get(number)
-            .is_some_and(|hash| *hash != hash_of(&picture));
-        if is_exchanged
-            || picture.dimensions() != (program.camera.image_px, program.camera.image_px)
-        {
+        if pins.pictures.get(number) != Some(&hash_of(&picture)) {
             return Err(Origin::DrawnAnew);
         }
         pictures.push(picture);
@@ -112,7 +107,7 @@ impl SubgoalSet {
         program: &Program,
         folder: &Path,
         params: &str,
-    ) -> Result<Vec<PathBuf>, SubgoalError> {
+    ) -> Result<Vec<PathBuf>, RunError> {
         let Some(Subgoals::Demonstrate { folds }) = &program.subgoals else {
             return Ok(Vec::new());
         };
@@ -120,7 +115,7 @@ impl SubgoalSet {
         let description = target.join(PINS_FILE);
         if description.exists() {
             let removed = fs::remove_file(&description);
-            removed.map_err(|error| JournalError::unwritable(&description, error))?;
+            removed.map_err(|error| RunError::unwritable(&description, error))?;
         }
         let mut files = Vec::new();
         for (number, picture) in self.pictures.iter().enumerate() {

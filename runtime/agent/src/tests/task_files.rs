@@ -1,5 +1,6 @@
 //! Unit tests of `task_files`.
 
+#![allow(clippy::unwrap_used)]
 use super::*;
 
 #[test]
@@ -13,21 +14,13 @@ fn a_link_out_of_the_folder_is_refused() {
         path: path.to_owned(),
     };
     assert!(resolve(&folder, &file("own.png")).is_ok());
-    assert!(matches!(
-        resolve(&folder, &file("absent.png")),
-        Err(FileError::Unreadable { .. })
-    ));
-    assert!(matches!(
-        resolve(&folder, &file("../secret.png")),
-        Err(FileError::Outside { .. })
-    ));
+    let refused = |path: &str| resolve(&folder, &file(path)).unwrap_err().to_string();
+    assert!(refused("absent.png").starts_with("cannot read"));
+    assert!(refused("../secret.png").contains("leads out of the task's folder"));
     #[cfg(unix)]
     {
         let link = folder.join("link.png");
         std::os::unix::fs::symlink(outer.path().join("secret.png"), link).expect("a link");
-        assert!(matches!(
-            resolve(&folder, &file("link.png")),
-            Err(FileError::Outside { .. })
-        ));
+        assert!(refused("link.png").contains("leads out of the task's folder"));
     }
 }

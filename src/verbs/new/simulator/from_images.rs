@@ -6,8 +6,9 @@ use super::page::Page;
 use crate::exit::Failure;
 use crate::io::Io;
 use crate::verbs::new::{Draft, FOLDING, NewFoldArguments, shown};
+use crate::verbs::runtime::setting;
 use fab_agent::draft;
-use fab_agent::draft::{DraftError, NamedPicture, SIDE_PX};
+use fab_agent::draft::{NamedPicture, SIDE_PX};
 use fab_picture::{observation, png};
 use fab_program::{Camera, Picker};
 use fab_world::{SimulatedWorld, World, WorldError};
@@ -31,11 +32,7 @@ pub fn draft(arguments: &NewFoldArguments, io: &Io) -> Result<Draft, Failure> {
     let longer_m = arguments.pictures.cloth;
     let found = draft::draft(&pictures, longer_m, &make_world, &interrupt, &announce);
     io.progress("");
-    let found = found.map_err(|error| match error {
-        DraftError::World(WorldError::Interrupted) => Failure::interrupted(),
-        DraftError::Count(_) => Failure::usage(error.to_string()),
-        error => Failure::environment(error),
-    })?;
+    let found = found.map_err(setting::unfit_usage)?;
     let name = &arguments.task.name;
     let page = Page {
         name,
@@ -82,8 +79,9 @@ fn load(paths: &[PathBuf], io: &Io) -> Result<Vec<NamedPicture>, Failure> {
             );
         }
         io.talk(&format!(
-            "note: the pictures are not squares of one size up to {CUT_PX} px: the middle square of each is taken, scaled \
-             to {side} x {side} px"
+            "note: the pictures are not squares of one size up to {} px: the middle square of each is taken, scaled \
+             to {side} x {side} px",
+            SIDE_PX.end()
         ));
     }
     Ok(pictures)

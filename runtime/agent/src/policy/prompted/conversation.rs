@@ -4,13 +4,11 @@
 //! line, each picture its bytes in the model's size. `fabc render`, `fabc snap` and rollouts all call this, so they show
 //! and send the same messages.
 
+use crate::error::RunError;
 use crate::examples::Examples;
 use crate::pictures::Pictures;
-use crate::rollout::RunError;
 use fab_model::{Lowering, Message, Part, Png, Speaker};
-use fab_program::render::{
-    self, NUMBERED_POINTS, PromptPicture, PromptSpeaker, PromptText, RenderError, Values,
-};
+use fab_program::render::{self, NUMBERED_POINTS, PromptPicture, PromptText, RenderError, Values};
 use fab_program::{Picture, Program, Stage};
 
 /// A message of a stage.
@@ -29,10 +27,8 @@ pub enum MessagePart {
     Text(PromptText),
     /// A picture that the task shows; `None` before it is drawn.
     Picture(PromptPicture, Option<Png>),
-    /// The refused action, drawn on the stage's picture.
-    RefusedAction(Png),
-    /// What would come of an answer, as a twin shows it.
-    Prediction(Png),
+    /// A picture that the rollout adds, and what it shows, in words.
+    Added(&'static str, Png),
 }
 
 impl StageMessage {
@@ -49,9 +45,7 @@ impl StageMessage {
         let parts = self.parts.iter().filter_map(|part| match part {
             MessagePart::Text(said) => Some(Part::Text(said.text.clone())),
             MessagePart::Picture(_, png) => png.clone().map(Part::Image),
-            MessagePart::RefusedAction(png) | MessagePart::Prediction(png) => {
-                Some(Part::Image(png.clone()))
-            }
+            MessagePart::Added(_, png) => Some(Part::Image(png.clone())),
         });
         Message {
             speaker: self.speaker,
@@ -74,11 +68,6 @@ pub fn opening(
     let notation = values.notation(program);
     let mut spoken = Vec::new();
     for prompt in render::messages(program, stage, values)? {
-        let speaker = match prompt.speaker {
-            PromptSpeaker::System => Speaker::System,
-            PromptSpeaker::User => Speaker::User,
-            PromptSpeaker::Assistant => Speaker::Assistant,
-        };
         let is_scene = |picture: &PromptPicture| {
             matches!(picture, PromptPicture::Drawn(Picture::Scene { .. }))
         };
@@ -89,7 +78,10 @@ pub fn opening(
         if is_numbered {
             parts.push(MessagePart::Text(PromptText::by_fabc(NUMBERED_POINTS)));
         }
-        spoken.push(StageMessage { speaker, parts });
+        spoken.push(StageMessage {
+            speaker: prompt.speaker,
+            parts,
+        });
     }
     let question = spoken.len().saturating_sub(1);
     let pointing = values.pointing(program);

@@ -9,27 +9,37 @@ use crate::policy::proposing::{Refusal, Settled, settle};
 use crate::policy::{Attempt, Exchange, Exchanged, Finding, Question, RunError, StepView};
 use crate::record::Asked;
 use fab_model::calls::CallRefused;
-use fab_model::{Model, ModelError, Png, Request, Speaker};
+use fab_model::{Lowering, Model, ModelError, Png, Reply, Request, Speaker};
 use fab_program::facts::Facts;
 use fab_program::pointing::Notation;
 use fab_program::render::{self, PromptText, REFUSED_ACTION, RenderError, SEPARATOR, Values};
 use fab_program::{Layers, ModelRole, OVERLAP, Picture, Proposal, Stage, reply, space};
 use serde_json::Value;
-use std::collections::BTreeMap;
+use std::cell::RefCell;
+use std::collections::{BTreeMap, VecDeque};
 use std::time::Instant;
 
-/// Who is asked what: a stage in a step, with the texts that are known, and the model that answers.
+/// Who is asked what: a stage in a step, with the texts that are known, and what answers.
 #[derive(Clone, Copy)]
 pub(super) struct Setting<'a> {
     pub view: StepView<'a>,
     pub stage: &'a Stage,
     pub texts: &'a BTreeMap<String, String>,
-    pub model: &'a dyn Model,
+    pub lowering: Lowering,
+    pub answers: Answers<'a>,
+}
+
+/// Where answers come from.
+#[derive(Clone, Copy)]
+pub(super) enum Answers<'a> {
+    Model(&'a dyn Model),
+    /// These in turn, and then none.
+    Given(&'a RefCell<VecDeque<String>>),
 }
 
 impl<'a> Setting<'a> {
     fn facts(&self) -> Facts<'a> {
-        let pointing = self.model.lowering().pointing(self.view.pictures.size());
+        let pointing = self.lowering.pointing(self.view.pictures.size());
         Facts {
             texts: self.texts,
             pointing,
@@ -46,8 +56,6 @@ pub(super) struct Dialogue {
     notation: Notation,
     /// The schema of valid answers for this scene.
     schema: Value,
-    /// Which of several answers to one question is asked for, from 0.
-    candidate: u32,
     /// The number of this stage's last question in the step, whichever conversation asked it.
     pub asked: u32,
     /// The last answer; empty if none came.
@@ -58,17 +66,15 @@ impl Dialogue {
     /// Begins with the stage's messages.
     ///
     /// - `known`: [`Values::Known`], or [`Values::Partly`] to show missing texts as words in angle brackets.
-    /// - `candidate`: which of several answers is asked for, from 0.
     /// - `asked`: questions of this stage and step so far.
     pub fn begin<'a>(
         at: Setting<'a>,
         known: fn(Facts<'a>) -> Values<'a>,
-        [candidate, asked]: [u32; 2],
+        asked: u32,
     ) -> Result<Dialogue, RunError> {
         let (program, view, facts) = (at.view.program, at.view, at.facts());
-        let (values, lowering) = (known(facts), at.model.lowering());
-        let pictures = view.pictures;
-        let mut messages = conversation(program, at.stage, values, pictures, view.step, &lowering)?;
+        let (values, pictures, lowering) = (known(facts), view.pictures, &at.lowering);
+        let mut messages = conversation(program, at.stage, values, pictures, view.step, lowering)?;
         if let (Some(remark), Some(question)) = (remark(view, facts)?, messages.last_mut()) {
             question.parts.push(MessagePart::Text(remark));
         }
@@ -81,7 +87,6 @@ impl Dialogue {
             messages,
             schema: reply::for_stage(program, at.stage, &notation, &offered),
             notation,
-            candidate,
             asked,
             answer: String::new(),
         })
@@ -94,18 +99,13 @@ impl Dialogue {
         attempts: u32,
         exchange: &mut Exchange<'_, '_>,
     ) -> Result<Settled, RunError> {
-        settle(
-            &at.view,
-            attempts,
-            at.facts(),
-            exchange,
-            &mut |refusals, exchange| {
-                if let Some(refusal) = refusals.last() {
-                    self.correct(at, refusal)?;
-                }
-                self.ask(at, exchange)
-            },
-        )
+        let mut ask = |refusals: &[Refusal], exchange: &mut Exchange<'_, '_>| {
+            if let Some(refusal) = refusals.last() {
+                self.correct(at, refusal)?;
+            }
+            self.ask(at, exchange)
+        };
+        settle(&at.view, attempts, at.facts(), exchange, &mut ask)
     }
 
     /// Adds the last answer, and what would come of it.
@@ -113,7 +113,8 @@ impl Dialogue {
         self.say_answer(self.answer.clone());
         let words = PromptText::by_fabc(words.to_owned());
         let mut shown = StageMessage::text(Speaker::User, words);
-        shown.parts.push(MessagePart::Prediction(predicted));
+        let what = "what would come of the answer";
+        shown.parts.push(MessagePart::Added(what, predicted));
         self.messages.push(shown);
     }
 
@@ -121,6 +122,23 @@ impl Dialogue {
         let stretches = Vec::new();
         let answer = StageMessage::text(Speaker::Assistant, PromptText { text, stretches });
         self.messages.push(answer);
+    }
+
+    /// Returns the next question, as it is sent.
+    pub fn request(&self, Setting { view, stage, .. }: Setting<'_>) -> Request {
+        Request {
+            role: stage.model,
+            messages: self.messages.iter().map(StageMessage::sent).collect(),
+            temperature: stage.temperature,
+            top_p: stage.top_p,
+            max_tokens: stage.max_tokens,
+            reasoning: stage.reasoning,
+            repetition: view.repetition,
+            start: view.start_number,
+            step: view.number,
+            candidate: view.answer,
+            schema: Some(self.schema.clone()),
+        }
     }
 
     /// Asks the next question, and judges the answer.
@@ -131,19 +149,7 @@ impl Dialogue {
     ) -> Result<Attempt, RunError> {
         let Setting { view, stage, .. } = at;
         self.asked += 1;
-        let request = Request {
-            role: stage.model,
-            messages: self.messages.iter().map(StageMessage::sent).collect(),
-            temperature: stage.temperature,
-            top_p: stage.top_p,
-            max_tokens: stage.max_tokens,
-            reasoning: stage.reasoning,
-            repetition: view.repetition,
-            start: view.start_number,
-            step: view.number,
-            candidate: self.candidate,
-            schema: Some(self.schema.clone()),
-        };
+        let request = self.request(at);
         let question = Question::Prompt(Box::new(request.clone()));
         let sent = (exchange.record)(Exchanged::Question {
             stage: &stage.name,
@@ -151,7 +157,13 @@ impl Dialogue {
             question: &question,
         })?;
         let begun = Instant::now();
-        let answered = exchange.asking.ask(at.model, &request);
+        let answered = match at.answers {
+            Answers::Model(model) => exchange.asking.ask(model, &request),
+            Answers::Given(answers) => {
+                let answer = answers.borrow_mut().pop_front();
+                answer.map(Reply::text).ok_or(ModelError::Interrupted)
+            }
+        };
         let took = begun.elapsed();
         let (reply, finding) = match answered {
             Ok(reply) => {
@@ -159,7 +171,7 @@ impl Dialogue {
                 (Some(reply), finding)
             }
             Err(ModelError::NotSent(refused @ CallRefused::Ledger(_))) => {
-                return Err(RunError::Calls(refused));
+                return Err(RunError::failed(refused));
             }
             Err(error) => (None, failed(&error)),
         };
@@ -196,9 +208,8 @@ impl Dialogue {
             said.push(SEPARATOR, PromptText::by_fabc(REFUSED_ACTION));
         }
         let mut correction = StageMessage::text(Speaker::User, said);
-        correction
-            .parts
-            .extend(picture.map(MessagePart::RefusedAction));
+        let picture = picture.map(|png| MessagePart::Added("the refused action", png));
+        correction.parts.extend(picture);
         self.messages.push(correction);
         Ok(())
     }
@@ -222,7 +233,7 @@ impl Dialogue {
             pictures.scene.clone()
         };
         fab_vision::draw_action(&mut drawn, action.pick_px, action.place_px).ok()?;
-        Some(scene_png(&drawn, &at.model.lowering(), &self.notation))
+        Some(scene_png(&drawn, &at.lowering, &self.notation))
     }
 }
 

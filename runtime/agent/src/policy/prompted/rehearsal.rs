@@ -5,17 +5,17 @@
 //! model's texts.
 
 use super::StageMessage;
-use super::dialogue::{Dialogue, Setting};
+use super::dialogue::{Answers, Dialogue, Setting};
 use crate::policy::proposing::Settled;
 use crate::policy::{Asking, Exchange, Exchanged, Finding, RunError, StepView};
 use crate::record::SentFiles;
 use fab_base::interrupt::Interrupt;
-use fab_model::calls::{Budget, CallRefused, Calls, Ledger};
-use fab_model::{Lowering, Model, ModelError, ModelKind, Reply, Request};
-use fab_program::Stage;
+use fab_model::calls::{Budget, Ledger};
+use fab_model::{Lowering, Models, Request};
 use fab_program::render::Values;
+use fab_program::{Read, Stage, reply};
+use std::cell::RefCell;
 use std::collections::{BTreeMap, VecDeque};
-use std::sync::{Mutex, PoisonError};
 
 /// A stage, its conversation, and the results of its answers.
 #[derive(Clone, Debug)]
@@ -30,30 +30,40 @@ pub struct Rehearsed {
     pub findings: Vec<Finding>,
 }
 
-/// Gives these answers in turn, and then none.
-struct Given {
-    lowering: Lowering,
-    answers: Mutex<VecDeque<String>>,
+/// The first question of a stage.
+#[derive(Clone, Debug)]
+pub struct FirstQuestion {
+    /// The stage.
+    pub stage: String,
+    /// The question, with words in angle brackets for texts that only a model can give; if the stage reads the action, its
+    /// schema lacks the scene's values.
+    pub request: Request,
 }
 
-impl Model for Given {
-    fn name(&self) -> &str {
-        "given"
-    }
-
-    fn nature(&self) -> ModelKind {
-        ModelKind::StandIn
-    }
-
-    fn lowering(&self) -> Lowering {
-        self.lowering
-    }
-
-    fn ask(&self, _: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
-        let mut answers = self.answers.lock().unwrap_or_else(PoisonError::into_inner);
-        let answer = answers.pop_front().ok_or(CallRefused::Interrupted)?;
-        Ok(Reply::text(answer))
-    }
+/// Returns the first question of each stage in a step, before anything is asked.
+pub fn first_questions(
+    view: StepView<'_>,
+    models: Models<'_>,
+) -> Result<Vec<FirstQuestion>, RunError> {
+    let (texts, answers) = (BTreeMap::new(), RefCell::default());
+    let question = |stage: &Stage| {
+        let at = Setting {
+            view,
+            stage,
+            texts: &texts,
+            lowering: models.of(stage.model).lowering(),
+            answers: Answers::Given(&answers),
+        };
+        let mut request = Dialogue::begin(at, Values::Partly, 0)?.request(at);
+        if stage.read == Read::Action {
+            request.schema = Some(reply::static_schema(view.program));
+        }
+        Ok(FirstQuestion {
+            stage: stage.name.clone(),
+            request,
+        })
+    };
+    view.program.stages.iter().map(question).collect()
 }
 
 /// Runs stages of a step as a rollout does, with given answers instead of a model.
@@ -69,8 +79,7 @@ pub fn rehearse(
     lowering: Lowering,
     answers: Vec<String>,
 ) -> Result<(Vec<Rehearsed>, Vec<String>), RunError> {
-    let answers = Mutex::new(answers.into());
-    let given = Given { lowering, answers };
+    let answers = RefCell::new(VecDeque::from(answers));
     let budget = Budget::default();
     let mut texts = BTreeMap::new();
     let mut rehearsed = Vec::with_capacity(stages.len());
@@ -79,9 +88,10 @@ pub fn rehearse(
             view,
             stage,
             texts: &texts,
-            model: &given,
+            lowering,
+            answers: Answers::Given(&answers),
         };
-        let mut dialogue = Dialogue::begin(at, Values::Partly, [0, 0])?;
+        let mut dialogue = Dialogue::begin(at, Values::Partly, 0)?;
         let n_asked_first = dialogue.messages.len();
         let mut findings = Vec::new();
         let mut exchange = Exchange {
@@ -112,7 +122,5 @@ pub fn rehearse(
             Settled::Action(..) | Settled::Failed { .. } => {}
         }
     }
-    let left = given.answers.into_inner();
-    let left = left.unwrap_or_else(PoisonError::into_inner);
-    Ok((rehearsed, left.into()))
+    Ok((rehearsed, answers.into_inner().into()))
 }
