@@ -18,7 +18,7 @@ use fab_agent::rollout::{self, Job};
 use fab_arm::calibration::{Calibration, Pair, Terms};
 use fab_arm::journal::{ARM_FILE, Begun, Entry, run_state};
 use fab_arm::port::{AfterStop, GoalId, GoalState, Port, PortError, Readings, Waypoint};
-use fab_arm::rgbd::{RgbdError, RgbdSource, Shot};
+use fab_arm::rgbd::{RgbdSource, Shot};
 use fab_arm::route::SegmentName;
 use fab_arm::settings::Settings;
 use fab_arm::supervisor::{MotionRequest, NoWatchdog, Supervisor};
@@ -216,12 +216,9 @@ impl RgbdSource for FaultyCamera {
         self.0.name()
     }
 
-    fn shoot(&mut self) -> Result<Shot, RgbdError> {
+    fn shoot(&mut self) -> Result<Shot, String> {
         if self.1.arm().has_lost_camera() {
-            return Err(RgbdError {
-                camera: self.name(),
-                why: "nothing comes from it any more".to_owned(),
-            });
+            return Err("nothing comes from it any more".to_owned());
         }
         self.0.shoot()
     }
@@ -254,7 +251,11 @@ fn small_pictures() -> (Settings, Calibration) {
     settings.simulated.camera_px = SIDE_PX;
     settings.camera.window_px = [0, 0, SIDE_PX];
     settings.camera.intrinsics = None;
-    let terms = Terms::of(&settings, [SIDE_PX; 2], 3.0);
+    let terms = Terms {
+        limit_mm: 3.0,
+        size_px: [SIDE_PX; 2],
+        intrinsics: None,
+    };
     let pairs = calibration.pairs.into_iter().map(|pair| Pair {
         pixel: pair.pixel.map(|at| at * scale),
         ..pair

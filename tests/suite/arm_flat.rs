@@ -4,7 +4,7 @@ use super::support::{self, bring_robot, fabc, finish};
 use fab_arm::supervisor::Unattended;
 use fab_arm::world;
 use fab_arm::world::ArmWorld;
-use fab_arm::world::{FlatPicture, about};
+use fab_arm::world::{about, flat_picture};
 use fab_world::World;
 use fab_world::start::Start;
 use image::RgbImage;
@@ -21,7 +21,7 @@ fn name_flat(folder: &Path) {
 fn arm(folder: &Path) -> ArmWorld {
     let robot = folder.join("robot.toml");
     let (settings, _, calibration) = world::load(&robot).unwrap();
-    let flat = FlatPicture::load(&robot, &settings, &calibration).unwrap();
+    let flat = flat_picture(&robot, &settings, &calibration).unwrap();
     let image_px = support::small_task().camera.image_px;
     support::simulated_arm(&robot, image_px, Box::new(Unattended), None).with_flat(flat)
 }

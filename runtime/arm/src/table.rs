@@ -5,7 +5,7 @@
 
 mod sheets;
 
-use crate::rgbd::{RgbdError, RgbdSource, Shot};
+use crate::rgbd::{RgbdSource, Shot};
 use crate::settings::{Settings, SimulatedSettings};
 use crate::simulated::SimulatedTable;
 use fab_program::Material;
@@ -238,17 +238,12 @@ impl RgbdSource for TableCamera {
         "simulated".to_owned()
     }
 
-    fn shoot(&mut self) -> Result<Shot, RgbdError> {
+    fn shoot(&mut self) -> Result<Shot, String> {
         let table = self.0.borrow();
-        let failed = |why: String| RgbdError {
-            camera: self.name(),
-            why,
-        };
         if let Some(why) = &table.broken {
-            return Err(failed(why.clone()));
+            return Err(why.clone());
         }
-        let cloth = table.cloth.as_ref();
-        let cloth = cloth.ok_or_else(|| failed("no cloth has been laid yet".to_owned()))?;
+        let cloth = table.cloth.as_ref().ok_or("no cloth has been laid yet")?;
         Ok(table.shot_of(cloth.grid(), &cloth.positions()))
     }
 }

@@ -1,6 +1,6 @@
 //! The parts of an arm's world: its files, supervisor and watchdog.
 
-use super::FlatPicture;
+use super::flat_picture;
 use crate::calibration::Calibration;
 use crate::guard::{Guard, Surface};
 use crate::settings::{DriverKind, Settings};
@@ -10,6 +10,7 @@ use crate::table::ClothTable;
 use fab_base::digest;
 use fab_program::Material;
 use fab_world::About;
+use image::RgbImage;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -34,13 +35,6 @@ pub struct Parts {
     pub watchdog: Box<dyn Watchdog>,
     /// The run folder, for the arm's journal; without one nothing moves.
     pub folder: Option<PathBuf>,
-}
-
-impl Parts {
-    /// Returns the guard of the arm's motions over the calibrated table.
-    pub fn guard(&self) -> Guard {
-        guard(&self.settings, &self.calibration)
-    }
 }
 
 /// Returns the guard of an arm's motions over a calibrated table.
@@ -77,7 +71,7 @@ pub fn load(path: &Path) -> Result<(Settings, String, Calibration), String> {
 /// Returns the identity of the world of a settings file; the error says which file is wrong.
 pub fn about(path: &Path) -> Result<About, String> {
     let (settings, settings_hash, calibration) = load(path)?;
-    let flat = FlatPicture::load(path, &settings, &calibration)?;
+    let flat = flat_picture(path, &settings, &calibration)?;
     Ok(About {
         name: name(&settings).to_owned(),
         parameters: parameters(&settings_hash, &calibration, flat.as_ref()),
@@ -104,13 +98,13 @@ pub(super) fn code(driver: DriverKind) -> String {
 pub(super) fn parameters(
     settings_hash: &str,
     calibration: &Calibration,
-    flat: Option<&FlatPicture>,
+    flat: Option<&RgbImage>,
 ) -> String {
     let mut hash = Sha256::new();
     hash.update(settings_hash);
     hash.update(calibration.to_toml());
     if let Some(flat) = flat {
-        hash.update(flat.bytes());
+        hash.update(flat.as_raw());
     }
     digest::hex(&hash.finalize())[..16].to_owned()
 }

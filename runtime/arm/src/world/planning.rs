@@ -3,19 +3,17 @@
 //! In: what an [`ArmWorld`] takes, without an arm. Out: pictures, and for the first motion a [`Plan`] in the run folder as
 //! `plan.json` and `plan.png`. No arm is connected, so none can move; the tool is assumed to be at `rest_m`.
 
-use super::{Acts, ArmWorld, Parts, base_from_world, motion};
+use super::simulated::table;
+use super::{Acts, ArmWorld, Parts, motion};
 use crate::driver::parked::ParkedArm;
 use crate::kinematics::tool_down::tool_down;
 use crate::plan::Plan;
 use crate::rgbd::RgbdSource;
-use crate::settings::DriverKind;
-use crate::table::{ClothTable, TableCamera};
+use crate::table::TableCamera;
 use fab_base::files;
 use fab_picture::png;
 use fab_world::WorldError;
-use std::cell::RefCell;
 use std::path::Path;
-use std::rc::Rc;
 
 /// Name of a plan's file in a run folder.
 pub const PLAN_FILE: &str = "plan.json";
@@ -29,14 +27,7 @@ const MAX_BYTES: u64 = 1 << 20;
 impl ArmWorld {
     /// Sets up a table that this program simulates, to plan over it, for settings with the driver `simulated`.
     pub fn planning_simulated(parts: Parts) -> Result<ArmWorld, WorldError> {
-        let settings = &parts.settings;
-        if settings.driver != DriverKind::Simulated {
-            let why = "its settings name another driver than `simulated`";
-            return Err(motion(why.to_owned()));
-        }
-        let table = ClothTable::new(settings, &base_from_world(settings))?;
-        let table = table.with_material(parts.material.as_ref());
-        let table = Rc::new(RefCell::new(table));
+        let table = table(&parts)?;
         let camera = Box::new(TableCamera(table.clone()));
         let planning = ArmWorld::planning(parts, camera)?;
         Ok(ArmWorld {
@@ -74,7 +65,7 @@ impl ArmWorld {
             sight,
             ..
         } = &self.parts;
-        let reach = self.reach.reach();
+        let reach = &self.reach.reach;
         let drawn = (sight.draw_plan)(plan, &shot.rgb, calibration, settings, reach);
         let drawn = drawn.map_err(motion)?;
         let text = serde_json::to_vec_pretty(plan).map_err(|error| motion(error.to_string()))?;

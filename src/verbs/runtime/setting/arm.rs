@@ -13,7 +13,7 @@ use fab_arm::directory::PictureSelection;
 use fab_arm::journal;
 use fab_arm::settings::{CameraSource, DriverKind, Settings};
 use fab_arm::supervisor::{NoWatchdog, Supervisor, Unattended};
-use fab_arm::world::{self, ArmWorld, FlatPicture, Parts, WithinReach};
+use fab_arm::world::{self, ArmWorld, Parts, WithinReach};
 use fab_program::{ClothStart, Program};
 use fab_world::start::Start;
 use fab_world::{World, WorldError};
@@ -82,7 +82,7 @@ pub fn check(arguments: &ArmArguments, mode: ArmMode, io: &Io) -> Result<Setting
     }
     usable(robot)?;
     let (settings, _, calibration) = world::load(robot).map_err(Failure::environment)?;
-    FlatPicture::load(robot, &settings, &calibration).map_err(Failure::environment)?;
+    world::flat_picture(robot, &settings, &calibration).map_err(Failure::environment)?;
     if settings.driver == DriverKind::Kinova {
         io.talk(POSES_ALONE);
     }
@@ -129,7 +129,7 @@ pub fn world(
     // Again, because the files may have changed since.
     usable(arguments.robot()).map_err(|failure| failed(failure.to_string()))?;
     let (settings, settings_hash, calibration) = world::load(arguments.robot()).map_err(failed)?;
-    let flat = FlatPicture::load(arguments.robot(), &settings, &calibration).map_err(failed)?;
+    let flat = world::flat_picture(arguments.robot(), &settings, &calibration).map_err(failed)?;
     let supervisor = match mode {
         ArmMode::Execute => supervisor(arguments, &settings, io),
         ArmMode::PlanOnly => Ok(Box::new(Unattended) as Box<dyn Supervisor>),

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 use super::*;
 use crate::world::load;
+use fab_program::Manner;
 use std::path::Path;
 
 /// Cloth on the low side of a tilted table is grasped where it lies, not at the height of the table's middle.
