@@ -59,7 +59,7 @@ impl Scene {
     /// Sets up the scene with an empty table; fails with the reason.
     pub fn new(plan: &Plan) -> Result<Scene, String> {
         let settings = Settings::load(&plan.robot).map_err(|error| error.to_string())?;
-        let table = ClothTable::new(&settings, &base_from_world(&settings));
+        let table = ClothTable::new(&settings, &base_from_world(&settings), None);
         let table = Rc::new(RefCell::new(table.map_err(|error| error.to_string())?));
         let (messages, faults) = plan
             .faults

@@ -68,9 +68,6 @@ impl Calibration {
 }
 
 fn reduced(picture: &GrayImage, scale: f64) -> GrayImage {
-    if scale == 1.0 {
-        return picture.clone();
-    }
     let side = |px: u32| ((f64::from(px) / scale) as u32).max(1);
     let (width, height) = (side(picture.width()), side(picture.height()));
     imageops::resize(picture, width, height, FilterType::Triangle)

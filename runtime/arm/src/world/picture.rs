@@ -17,18 +17,18 @@ use std::path::Path;
 
 /// Reads the camera's own picture of the flat cloth that the settings name; `None` if they name none.
 ///
-/// - `path`: the settings file; the picture's path is relative to it.
+/// - `beside`: the folder of the settings.
 ///
 /// Fails if it cannot be read, or its size differs from the calibrated camera's pictures.
-pub fn flat_picture(
-    path: &Path,
+pub(super) fn flat_picture(
+    beside: &Path,
     settings: &Settings,
     calibration: &Calibration,
 ) -> Result<Option<RgbImage>, String> {
     let Some(named) = &settings.camera.flat else {
         return Ok(None);
     };
-    let file = path.parent().unwrap_or(Path::new(".")).join(named);
+    let file = beside.join(named);
     let wrong = |why: String| format!("`camera.flat`, the picture of the flat cloth: {why}");
     let rgb = png::load(&file).map_err(|error| wrong(error.to_string()))?;
     let ([width, height], (found_width, found_height)) =
@@ -45,22 +45,25 @@ pub fn flat_picture(
 
 /// Takes the camera's own picture of the settings' simulated table, without a cloth.
 pub fn simulated_table(settings: &Settings) -> Result<RgbImage, WorldError> {
-    let table = ClothTable::new(settings, &base_from_world(settings))?;
+    let table = ClothTable::new(settings, &base_from_world(settings), None)?;
     Ok(table.bare_shot()?.rgb)
 }
 
 /// Cuts the task's square picture out of the camera's own.
 pub(super) fn square(parts: &Parts, shot: &Shot, time_s: f64) -> Result<Observation, WorldError> {
     let size_px = [shot.rgb.width(), shot.rgb.height()];
-    let window = parts.settings.camera.window_px;
+    let window = parts.files.settings.camera.window_px;
     check_window(window, size_px).map_err(|why| WorldError::Camera { why })?;
     let image_px = parts.image_px;
     let (closed, note) = dropouts::closed(&shot.depth_m);
-    let world_from_base = base_from_world(&parts.settings).inverse();
+    let world_from_base = base_from_world(&parts.files.settings).inverse();
     Ok(Observation {
         rgb: cut::colours(&shot.rgb, window, image_px),
         depth_m: cut::depth(&closed, window, image_px),
-        camera: parts.calibration.camera(&world_from_base, window, image_px),
+        camera: parts
+            .files
+            .calibration
+            .camera(&world_from_base, window, image_px),
         time_s,
         notes: note.into_iter().collect(),
     })

@@ -40,7 +40,7 @@ impl ArmWorld {
     pub fn planning(mut parts: Parts, camera: Box<dyn RgbdSource>) -> Result<ArmWorld, WorldError> {
         // Without motion there is no journal.
         let folder = parts.folder.take();
-        let settings = &parts.settings;
+        let settings = &parts.files.settings;
         let turn_rad = settings.motion.hand_turn_deg.to_radians();
         let at = tool_down(&settings.workspace.rest_m.into(), turn_rad);
         let arm = ParkedArm::at(at);
@@ -59,14 +59,9 @@ impl ArmWorld {
         let Some(shot) = &self.last_shot else {
             return Err(motion("there is no picture to draw the plan on".to_owned()));
         };
-        let Parts {
-            settings,
-            calibration,
-            sight,
-            ..
-        } = &self.parts;
-        let reach = &self.reach.reach;
-        let drawn = (sight.draw_plan)(plan, &shot.rgb, calibration, settings, reach);
+        let Parts { files, sight, .. } = &self.parts;
+        let (calibration, reach) = (&files.calibration, &self.reach.reach);
+        let drawn = (sight.draw_plan)(plan, &shot.rgb, calibration, &files.settings, reach);
         let drawn = drawn.map_err(motion)?;
         let text = serde_json::to_vec_pretty(plan).map_err(|error| motion(error.to_string()))?;
         let picture = png::encode(&drawn);

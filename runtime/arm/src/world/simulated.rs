@@ -22,7 +22,7 @@ impl ArmWorld {
         between: impl FnOnce(SimulatedArm, TableCamera) -> (Box<dyn Port>, Box<dyn RgbdSource>),
     ) -> Result<ArmWorld, WorldError> {
         let table = table(&parts)?;
-        let settings = &parts.settings;
+        let settings = &parts.files.settings;
         let simulation = Simulation::of(settings).map_err(motion)?;
         let arm = SimulatedArm::new(simulation, Some(table.clone()));
         let (port, camera) = between(arm, TableCamera(table.clone()));
@@ -37,8 +37,11 @@ impl ArmWorld {
 
 /// Sets up the table without a cloth.
 pub(super) fn table(parts: &Parts) -> Result<Rc<RefCell<ClothTable>>, WorldError> {
-    let settings = &parts.settings;
-    let table = ClothTable::new(settings, &base_from_world(settings))?;
-    let table = table.with_material(parts.material.as_ref());
+    let settings = &parts.files.settings;
+    let table = ClothTable::new(
+        settings,
+        &base_from_world(settings),
+        parts.material.as_ref(),
+    )?;
     Ok(Rc::new(RefCell::new(table)))
 }

@@ -8,6 +8,7 @@ mod refusals;
 mod touches;
 mod truth;
 mod views;
+mod zz;
 
 use super::view::pixel_at;
 use super::*;
