@@ -203,7 +203,7 @@ fn peer_ros2_a_camera_gives_colour_depth_and_projection_from_after_the_request()
         .shoot()
         .unwrap_err();
     assert_eq!(
-        why.why,
+        why,
         "nothing came on `/camera/nothing` within 1 s: is the camera's driver started?"
     );
 }

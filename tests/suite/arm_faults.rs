@@ -18,13 +18,12 @@ use fab_agent::rollout::{self, Job};
 use fab_arm::calibration::{Calibration, Pair, Terms};
 use fab_arm::journal::{ARM_FILE, Begun, Entry, run_state};
 use fab_arm::port::{AfterStop, GoalId, GoalState, Port, PortError, Readings, Waypoint};
-use fab_arm::rgbd::{RgbdError, RgbdSource, Shot};
+use fab_arm::rgbd::{RgbdSource, Shot};
 use fab_arm::route::SegmentName;
-use fab_arm::settings::Settings;
 use fab_arm::supervisor::{MotionRequest, NoWatchdog, Supervisor};
 use fab_arm::table::TableCamera;
-use fab_arm::world;
 use fab_arm::world::ArmWorld;
+use fab_arm::world::Files;
 use fab_arm::world::Parts;
 use fab_base::chance::Chance;
 use fab_base::interrupt::Interrupt;
@@ -216,12 +215,9 @@ impl RgbdSource for FaultyCamera {
         self.0.name()
     }
 
-    fn shoot(&mut self) -> Result<Shot, RgbdError> {
+    fn shoot(&mut self) -> Result<Shot, String> {
         if self.1.arm().has_lost_camera() {
-            return Err(RgbdError {
-                camera: self.name(),
-                why: "nothing comes from it any more".to_owned(),
-            });
+            return Err("nothing comes from it any more".to_owned());
         }
         self.0.shoot()
     }
@@ -247,30 +243,33 @@ fn program() -> Program {
 }
 
 /// The simulated arm of the shipped file, with a camera of fewer pixels.
-fn small_pictures() -> (Settings, Calibration) {
+fn small_pictures() -> Files {
     let robot = root().join("tasks/real/simulated.toml");
-    let (mut settings, _, calibration) = world::load(&robot).unwrap();
+    let mut files = Files::load(&robot).unwrap();
+    let settings = &mut files.settings;
     let scale = f64::from(SIDE_PX) / f64::from(settings.simulated.camera_px);
     settings.simulated.camera_px = SIDE_PX;
     settings.camera.window_px = [0, 0, SIDE_PX];
     settings.camera.intrinsics = None;
-    let terms = Terms::of(&settings, [SIDE_PX; 2], 3.0);
-    let pairs = calibration.pairs.into_iter().map(|pair| Pair {
+    let terms = Terms {
+        limit_mm: 3.0,
+        size_px: [SIDE_PX; 2],
+        intrinsics: None,
+    };
+    let pairs = files.calibration.pairs.into_iter().map(|pair| Pair {
         pixel: pair.pixel.map(|at| at * scale),
         ..pair
     });
     let calibration = Calibration::make(terms, pairs.collect(), "2026-11-22", None);
-    (settings, calibration.unwrap())
+    files.calibration = calibration.unwrap();
+    files
 }
 
 fn run(trial: &Trial<'_>, trouble: &Trouble, folder: &Path) -> Ended {
     let interrupt = Interrupt::default();
     let make_world = || -> Result<Box<dyn World>, WorldError> {
-        let (settings, calibration) = small_pictures();
         let parts = Parts {
-            settings,
-            settings_hash: String::new(),
-            calibration,
+            files: small_pictures(),
             sight: SIGHT,
             material: None,
             image_px: trial.program.camera.image_px,
@@ -283,7 +282,7 @@ fn run(trial: &Trial<'_>, trouble: &Trouble, folder: &Path) -> Ended {
             watchdog: Box::new(NoWatchdog),
             folder: Some(folder.to_owned()),
         };
-        let (chain, faults) = (parts.settings.chain().clone(), trouble.faults.clone());
+        let (chain, faults) = (parts.files.settings.chain().clone(), trouble.faults.clone());
         let world = ArmWorld::simulated_behind(parts, |arm, camera| {
             let arm = SharedArm::new(Faulty::of(arm, chain, faults));
             ARM.set(Some(arm.clone()));
@@ -360,9 +359,9 @@ fn survives(trial: &Trial<'_>, seed: u64, usual: &Ended) -> Outcome {
 }
 
 fn is_within_the_box(ended: &mut Ended, trouble: &Trouble, told: &str) {
-    let settings = world::load(&root().join("tasks/real/simulated.toml"))
+    let settings = Files::load(&root().join("tasks/real/simulated.toml"))
         .unwrap()
-        .0;
+        .settings;
     let over_m = match (
         trouble.has(FaultKind::Runaway),
         trouble.has(FaultKind::LostStop),

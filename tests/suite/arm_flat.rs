@@ -2,9 +2,7 @@
 
 use super::support::{self, bring_robot, fabc, finish};
 use fab_arm::supervisor::Unattended;
-use fab_arm::world;
-use fab_arm::world::ArmWorld;
-use fab_arm::world::{FlatPicture, about};
+use fab_arm::world::{ArmWorld, Files};
 use fab_world::World;
 use fab_world::start::Start;
 use image::RgbImage;
@@ -20,10 +18,8 @@ fn name_flat(folder: &Path) {
 
 fn arm(folder: &Path) -> ArmWorld {
     let robot = folder.join("robot.toml");
-    let (settings, _, calibration) = world::load(&robot).unwrap();
-    let flat = FlatPicture::load(&robot, &settings, &calibration).unwrap();
     let image_px = support::small_task().camera.image_px;
-    support::simulated_arm(&robot, image_px, Box::new(Unattended), None).with_flat(flat)
+    support::simulated_arm(&robot, image_px, Box::new(Unattended), None)
 }
 
 /// Counts the pixels that are as colourful as the cloth.
@@ -74,7 +70,7 @@ fn a_picture_that_is_named_is_cut_to_the_window_and_counts_into_the_parameters()
         seen.depth_m.pixels().all(|depth| depth.0[0] == 0.0),
         "nobody measured its depth"
     );
-    let first = about(&robot).unwrap();
+    let first = Files::load(&robot).unwrap().about;
     assert_eq!(
         (
             first.name.as_str(),
@@ -85,7 +81,10 @@ fn a_picture_that_is_named_is_cut_to_the_window_and_counts_into_the_parameters()
     );
     picture.put_pixel(5, 5, image::Rgb([1; 3]));
     picture.save(folder.path().join("flat.png")).unwrap();
-    assert_ne!(about(&robot).unwrap().parameters, first.parameters);
+    assert_ne!(
+        Files::load(&robot).unwrap().about.parameters,
+        first.parameters
+    );
 }
 
 #[test]

@@ -1,6 +1,4 @@
-//! `fabc calibrate`: points from a file or typed; each mistake is named, existing files are kept, damaged ones refused.
-
-mod typing;
+//! `fabc calibrate`: points from a file; each mistake is named, and nothing is written.
 
 use super::support::{Captured, fabc, finish, project};
 use fab_arm::calibration::{Calibration, Pair, csv_line};
@@ -128,21 +126,15 @@ fn its_json_has_the_fields_that_scripts_rely_on() {
     let said = calibrate(folder.path(), &["--pairs", "pairs.csv", "--json"]);
     assert_eq!(said.code, 0, "{}", said.stderr);
     let value = json(&said);
-    for (field, expected) in [("camera", "shots"), ("file", "lab.toml")] {
-        assert_eq!(value[field], expected);
-    }
+    assert_eq!(value["file"], "lab.toml");
     assert_eq!(value["made_on"].as_str().unwrap().len(), 10);
     assert_eq!(value["points"].as_array().unwrap().len(), 16);
     for field in ["pixel", "base_m"] {
         assert!(!value["points"][0][field].is_null(), "{field}");
     }
-    for field in ["residual_mm", "left_out_mm"] {
-        assert_eq!(value[field].as_array().unwrap().len(), 16, "{field}");
-    }
-    for field in ["rms_mm", "left_out_rms_mm"] {
-        let error_mm = value[field].as_f64().unwrap();
-        assert!((0.05..1.5).contains(&error_mm), "{value}");
-    }
+    assert_eq!(value["left_out_mm"].as_array().unwrap().len(), 16);
+    let error_mm = value["left_out_rms_mm"].as_f64().unwrap();
+    assert!((0.05..1.5).contains(&error_mm), "{value}");
     let corners = value["corners"].as_array().unwrap();
     assert_eq!(corners.len(), 4);
     for corner in corners {
@@ -243,27 +235,6 @@ fn only_a_limit_on_errors_may_be_raised() {
 }
 
 #[test]
-fn what_was_there_is_kept() {
-    let (folder, pairs) = lab();
-    write_pairs(folder.path(), &pairs);
-    let path = folder.path().join("lab.toml");
-    fs::write(&path, "mine").unwrap();
-    for _ in 0..2 {
-        let before = fs::read(&path).unwrap();
-        let said = calibrate(folder.path(), &["--pairs", "pairs.csv"]);
-        assert_eq!(said.code, 0, "{}", said.stderr);
-        assert!(
-            said.stdout.contains("kept: lab.toml.before"),
-            "{}",
-            said.stdout
-        );
-        let kept = folder.path().join("lab.toml.before");
-        assert_eq!(fs::read(kept).unwrap(), before);
-    }
-    assert!(folder.path().join("lab.png.before").exists());
-}
-
-#[test]
 fn doubts_are_said() {
     let (folder, mut pairs) = lab();
     pairs[6].base_m[0] += 0.008;
@@ -301,7 +272,7 @@ fn wrong_input_is_said_with_its_place() {
     RgbImage::new(64, 48)
         .save(folder.path().join("small.png"))
         .unwrap();
-    let cases: [(&[&str], i32, &str); 7] = [
+    let cases: [(&[&str], i32, &str); 6] = [
         (
             &["--pairs", "bad.csv"],
             2,
@@ -323,12 +294,7 @@ fn wrong_input_is_said_with_its_place() {
             2,
             "cannot read `none.png`",
         ),
-        (&["--more"], 64, "--pairs"),
-        (
-            &["--grid", "4"],
-            64,
-            "write columns and rows, such as `4x4`",
-        ),
+        (&[], 64, "--pairs"),
     ];
     for (arguments, code, wanted) in cases {
         let said = calibrate(folder.path(), arguments);
@@ -380,8 +346,8 @@ fn peer_opencv_draws_tags_by_which_a_known_camera_is_found() {
             &["--pairs", "points.csv", "--image", "tags.png", "--json"],
         );
         assert_eq!(said.code, 0, "seed {seed}: {}", said.stderr);
-        let rms_mm = json(&said)["rms_mm"].as_f64().unwrap();
-        assert!(rms_mm < 0.3, "seed {seed}: {rms_mm} mm");
+        let rms_mm = json(&said)["left_out_rms_mm"].as_f64().unwrap();
+        assert!(rms_mm < 0.4, "seed {seed}: {rms_mm} mm");
         let made = Calibration::load(&path.join("lab.toml")).unwrap();
         let truth = fs::read_to_string(path.join("truth.json")).unwrap();
         let truth: Value = serde_json::from_str(&truth).unwrap();

@@ -144,8 +144,8 @@ const REFUSED: [Refused; 4] = [
     ),
     (
         &[("simulated.calibration.toml", "none.toml")],
-        "`none.toml` cannot be read",
-        "next: touch points and calibrate: `fabc calibrate --robot robot.toml --grid 4x4`",
+        "`none.toml` is not a usable calibration",
+        "next: touch points and calibrate: `fabc calibrate --robot robot.toml --pairs FILE`",
     ),
     (
         &[(

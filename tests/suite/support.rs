@@ -9,7 +9,7 @@ use fab_agent::rollout;
 use fab_agent::rollout::{Ended, Event, Job, RunError};
 use fab_agent::subgoals::SubgoalSet;
 use fab_arm::supervisor::{NoWatchdog, Supervisor};
-use fab_arm::world::{ArmWorld, Parts};
+use fab_arm::world::{ArmWorld, Files, Parts};
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_compiler::{LoadError, Loader};
@@ -240,11 +240,8 @@ pub fn simulated_arm(
     supervisor: Box<dyn Supervisor>,
     folder: Option<&Path>,
 ) -> ArmWorld {
-    let (settings, settings_hash, calibration) = fab_arm::world::load(robot).unwrap();
     let parts = Parts {
-        settings,
-        settings_hash,
-        calibration,
+        files: Files::load(robot).unwrap(),
         sight: SIGHT,
         material: None,
         image_px,

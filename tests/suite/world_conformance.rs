@@ -2,8 +2,7 @@
 
 use super::support;
 use fab_arm::supervisor::Unattended;
-use fab_arm::world;
-use fab_arm::world::WithinReach;
+use fab_arm::world::{Files, WithinReach};
 use fab_world::World;
 use fab_world::conformance::PROMISES;
 
@@ -46,7 +45,11 @@ fn the_simulated_arm_conforms() {
 fn a_world_within_an_arms_reach_conforms() {
     let program = support::small_task();
     let robot = support::root().join("tasks/real/simulated.toml");
-    let (settings, _, calibration) = world::load(&robot).unwrap();
+    let Files {
+        settings,
+        calibration,
+        ..
+    } = Files::load(&robot).unwrap();
     conforms(&|| {
         let world = support::world(&program).unwrap();
         Box::new(WithinReach::new(world, settings.clone(), &calibration))

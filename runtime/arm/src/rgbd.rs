@@ -22,14 +22,16 @@ pub struct Shot {
 }
 
 impl Shot {
-    /// Joins colour with its depth; fails if their sizes differ.
+    /// Joins colour with its depth, without which there is no reading; fails if their sizes differ.
     pub(crate) fn aligned(
         rgb: RgbImage,
-        depth_m: DepthImage,
+        depth_m: Option<DepthImage>,
         intrinsics: Option<Intrinsics>,
     ) -> Result<Shot, String> {
-        let ((width, height), (deep_width, deep_height)) = (rgb.dimensions(), depth_m.dimensions());
-        if rgb.dimensions() != depth_m.dimensions() {
+        let (width, height) = rgb.dimensions();
+        let depth_m = depth_m.unwrap_or_else(|| DepthImage::new(width, height));
+        let (deep_width, deep_height) = depth_m.dimensions();
+        if (width, height) != (deep_width, deep_height) {
             return Err(format!(
                 "the picture has {width} x {height} px and its depth {deep_width} x {deep_height}: use the depth that is \
                  aligned with the colour"
@@ -58,21 +60,11 @@ section! {
     }
 }
 
-/// Why there is no picture.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the camera `{camera}` gave no picture: {why}")]
-pub struct RgbdError {
-    /// The camera's name.
-    pub camera: String,
-    /// What went wrong.
-    pub why: String,
-}
-
 /// A camera that delivers colour with depth.
 pub trait RgbdSource {
     /// Returns its name, e.g. its topic.
     fn name(&self) -> String;
 
-    /// Takes a picture after the call; never returns an older, buffered one.
-    fn shoot(&mut self) -> Result<Shot, RgbdError>;
+    /// Takes a picture after the call; never returns an older, buffered one. Fails with the reason.
+    fn shoot(&mut self) -> Result<Shot, String>;
 }

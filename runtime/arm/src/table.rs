@@ -5,7 +5,7 @@
 
 mod sheets;
 
-use crate::rgbd::{RgbdError, RgbdSource, Shot};
+use crate::rgbd::{RgbdSource, Shot};
 use crate::settings::{Settings, SimulatedSettings};
 use crate::simulated::SimulatedTable;
 use fab_program::Material;
@@ -44,9 +44,12 @@ pub struct ClothTable {
 
 impl ClothTable {
     /// Sets up a table without cloth; fails if the camera cannot be set up.
+    ///
+    /// - `material`: what every cloth is made of, and the colours of its faces; `None` is the recorded cloth.
     pub fn new(
         settings: &Settings,
         base_from_world: &Isometry3<f64>,
+        material: Option<&Material>,
     ) -> Result<ClothTable, WorldError> {
         let camera = settings.simulated.clone();
         let lens = TopDownCamera::new(
@@ -60,21 +63,17 @@ impl ClothTable {
         Ok(ClothTable {
             printed: printed(&camera),
             cloth: None,
-            params: Params::default(),
-            look: Look::default(),
+            params: Params {
+                material: material.map(simulated::material),
+                ..Params::default()
+            },
+            look: simulated::look(material),
             lens: lens.with_up(ImageUp::Y),
             camera,
             world_from_base: base_from_world.inverse(),
             holds_at: None,
             broken: None,
         })
-    }
-
-    /// Changes what every cloth is made of, and the colours of its faces; `None` is the recorded cloth.
-    pub fn with_material(mut self, material: Option<&Material>) -> ClothTable {
-        self.params.material = material.map(simulated::material);
-        self.look = simulated::look(material);
-        self
     }
 
     /// Lays a cloth as a start says.
@@ -144,15 +143,10 @@ impl ClothTable {
             intrinsics: Some(self.camera.intrinsics()),
         }
     }
-
-    /// Returns the particle that the fingers would grasp, as the simulated world's picker does: of the uppermost layer
-    /// within reach, the nearest.
-    fn between(&self, tip: [f32; 3]) -> Option<usize> {
-        grasped(&self.particles()?, tip)
-    }
 }
 
-/// Returns the nearest particle of the uppermost layer within the fingers' reach.
+/// Returns the particle that the fingers would grasp, as the simulated world's picker does: of the uppermost layer within
+/// reach, the nearest.
 fn grasped(positions: &[[f32; 3]], tip: [f32; 3]) -> Option<usize> {
     let aside_m =
         |point: &[f32; 3]| f64::from(point[0] - tip[0]).hypot(f64::from(point[1] - tip[1]));
@@ -191,12 +185,14 @@ fn printed(camera: &SimulatedSettings) -> Vec<Option<u8>> {
 impl SimulatedTable for ClothTable {
     fn advance(&mut self, seconds: f64, tool: &Isometry3<f64>, are_closed: bool) {
         let tip = self.tip(tool);
-        let taken = match (are_closed, self.holds_at) {
-            (true, None) => self.between(tip),
-            _ => None,
-        };
         let Some(cloth) = &mut self.cloth else {
             return;
+        };
+        let grasps = are_closed && self.holds_at.is_none();
+        let taken = if grasps {
+            grasped(&cloth.positions(), tip)
+        } else {
+            None
         };
         let mut step = || {
             if !are_closed && self.holds_at.take().is_some() {
@@ -226,7 +222,8 @@ impl SimulatedTable for ClothTable {
     }
 
     fn is_cloth_between_fingers(&self, tool: &Isometry3<f64>) -> bool {
-        self.holds_at.is_some() || self.between(self.tip(tool)).is_some()
+        let near = |positions: Vec<_>| grasped(&positions, self.tip(tool));
+        self.holds_at.is_some() || self.particles().and_then(near).is_some()
     }
 }
 
@@ -238,17 +235,12 @@ impl RgbdSource for TableCamera {
         "simulated".to_owned()
     }
 
-    fn shoot(&mut self) -> Result<Shot, RgbdError> {
+    fn shoot(&mut self) -> Result<Shot, String> {
         let table = self.0.borrow();
-        let failed = |why: String| RgbdError {
-            camera: self.name(),
-            why,
-        };
         if let Some(why) = &table.broken {
-            return Err(failed(why.clone()));
+            return Err(why.clone());
         }
-        let cloth = table.cloth.as_ref();
-        let cloth = cloth.ok_or_else(|| failed("no cloth has been laid yet".to_owned()))?;
+        let cloth = table.cloth.as_ref().ok_or("no cloth has been laid yet")?;
         Ok(table.shot_of(cloth.grid(), &cloth.positions()))
     }
 }

@@ -10,8 +10,8 @@ mod planning;
 mod reach;
 mod simulated;
 
-pub use parts::{Parts, about, base_from_world, guard, load};
-pub use picture::{FlatPicture, simulated_table};
+pub use parts::{Files, Parts, base_from_world, guard};
+pub use picture::simulated_table;
 pub use planning::{PLAN_FILE, PLAN_PICTURE, read_plan};
 pub use reach::WithinReach;
 
@@ -29,7 +29,7 @@ use fab_base::interrupt::Interrupt;
 use fab_picture::observation::Observation;
 use fab_world::start::Start;
 use fab_world::{Executed, ExecutedGrip, Grasp, Grip, Motion, World, WorldError, WorldPoint};
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Isometry3, Point3};
 use reach::{ArmReach, base_point};
 use std::cell::RefCell;
 use std::path::PathBuf;
@@ -57,7 +57,6 @@ pub struct ArmWorld {
     camera: Box<dyn RgbdSource>,
     /// The simulated table, if there is one.
     table: Option<Rc<RefCell<ClothTable>>>,
-    flat: Option<FlatPicture>,
     reach: ArmReach,
     log: Option<Journal>,
     acts: Acts,
@@ -76,19 +75,21 @@ impl ArmWorld {
         arm: Box<dyn Arm>,
         camera: Box<dyn RgbdSource>,
     ) -> Result<ArmWorld, WorldError> {
-        let settings = &parts.settings;
-        parts
-            .calibration
+        let Files {
+            settings,
+            calibration,
+            ..
+        } = &parts.files;
+        calibration
             .over_table(settings)
             .map_err(|why| motion(format!("the calibration does not fit the settings: {why}")))?;
-        let guard = parts.guard();
+        let guard = guard(settings, calibration);
         let log = parts.folder.as_deref().map(Journal::open).transpose();
         Ok(ArmWorld {
             base_from_world: base_from_world(settings),
             arm: Limited::new(arm, guard.clone()),
             camera,
             table: None,
-            flat: None,
             reach: ArmReach::new(settings, guard),
             log: log.map_err(|error| motion(error.to_string()))?,
             acts: Acts::Execute,
@@ -101,14 +102,9 @@ impl ArmWorld {
         })
     }
 
-    /// Measures coverage against a picture of the flat cloth; the picture is part of the world's parameters.
-    pub fn with_flat(self, flat: Option<FlatPicture>) -> ArmWorld {
-        ArmWorld { flat, ..self }
-    }
-
     /// Plans a grip from where the arm is; the route is there if all of it is possible.
     fn plan(&self, from: &ArmState, asked: &Grip) -> (Plan, Option<Checked<Route>>) {
-        let (settings, guard) = (&self.parts.settings, self.reach.guard());
+        let (settings, guard) = (&self.parts.files.settings, &self.reach.guard);
         let points = [&asked.pick, &asked.place];
         let points = points.map(|point| base_point(settings, guard.surface(), point));
         Plan::make(settings, guard, from, points, &asked.manner)
@@ -117,14 +113,12 @@ impl ArmWorld {
     /// Checks that the camera is where it was calibrated. A simulated camera that was calibrated without a picture
     /// cannot move.
     fn check_camera(&mut self, shot: &Shot) -> Result<(), WorldError> {
-        let is_fixed = self.table.is_some() && self.parts.calibration.reference.is_none();
+        let is_fixed = self.table.is_some() && self.parts.files.calibration.reference.is_none();
         if self.is_camera_checked || is_fixed {
             return Ok(());
         }
-        let Parts {
-            calibration, sight, ..
-        } = &self.parts;
-        let checked = calibration.check_camera(&shot.rgb, sight);
+        let Parts { files, sight, .. } = &self.parts;
+        let checked = files.calibration.check_camera(&shot.rgb, sight);
         checked.map_err(|why| WorldError::Camera { why })?;
         self.is_camera_checked = true;
         Ok(())
@@ -133,69 +127,54 @@ impl ArmWorld {
 
 impl World for ArmWorld {
     fn name(&self) -> &str {
-        parts::name(&self.parts.settings)
+        &self.parts.files.about.name
     }
 
     fn parameters(&self) -> String {
         let Parts {
-            settings_hash,
-            calibration,
-            material,
-            ..
+            files, material, ..
         } = &self.parts;
-        let parameters = parts::parameters(settings_hash, calibration, self.flat.as_ref());
-        fab_world::parameters_with(parameters, material.as_ref())
+        fab_world::parameters_with(files.about.parameters.clone(), material.as_ref())
     }
 
     fn code(&self) -> String {
-        parts::code(self.parts.settings.driver)
+        self.parts.files.about.code.clone()
     }
 
     fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
-        let wrong = |why: &str| WorldError::Start {
-            start: start.name.clone(),
-            why: why.to_owned(),
-        };
-        let n_particles = start.grid.dimx as usize * start.grid.dimy as usize;
-        if start.positions.len() != n_particles
-            || !start
-                .positions
-                .iter()
-                .flatten()
-                .all(|value| value.is_finite())
-        {
-            return Err(wrong("its positions are not those of its grid"));
-        }
         let tool = self
             .arm
             .state()
             .map_err(|error| motion(error.to_string()))?
             .tool;
-        let rest = Vector3::from(self.parts.settings.workspace.rest_m);
-        if (tool.translation.vector - rest).norm() > AT_REST_M {
-            return Err(motion(format!(
-                "the tool is at ({:.3}, {:.3}, {:.3}) and not at `rest_m`, so that the arm may hide the cloth; bring it there by hand",
-                tool.translation.x, tool.translation.y, tool.translation.z
-            )));
-        }
-        let hand_turn_rad = self.parts.settings.motion.hand_turn_deg.to_radians();
-        let down = tool_down(&Point3::origin(), hand_turn_rad);
-        let turned_rad = tool.rotation.angle_to(&down.rotation);
+        let settings = &self.parts.files.settings;
+        let rest = tool_down(
+            &settings.workspace.rest_m.into(),
+            settings.motion.hand_turn_deg.to_radians(),
+        );
+        let away_m = (tool.translation.vector - rest.translation.vector).norm();
+        let turned_rad = tool.rotation.angle_to(&rest.rotation);
         // NaN must fail this check.
-        let is_straight = turned_rad <= TURNED_AT_REST_RAD;
-        if !is_straight {
+        let is_at_rest = away_m <= AT_REST_M && turned_rad <= TURNED_AT_REST_RAD;
+        if !is_at_rest {
             return Err(motion(format!(
-                "the hand is turned by {:.0} degrees against straight down at `motion.hand_turn_deg`, and at most {:.0} are allowed; turn it there by hand",
-                turned_rad.to_degrees(),
-                TURNED_AT_REST_RAD.to_degrees()
+                "the tool is at ({:.3}, {:.3}, {:.3}), turned by {:.0} degrees against straight down at `motion.hand_turn_deg`, \
+                 and not at `rest_m`, so that the arm may hide the cloth; bring it there by hand",
+                tool.translation.x,
+                tool.translation.y,
+                tool.translation.z,
+                turned_rad.to_degrees()
             )));
         }
         match &self.table {
             Some(table) => table.borrow_mut().lay(start)?,
-            None if !self.parts.supervisor.confirm_cloth(start) => {
-                return Err(wrong("nobody confirmed that the cloth lies on the table"));
+            None if self.parts.supervisor.confirm_cloth(start) => {}
+            None => {
+                return Err(WorldError::Start {
+                    start: start.name.clone(),
+                    why: "nobody confirmed that the cloth lies on the table".to_owned(),
+                });
             }
-            None => {}
         }
         self.is_laid = true;
         self.is_camera_checked = false;
@@ -207,8 +186,8 @@ impl World for ArmWorld {
         if !self.is_laid {
             return Err(WorldError::NotReset);
         }
-        let shot = self.camera.shoot().map_err(|error| WorldError::Camera {
-            why: error.to_string(),
+        let shot = self.camera.shoot().map_err(|why| WorldError::Camera {
+            why: format!("the camera `{}` gave no picture: {why}", self.camera.name()),
         })?;
         self.check_camera(&shot)?;
         let seen = picture::square(&self.parts, &shot, self.arm.now_s() - self.begun_s);
@@ -286,8 +265,8 @@ impl World for ArmWorld {
     }
 
     fn flat_cloth(&self) -> Option<Observation> {
-        let shot = match (&self.flat, &self.table) {
-            (Some(flat), _) => flat.shot(),
+        let shot = match (&self.parts.files.flat, &self.table) {
+            (Some(flat), _) => Shot::aligned(flat.clone(), None, None).ok()?,
             (None, Some(table)) => table.borrow().flat_shot()?,
             (None, None) => return None,
         };
@@ -295,11 +274,11 @@ impl World for ArmWorld {
     }
 
     fn out_of_reach(&self, point: &WorldPoint) -> Option<String> {
-        self.reach.out_of_reach(&self.parts.settings, point)
+        self.reach.out_of_reach(&self.parts.files.settings, point)
     }
 
     fn refuses(&self, motion: &Motion) -> Option<String> {
-        self.reach.refuses(&self.parts.settings, motion)
+        self.reach.refuses(&self.parts.files.settings, motion)
     }
 }
 

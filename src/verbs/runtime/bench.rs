@@ -278,8 +278,8 @@ fn check_arm(
     };
     cloths.check(suite)?;
     let settings = setting::arm::check(&arguments.arm, ArmMode::Execute, io)?;
-    let about = fab_arm::world::about(robot).map_err(Failure::environment)?;
-    Ok((cloths, about, settings))
+    let files = fab_arm::world::Files::load(robot).map_err(Failure::environment)?;
+    Ok((cloths, files.about, settings))
 }
 
 fn asks_a_provider(deciding: &DecidingBy) -> bool {

@@ -190,7 +190,7 @@ pub fn dims_of(text: &str) -> Result<[u32; 2], Failure> {
 }
 
 /// Reads two counts, such as `55x44` or `55,44`.
-pub fn two_counts(text: &str) -> Option<[u32; 2]> {
+fn two_counts(text: &str) -> Option<[u32; 2]> {
     let (x, y) = text.split_once(['x', ','])?;
     Some([x.parse().ok()?, y.parse().ok()?])
 }

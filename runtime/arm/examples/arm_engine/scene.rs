@@ -7,7 +7,7 @@ use super::Stage;
 use super::fault::FaultKind;
 use super::faulty::{Fault, Faulty};
 use fab_arm::port::{AfterStop, GoalId, GoalState, Port, PortError, Readings, Waypoint};
-use fab_arm::rgbd::{RgbdError, RgbdSource, Shot};
+use fab_arm::rgbd::{RgbdSource, Shot};
 use fab_arm::settings::Settings;
 use fab_arm::simulated::Simulation;
 use fab_arm::table::{ClothTable, TableCamera};
@@ -59,7 +59,7 @@ impl Scene {
     /// Sets up the scene with an empty table; fails with the reason.
     pub fn new(plan: &Plan) -> Result<Scene, String> {
         let settings = Settings::load(&plan.robot).map_err(|error| error.to_string())?;
-        let table = ClothTable::new(&settings, &base_from_world(&settings));
+        let table = ClothTable::new(&settings, &base_from_world(&settings), None);
         let table = Rc::new(RefCell::new(table.map_err(|error| error.to_string())?));
         let (messages, faults) = plan
             .faults
@@ -188,21 +188,15 @@ impl RgbdSource for Scene {
         self.camera.name()
     }
 
-    fn shoot(&mut self) -> Result<Shot, RgbdError> {
+    fn shoot(&mut self) -> Result<Shot, String> {
         if self.arm.has_lost_camera() {
-            return Err(RgbdError {
-                camera: self.name(),
-                why: "nothing comes from it any more".to_owned(),
-            });
+            return Err("nothing comes from it any more".to_owned());
         }
         if self.is_laid {
             return self.camera.shoot();
         }
         let bare = self.table.borrow().bare_shot();
-        bare.map_err(|error| RgbdError {
-            camera: self.name(),
-            why: error.to_string(),
-        })
+        bare.map_err(|error| error.to_string())
     }
 }
 

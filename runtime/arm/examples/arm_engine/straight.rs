@@ -8,7 +8,7 @@ use super::Stage;
 use fab_arm::port::{
     AfterStop, Ending, GoalId, GoalState, Port, PortError, Reading, Readings, Waypoint,
 };
-use fab_arm::rgbd::{Intrinsics, RgbdError, RgbdSource, Shot};
+use fab_arm::rgbd::{Intrinsics, RgbdSource, Shot};
 use fab_picture::DepthImage;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
@@ -239,7 +239,7 @@ impl RgbdSource for Arm {
         "pattern".to_owned()
     }
 
-    fn shoot(&mut self) -> Result<Shot, RgbdError> {
+    fn shoot(&mut self) -> Result<Shot, String> {
         let (width, height) = (64, 48);
         let depth = |column: u32, row: u32| {
             if row == 0 {

@@ -1,28 +1,27 @@
 //! A calibration as text, with the camera's picture beside it.
 //!
 //! In: a calibration or a file. Out: the other. The file holds the points; the map and the errors are computed anew when
-//! it is read.
+//! it is read. Keys of earlier versions, which repeated what follows from the points, are passed over.
 
-use super::{Calibration, MAX_PAIRS, Pair, Terms};
-use fab_base::{digest, files};
+use super::{Calibration, Pair, Terms};
+use crate::rgbd::Intrinsics;
+use crate::settings::declare;
+use fab_base::files;
 use fab_picture::png;
-use image::GrayImage;
+use serde::de::{Deserializer, Error};
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
 /// Version of the file format.
 const FORMAT: i64 = 2;
 /// The longest file accepted.
-pub(super) const MAX_BYTES: u64 = 1 << 20;
+const MAX_BYTES: u64 = 1 << 20;
 
 /// A file's content, in its order.
 #[derive(Serialize, Deserialize)]
 struct Stored {
     format: i64,
     made_on: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    reference_sha256: Option<String>,
     terms: Terms,
     points: Vec<Pair>,
 }
@@ -34,12 +33,10 @@ impl Calibration {
     }
 
     /// Writes it, picture first; replaces existing files. The error names the file.
-    ///
-    /// A crash between the two leaves a file that [`Calibration::load`] refuses, because it names its picture's hash.
     pub fn save(&self, path: &Path) -> Result<(), String> {
         let write = |path: &Path, bytes: &[u8]| {
             files::write_whole(path, bytes)
-                .map_err(|error| refused(path, format!("cannot be written: {error}")))
+                .map_err(|error| format!("`{}` cannot be written: {error}", path.display()))
         };
         if let Some(reference) = &self.reference {
             write(&Calibration::picture_beside(path), &png::encode(reference))?;
@@ -47,36 +44,24 @@ impl Calibration {
         write(path, self.to_toml().as_bytes())
     }
 
-    /// Reads a file, and its picture if it names one, and fits its points. The error names the file.
+    /// Reads a file and the picture beside it, if there is one, and fits its points. The error names the file.
     pub fn load(path: &Path) -> Result<Calibration, String> {
-        let unusable = |why: String| refused(path, format!("is not a usable calibration: {why}"));
-        let text = files::read_text(path, MAX_BYTES)
-            .map_err(|why| refused(path, format!("cannot be read: {why}")))?;
-        let stored: Stored = toml::from_str(&text).map_err(|error| unusable(error.to_string()))?;
-        if stored.format != FORMAT {
-            return Err(unusable(format!(
-                "its format is {}, and this fabc reads {FORMAT}; calibrate anew",
-                stored.format
-            )));
-        }
-        if stored.points.len() > MAX_PAIRS {
-            return Err(unusable(format!("it has more than {MAX_PAIRS} points")));
-        }
-        let reference = match &stored.reference_sha256 {
-            None => None,
-            Some(hash) => {
-                let beside = Calibration::picture_beside(path);
-                let reference = png::load(&beside).map_err(|error| unusable(error.to_string()))?;
-                let reference = image::imageops::grayscale(&reference);
-                if hash_of(&reference) != *hash {
-                    let why = "is not the picture that the calibration beside it was made with; calibrate anew";
-                    return Err(refused(&beside, why.to_owned()));
-                }
-                Some(reference)
+        let read = || {
+            let text = files::read_text(path, MAX_BYTES)?;
+            let stored: Stored = toml::from_str(&text).map_err(|error| error.to_string())?;
+            if stored.format != FORMAT {
+                return Err(format!(
+                    "its format is {}, and this fabc reads {FORMAT}; calibrate anew",
+                    stored.format
+                ));
             }
+            let beside = Calibration::picture_beside(path);
+            let reference = beside.exists().then(|| png::load(&beside)).transpose();
+            let reference = reference.map_err(|error| error.to_string())?;
+            let reference = reference.map(|picture| image::imageops::grayscale(&picture));
+            Calibration::make(stored.terms, stored.points, &stored.made_on, reference)
         };
-        Calibration::make(stored.terms, stored.points, &stored.made_on, reference)
-            .map_err(|refusal| unusable(format!("its points are refused: {refusal}")))
+        read().map_err(|why| format!("`{}` is not a usable calibration: {why}", path.display()))
     }
 
     /// Returns it as text.
@@ -84,7 +69,6 @@ impl Calibration {
         let stored = Stored {
             format: FORMAT,
             made_on: self.made_on.clone(),
-            reference_sha256: self.reference.as_ref().map(hash_of),
             terms: self.terms.clone(),
             points: self.pairs.clone(),
         };
@@ -96,13 +80,25 @@ impl Calibration {
     }
 }
 
-fn refused(path: &Path, why: String) -> String {
-    format!("`{}` {why}", path.display())
+/// Reads an array; fails if it has more values, which serde alone would drop.
+pub(super) fn exactly<'de, T, D, const N: usize>(array: D) -> Result<[T; N], D::Error>
+where
+    T: Deserialize<'de>,
+    D: Deserializer<'de>,
+{
+    let values = Vec::<T>::deserialize(array)?;
+    let found = values.len();
+    values
+        .try_into()
+        .map_err(|_| D::Error::custom(format!("{found} values where {N} are expected")))
 }
 
-fn hash_of(picture: &GrayImage) -> String {
-    let mut hasher = Sha256::new();
-    hasher.update(picture.width().to_le_bytes());
-    hasher.update(picture.as_raw());
-    digest::hex(&hasher.finalize())
+/// Reads a camera's projection as the settings do.
+pub(super) fn intrinsics<'de, D>(section: D) -> Result<Option<Intrinsics>, D::Error>
+where
+    D: Deserializer<'de>,
+{
+    let section = toml::Table::deserialize(section)?;
+    let intrinsics = declare::read(&section.to_string());
+    intrinsics.map(Some).map_err(D::Error::custom)
 }

@@ -13,19 +13,16 @@ use image::{GrayImage, RgbImage};
 const STILL_PX: f64 = 1.0;
 /// Width at which pictures are compared.
 const COMPARED_PX: u32 = 640;
-/// The fewest marks that a reference needs.
-const FEWEST: usize = 12;
 /// The fewest marks that must be found again, and their smallest share of all.
-const FEWEST_AGAIN: usize = 8;
-/// See [`FEWEST_AGAIN`].
-const SHARE_AGAIN: f64 = 0.2;
+const FEWEST: usize = 8;
+/// See [`FEWEST`].
+const SHARE: f64 = 0.2;
 
 impl Calibration {
-    /// Compares a picture with the one that the calibration was made with; returns by how much the camera seems to have
-    /// moved, pixels of its own picture.
+    /// Compares a picture with the one that the calibration was made with.
     ///
-    /// Fails if it was moved, if its pictures have another size, or if too little is seen to tell.
-    pub fn check_camera(&self, picture: &RgbImage, sight: &Sight) -> Result<f64, String> {
+    /// Fails if the camera was moved, if its pictures have another size, or if too little is seen to tell.
+    pub fn check_camera(&self, picture: &RgbImage, sight: &Sight) -> Result<(), String> {
         let ([width, height], (found_width, found_height)) =
             (self.terms.size_px, picture.dimensions());
         if [found_width, found_height] != [width, height] {
@@ -33,42 +30,31 @@ impl Calibration {
                 "its pictures have {found_width} x {found_height} px, and had {width} x {height} when it was calibrated"
             ));
         }
-        let unclear = |why: String| {
-            format!("whether it was moved since it was calibrated cannot be said: {why}")
-        };
-        let reference = self.reference.as_ref().ok_or_else(|| {
-            unclear(
-                "the calibration has no picture to compare with; calibrate with `--image PNG`"
-                    .to_owned(),
-            )
-        })?;
+        let reference = self.reference.as_ref().ok_or(
+            "whether it was moved since it was calibrated cannot be said: the calibration has no picture to compare with; \
+             calibrate with `--image PNG`",
+        )?;
         let scale = f64::from(width.max(COMPARED_PX)) / f64::from(COMPARED_PX);
         let (reference, now) = (
             reduced(reference, scale),
             reduced(&imageops::grayscale(picture), scale),
         );
         let marks = (sight.marks)(&reference)?;
-        if marks.len() < FEWEST {
-            return Err(unclear(format!(
-                "the calibration's picture shows {} places that can be found again, and {FEWEST} are needed: stick a few \
-                 pieces of printed paper beside the cloth's place and calibrate anew",
-                marks.len()
-            )));
-        }
         let again = (sight.find_again)(&reference, &marks, &now)?;
-        let needed = (SHARE_AGAIN * marks.len() as f64).max(FEWEST_AGAIN as f64);
-        if (again.len() as f64) < needed {
-            return Err(unclear(format!(
-                "of {} places of the calibration's picture {} are found again: the camera was moved far, or too much of the \
-                 table is covered or lit otherwise",
+        if again.len() < FEWEST || (again.len() as f64) < SHARE * marks.len() as f64 {
+            return Err(format!(
+                "whether it was moved since it was calibrated cannot be said: of {} places of the calibration's picture {} \
+                 are found again, and at least {FEWEST} are needed: the camera was moved far, or too much of the table is \
+                 covered or lit otherwise; if nothing was, stick a few pieces of printed paper beside the cloth's place and \
+                 calibrate anew",
                 marks.len(),
                 again.len()
-            )));
+            ));
         }
-        let way_px = again
+        let ways_px = again
             .iter()
             .map(|mark| mark.moved_px[0].hypot(mark.moved_px[1]));
-        let mut ways_px: Vec<f64> = way_px.collect();
+        let mut ways_px: Vec<f64> = ways_px.collect();
         ways_px.sort_by(f64::total_cmp);
         let by_px = ways_px[ways_px.len() / 2];
         if by_px > STILL_PX {
@@ -77,14 +63,11 @@ impl Calibration {
                 by_px * scale
             ));
         }
-        Ok(by_px * scale)
+        Ok(())
     }
 }
 
 fn reduced(picture: &GrayImage, scale: f64) -> GrayImage {
-    if scale == 1.0 {
-        return picture.clone();
-    }
     let side = |px: u32| ((f64::from(px) / scale) as u32).max(1);
     let (width, height) = (side(picture.width()), side(picture.height()));
     imageops::resize(picture, width, height, FilterType::Triangle)

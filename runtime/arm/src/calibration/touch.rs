@@ -27,8 +27,7 @@ const MAX_TILT_DEG: f64 = 4.0;
 pub fn place_at_rest(port: &mut dyn Port, stale_s: f64) -> Result<[f64; 3], String> {
     let begun_s = port.now_s();
     let first = tool_reading(port, stale_s)?;
-    let mut farthest_m: f64 = 0.0;
-    let mut last = first;
+    let (mut farthest_m, mut last) = (0.0_f64, first);
     while port.now_s() - begun_s < LOOK_S {
         port.wait(STEP_S);
         last = tool_reading(port, stale_s)?;
@@ -64,10 +63,10 @@ fn tool_reading(port: &mut dyn Port, stale_s: f64) -> Result<Reading<Isometry3<f
     if now_s - tool.at_s > stale_s {
         return Err(silent(now_s - tool.at_s));
     }
-    match is_pose(&tool.value) {
-        true => Ok(tool),
-        false => Err("the arm reports a tool position that is not finite".to_owned()),
+    if !is_pose(&tool.value) {
+        return Err("the arm reports a tool position that is not finite".to_owned());
     }
+    Ok(tool)
 }
 
 fn silent(for_s: f64) -> String {

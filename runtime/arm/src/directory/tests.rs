@@ -20,8 +20,8 @@ fn a_picture_of_before_is_never_taken_for_a_new_one() {
     put("b.png", &encoded(2)).unwrap();
     let short = PictureSelection::Fresh { timeout_s: 0.2 };
     let mut camera = DirectoryCamera::of(folder.path(), None, short);
-    let why = camera.shoot().unwrap_err().why;
-    assert!(why.contains("no new picture came; `1` pictures"), "{why}");
+    let why = camera.shoot().unwrap_err();
+    assert!(why.contains("no new picture came"), "{why}");
 
     let long = PictureSelection::Fresh { timeout_s: 60.0 };
     let mut camera = DirectoryCamera::of(folder.path(), None, long);
@@ -57,7 +57,7 @@ fn a_picture_of_before_is_never_taken_for_a_new_one() {
 fn where_nothing_moves_the_newest_is_taken() {
     let folder = tempfile::tempdir().unwrap();
     let mut camera = DirectoryCamera::of(folder.path(), None, PictureSelection::Newest);
-    let why = camera.shoot().unwrap_err().why;
+    let why = camera.shoot().unwrap_err();
     assert!(why.contains("holds no picture"), "{why}");
     let hour = Duration::from_secs(3600);
     for (name, level, ago) in [("b.png", 2, 0), ("c.png", 3, 1), ("a.png", 1, 0)] {
@@ -79,7 +79,7 @@ fn a_depth_of_another_size_and_a_missing_folder_are_told() {
     write("a.png", png::encode(&RgbImage::new(4, 3)));
     write("a.depth.png", png::encode(&image::GrayImage::new(5, 3)));
     let mut camera = DirectoryCamera::of(folder.path(), None, PictureSelection::Newest);
-    let why = camera.shoot().unwrap_err().why;
+    let why = camera.shoot().unwrap_err();
     assert!(why.contains("4 x 3 px and its depth 5 x 3"), "{why}");
     for selection in [
         PictureSelection::Newest,

@@ -10,71 +10,57 @@ use image::{Rgb, RgbImage};
 /// The only distortion model with known coefficients; other models are accepted only if all are zero.
 const PLUMB_BOB: &str = "plumb_bob";
 
-/// Reads a colour picture: `rgb8`, `bgr8`, `rgba8`, `bgra8` or `mono8`.
+/// Formats of colour: the bytes of a pixel, and which of them are red, green and blue.
+const COLORS: [(&str, usize, [usize; 3]); 5] = [
+    ("rgb8", 3, [0, 1, 2]),
+    ("bgr8", 3, [2, 1, 0]),
+    ("rgba8", 4, [0, 1, 2]),
+    ("bgra8", 4, [2, 1, 0]),
+    ("mono8", 1, [0, 0, 0]),
+];
+
+/// Reads a colour picture.
 pub(super) fn color(message: &Image) -> Result<RgbImage, String> {
-    let (n_bytes, order) = match message.encoding.as_str() {
-        "rgb8" => (3, [0, 1, 2]),
-        "bgr8" => (3, [2, 1, 0]),
-        "rgba8" => (4, [0, 1, 2]),
-        "bgra8" => (4, [2, 1, 0]),
-        "mono8" => (1, [0, 0, 0]),
-        other => {
-            let known = "`rgb8`, `bgr8`, `rgba8`, `bgra8` or `mono8`";
-            return Err(format!(
-                "its colour is encoded as `{other}`, and would be right as {known}"
-            ));
-        }
+    let known = COLORS.iter().find(|(name, ..)| *name == message.encoding);
+    let Some((_, n_bytes, order)) = known else {
+        return Err(format!(
+            "its colour is encoded as `{}`, and would be right as `{}`",
+            message.encoding,
+            COLORS.map(|(name, ..)| name).join("`, `")
+        ));
     };
-    let rows = Rows::of(message, n_bytes)?;
+    let pixel = pixels(message, *n_bytes)?;
     Ok(RgbImage::from_fn(
         message.width,
         message.height,
-        |column, row| {
-            let pixel = rows.pixel(column, row);
-            Rgb(order.map(|channel| pixel[channel]))
-        },
+        |column, row| Rgb(order.map(|channel| pixel(column, row)[channel])),
     ))
 }
 
 /// Reads a depth picture, metres: `16UC1` in millimetres or `32FC1` in metres; missing readings become 0.
 pub(super) fn depth(message: &Image) -> Result<DepthImage, String> {
-    let is_big = message.is_bigendian;
-    let read: fn(&[u8], bool) -> f32 = match message.encoding.as_str() {
-        "16UC1" | "mono16" => |pixel, is_big| {
-            let bytes = [pixel[0], pixel[1]];
-            f32::from(if is_big {
-                u16::from_be_bytes(bytes)
-            } else {
-                u16::from_le_bytes(bytes)
-            }) / 1000.0
-        },
-        "32FC1" => |pixel, is_big| {
-            let bytes = [pixel[0], pixel[1], pixel[2], pixel[3]];
-            if is_big {
-                f32::from_be_bytes(bytes)
-            } else {
-                f32::from_le_bytes(bytes)
-            }
-        },
+    let n_bytes = match message.encoding.as_str() {
+        "16UC1" | "mono16" => 2,
+        "32FC1" => 4,
         other => {
             return Err(format!(
                 "its depth is encoded as `{other}`; expected `16UC1` or `32FC1`"
             ));
         }
     };
-    let rows = Rows::of(message, if message.encoding == "32FC1" { 4 } else { 2 })?;
-    Ok(DepthImage::from_fn(
-        message.width,
-        message.height,
-        |column, row| {
-            let depth_m = read(rows.pixel(column, row), is_big);
-            image::Luma([if depth_m.is_finite() && depth_m > 0.0 {
-                depth_m
-            } else {
-                0.0
-            }])
-        },
-    ))
+    let pixel = pixels(message, n_bytes)?;
+    let depth_m = |column: u32, row: u32| {
+        let depth_m = match (pixel(column, row), message.is_bigendian) {
+            (&[a, b], false) => f32::from(u16::from_le_bytes([a, b])) / 1000.0,
+            (&[a, b], true) => f32::from(u16::from_be_bytes([a, b])) / 1000.0,
+            (&[a, b, c, d], false) => f32::from_le_bytes([a, b, c, d]),
+            (&[a, b, c, d], true) => f32::from_be_bytes([a, b, c, d]),
+            _ => 0.0,
+        };
+        let is_reading = depth_m.is_finite() && depth_m > 0.0;
+        image::Luma([if is_reading { depth_m } else { 0.0 }])
+    };
+    Ok(DepthImage::from_fn(message.width, message.height, depth_m))
 }
 
 /// Reads a camera's projection; `None` if the message says that it was never calibrated.
@@ -99,10 +85,10 @@ pub(super) fn intrinsics(
     if focal_x == 0.0 {
         return Ok(None);
     }
-    let distortion: Vec<f64> = match message.d.iter().all(|coefficient| *coefficient == 0.0) {
-        true => Vec::new(),
-        false => message.d.clone(),
-    };
+    let mut distortion = message.d.clone();
+    if distortion.iter().all(|coefficient| *coefficient == 0.0) {
+        distortion.clear();
+    }
     if !distortion.is_empty() && (message.distortion_model != PLUMB_BOB || distortion.len() != 5) {
         let model = &message.distortion_model;
         let count = distortion.len();
@@ -111,11 +97,8 @@ pub(super) fn intrinsics(
         ));
     }
     let numbers = [focal_x, focal_y, middle_x, middle_y];
-    let is_sound = numbers
-        .iter()
-        .chain(&distortion)
-        .all(|number| number.is_finite());
-    if !is_sound || focal_x <= 0.0 || focal_y <= 0.0 {
+    let mut numbers = numbers.iter().chain(&distortion);
+    if !numbers.all(|number| number.is_finite()) || focal_x <= 0.0 || focal_y <= 0.0 {
         return Err(format!(
             "its `camera_info` gives the focal lengths `{focal_x}` and `{focal_y}`, or numbers that are not finite"
         ));
@@ -128,44 +111,21 @@ pub(super) fn intrinsics(
     }))
 }
 
-/// The pixels of a message with consistent sizes.
-struct Rows<'a> {
-    bytes: &'a [u8],
-    step: usize,
-    n_bytes: usize,
-}
-
-impl<'a> Rows<'a> {
-    fn of(message: &'a Image, n_bytes: u32) -> Result<Rows<'a>, String> {
-        let (width, height, step) = (message.width, message.height, message.step);
-        if width == 0 || height == 0 {
-            return Err(format!("its picture has {width} x {height} pixels"));
-        }
-        let least = u64::from(width) * u64::from(n_bytes);
-        if u64::from(step) < least {
-            let encoding = &message.encoding;
-            return Err(format!(
-                "its rows have {step} bytes, and {width} pixels of `{encoding}` need {least}"
-            ));
-        }
-        let whole = u64::from(step) * u64::from(height);
-        if message.data.len() as u64 != whole {
-            let found = message.data.len();
-            return Err(format!(
-                "its picture has {found} bytes, and {height} rows of {step} would be {whole}"
-            ));
-        }
-        Ok(Rows {
-            bytes: &message.data,
-            step: step as usize,
-            n_bytes: n_bytes as usize,
-        })
+/// Returns the bytes of each pixel by its column and row; fails if the sizes that a message states disagree.
+fn pixels<'a>(message: &'a Image, n_bytes: usize) -> Result<impl Fn(u32, u32) -> &'a [u8], String> {
+    let (width, height, step) = (message.width, message.height, message.step as usize);
+    let n_found = message.data.len();
+    let holds = step >= width as usize * n_bytes && n_found == step * height as usize;
+    if width == 0 || height == 0 || !holds {
+        return Err(format!(
+            "its picture of {width} x {height} px as `{}` has rows of {step} bytes, and {n_found} bytes in all",
+            message.encoding
+        ));
     }
-
-    fn pixel(&self, column: u32, row: u32) -> &'a [u8] {
-        let start = row as usize * self.step + column as usize * self.n_bytes;
-        &self.bytes[start..start + self.n_bytes]
-    }
+    Ok(move |column: u32, row: u32| {
+        let start = row as usize * step + column as usize * n_bytes;
+        &message.data[start..start + n_bytes]
+    })
 }
 
 #[cfg(test)]

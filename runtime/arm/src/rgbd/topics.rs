@@ -4,8 +4,7 @@
 //! judged by the camera's own stamps. These are compared with this machine's clock, so a camera whose machine has
 //! another time is refused with an explanation.
 
-use super::{RgbdError, RgbdSource, Shot, picture};
-use fab_picture::DepthImage;
+use super::{RgbdSource, Shot, picture};
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -89,7 +88,7 @@ struct Arrived {
 #[derive(Default)]
 struct Pictures {
     pending: VecDeque<Image>,
-    /// By how much the last refused stamp was before the request (negative) or ahead of the clock.
+    /// How far the last refused stamp was from the request: before it (negative), or ahead of the clock.
     off_ns: Option<i64>,
 }
 
@@ -97,17 +96,15 @@ impl Inbox {
     /// Takes a colour picture.
     pub fn color(&self, image: Image) {
         let mut arrived = self.lock();
-        if let Some(from_ns) = arrived.from_ns {
-            arrived.colors.take(image, from_ns);
-        }
+        let from_ns = arrived.from_ns;
+        arrived.colors.take(image, from_ns);
     }
 
     /// Takes a depth picture.
     pub fn depth(&self, image: Image) {
         let mut arrived = self.lock();
-        if let Some(from_ns) = arrived.from_ns {
-            arrived.depths.take(image, from_ns);
-        }
+        let from_ns = arrived.from_ns;
+        arrived.depths.take(image, from_ns);
     }
 
     /// Takes a projection.
@@ -118,12 +115,8 @@ impl Inbox {
     /// Forgets earlier pictures, and takes those from now on; or none, without a request.
     fn request(&self, from_ns: Option<i64>) {
         let mut arrived = self.lock();
-        let info = arrived.info.take();
-        *arrived = Arrived {
-            from_ns,
-            info,
-            ..Arrived::default()
-        };
+        arrived.from_ns = from_ns;
+        (arrived.colors, arrived.depths) = Default::default();
     }
 
     fn lock(&self) -> MutexGuard<'_, Arrived> {
@@ -133,19 +126,18 @@ impl Inbox {
 
 impl Pictures {
     /// Keeps a picture that was taken since the request.
-    fn take(&mut self, image: Image, from_ns: i64) {
-        let (before_ns, ahead_ns) = (
-            image.stamp_ns.saturating_sub(from_ns),
-            image.stamp_ns.saturating_sub(now_ns()),
-        );
-        if before_ns < 0 {
-            self.off_ns = Some(before_ns);
-        } else if ahead_ns > AHEAD_NS {
-            self.off_ns = Some(ahead_ns);
-        } else {
-            self.pending.truncate(MAX_PENDING - 1);
-            self.pending.push_front(image);
+    fn take(&mut self, image: Image, from_ns: Option<i64>) {
+        let Some(from_ns) = from_ns else {
+            return;
+        };
+        let before_ns = image.stamp_ns.saturating_sub(from_ns);
+        let ahead_ns = image.stamp_ns.saturating_sub(now_ns());
+        if before_ns < 0 || ahead_ns > AHEAD_NS {
+            self.off_ns = Some(before_ns.min(ahead_ns));
+            return;
         }
+        self.pending.truncate(MAX_PENDING - 1);
+        self.pending.push_front(image);
     }
 }
 
@@ -193,34 +185,31 @@ impl<L> TopicCamera<L> {
 
     /// Explains why no picture came in time.
     fn missing(&self, arrived: &Arrived) -> String {
-        let topics = [
-            (Some(&self.topics.color), &arrived.colors),
-            (self.topics.depth.as_ref(), &arrived.depths),
-        ];
-        let mut silent = topics.into_iter().filter_map(|(topic, pictures)| {
-            let is_silent = pictures.pending.is_empty();
-            topic
-                .filter(|_| is_silent)
-                .map(|topic| (topic, pictures.off_ns))
-        });
-        let info = self.topics.info.as_ref().filter(|_| arrived.info.is_none());
-        match silent.next().or(info.map(|topic| (topic, None))) {
-            Some((topic, None)) => format!(
-                "nothing came on `{topic}` within {} s: is the camera's driver started?",
-                self.timeout.as_secs_f64()
-            ),
-            Some((topic, Some(off_ns))) => {
-                let side = if off_ns < 0 {
-                    "before the picture was requested"
-                } else {
-                    "in the future"
-                };
-                let by_s = off_ns.abs() as f64 / 1e9;
-                format!(
-                    "`{topic}` is stamped {by_s:.2} s {side}: do the clocks of both machines agree?"
-                )
-            }
-            None => format!(
+        let CameraTopics { color, depth, info } = &self.topics;
+        let nothing = |topic: &String| {
+            let timeout_s = self.timeout.as_secs_f64();
+            format!(
+                "nothing came on `{topic}` within {timeout_s} s: is the camera's driver started?"
+            )
+        };
+        for (topic, pictures) in [
+            (Some(color), &arrived.colors),
+            (depth.as_ref(), &arrived.depths),
+        ] {
+            let Some(topic) = topic.filter(|_| pictures.pending.is_empty()) else {
+                continue;
+            };
+            let Some(off_ns) = pictures.off_ns else {
+                return nothing(topic);
+            };
+            let by_s = off_ns as f64 / 1e9;
+            return format!(
+                "`{topic}` is stamped {by_s:+.2} s from the request: do the clocks of both machines agree?"
+            );
+        }
+        match info {
+            Some(topic) if arrived.info.is_none() => nothing(topic),
+            _ => format!(
                 "no colour and depth were stamped within {} ms of each other",
                 PAIR_NS / 1_000_000
             ),
@@ -235,10 +224,7 @@ impl<L> TopicCamera<L> {
     ) -> Result<Shot, String> {
         let rgb = picture::color(color)?;
         let size_px = [rgb.width(), rgb.height()];
-        let depth_m = match depth {
-            Some(depth) => picture::depth(depth)?,
-            None => DepthImage::new(rgb.width(), rgb.height()),
-        };
+        let depth_m = depth.map(picture::depth).transpose()?;
         let intrinsics = info
             .map(|info| picture::intrinsics(info, size_px))
             .transpose()?
@@ -252,11 +238,7 @@ impl<L> RgbdSource for TopicCamera<L> {
         self.topics.color.clone()
     }
 
-    fn shoot(&mut self) -> Result<Shot, RgbdError> {
-        let failed = |why: String| RgbdError {
-            camera: self.topics.color.clone(),
-            why,
-        };
+    fn shoot(&mut self) -> Result<Shot, String> {
         let deadline = Instant::now() + self.timeout;
         self.inbox.request(Some(now_ns()));
         let found = loop {
@@ -273,9 +255,8 @@ impl<L> RgbdSource for TopicCamera<L> {
             std::thread::sleep(POLL);
         };
         self.inbox.request(None);
-        let ((color, depth), info) = found.map_err(failed)?;
+        let ((color, depth), info) = found?;
         self.read(&color, depth.as_ref(), info.as_ref())
-            .map_err(failed)
     }
 }
 

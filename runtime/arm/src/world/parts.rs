@@ -1,6 +1,6 @@
 //! The parts of an arm's world: its files, supervisor and watchdog.
 
-use super::FlatPicture;
+use super::picture::flat_picture;
 use crate::calibration::Calibration;
 use crate::guard::{Guard, Surface};
 use crate::settings::{DriverKind, Settings};
@@ -10,18 +10,15 @@ use crate::table::ClothTable;
 use fab_base::digest;
 use fab_program::Material;
 use fab_world::About;
+use image::RgbImage;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
 /// Everything that an arm's world consists of.
 pub struct Parts {
-    /// The settings.
-    pub settings: Settings,
-    /// The hash of the settings' text.
-    pub settings_hash: String,
-    /// The calibration of the camera.
-    pub calibration: Calibration,
+    /// The files.
+    pub files: Files,
     /// The vision functions.
     pub sight: Sight,
     /// Side of the square picture that the task's camera takes, pixels.
@@ -36,10 +33,55 @@ pub struct Parts {
     pub folder: Option<PathBuf>,
 }
 
-impl Parts {
-    /// Returns the guard of the arm's motions over the calibrated table.
-    pub fn guard(&self) -> Guard {
-        guard(&self.settings, &self.calibration)
+/// The settings of an arm, and the files that they name.
+pub struct Files {
+    /// The settings.
+    pub settings: Settings,
+    /// The calibration of the camera.
+    pub calibration: Calibration,
+    /// The camera's own picture of the flat cloth, against which coverage is measured, if the settings name one.
+    pub flat: Option<RgbImage>,
+    /// The identity of their world; each file counts into its parameters.
+    pub about: About,
+}
+
+impl Files {
+    /// Reads a settings file, and those that it names; the error says what is wrong with which.
+    pub fn load(path: &Path) -> Result<Files, String> {
+        let settings = Settings::load(path).map_err(|error| error.to_string())?;
+        let text = fab_base::files::read(path, 1 << 20)
+            .map_err(|why| format!("`{}`: {why}", path.display()))?;
+        let beside = path.parent().unwrap_or(Path::new("."));
+        let calibration = Calibration::load(&beside.join(&settings.calibration))?;
+        let flat = flat_picture(beside, &settings, &calibration)?;
+        let mut hash = Sha256::new();
+        hash.update(&text);
+        if settings.arm.is_some() {
+            // The URDF and its meshes are part of the settings.
+            hash.update(format!("{:?}", settings.chain()));
+        }
+        hash.update(calibration.to_toml());
+        hash.update(flat.as_ref().map_or(&[][..], |flat| flat.as_raw()));
+        let name = match (settings.driver, &settings.arm) {
+            (DriverKind::Simulated, _) => "simulated_arm",
+            (_, None) => "jaco",
+            (_, Some(_)) => "arm",
+        };
+        let mut code = env!("CARGO_PKG_VERSION").to_owned();
+        if settings.driver == DriverKind::Simulated {
+            code += &format!(" {}", ClothTable::code());
+        }
+        let about = About {
+            name: name.to_owned(),
+            parameters: digest::hex(&hash.finalize())[..16].to_owned(),
+            code,
+        };
+        Ok(Files {
+            settings,
+            calibration,
+            flat,
+            about,
+        })
     }
 }
 
@@ -55,62 +97,4 @@ pub fn base_from_world(settings: &Settings) -> Isometry3<f64> {
         Translation3::new(x, y, z),
         UnitQuaternion::from_axis_angle(&Vector3::z_axis(), settings.table.turn_deg.to_radians()),
     )
-}
-
-/// Reads the settings and the calibration of a world; the error says what is wrong with either.
-pub fn load(path: &Path) -> Result<(Settings, String, Calibration), String> {
-    let settings = Settings::load(path).map_err(|error| error.to_string())?;
-    let text = fab_base::files::read(path, 1 << 20)
-        .map_err(|why| format!("`{}`: {why}", path.display()))?;
-    let mut hash = Sha256::new();
-    hash.update(&text);
-    if settings.arm.is_some() {
-        // The URDF and its meshes are part of the settings.
-        hash.update(format!("{:?}", settings.chain()));
-    }
-    let hash = digest::hex(&hash.finalize());
-    let beside = path.parent().unwrap_or(Path::new("."));
-    let calibration = Calibration::load(&beside.join(&settings.calibration))?;
-    Ok((settings, hash, calibration))
-}
-
-/// Returns the identity of the world of a settings file; the error says which file is wrong.
-pub fn about(path: &Path) -> Result<About, String> {
-    let (settings, settings_hash, calibration) = load(path)?;
-    let flat = FlatPicture::load(path, &settings, &calibration)?;
-    Ok(About {
-        name: name(&settings).to_owned(),
-        parameters: parameters(&settings_hash, &calibration, flat.as_ref()),
-        code: code(settings.driver),
-    })
-}
-
-pub(super) fn name(settings: &Settings) -> &'static str {
-    match (settings.driver, &settings.arm) {
-        (DriverKind::Simulated, _) => "simulated_arm",
-        (_, None) => "jaco",
-        (_, Some(_)) => "arm",
-    }
-}
-
-pub(super) fn code(driver: DriverKind) -> String {
-    let version = env!("CARGO_PKG_VERSION");
-    match driver {
-        DriverKind::Simulated => format!("{version} {}", ClothTable::code()),
-        DriverKind::Kinova | DriverKind::Trajectory | DriverKind::Ros2 => version.to_owned(),
-    }
-}
-
-pub(super) fn parameters(
-    settings_hash: &str,
-    calibration: &Calibration,
-    flat: Option<&FlatPicture>,
-) -> String {
-    let mut hash = Sha256::new();
-    hash.update(settings_hash);
-    hash.update(calibration.to_toml());
-    if let Some(flat) = flat {
-        hash.update(flat.bytes());
-    }
-    digest::hex(&hash.finalize())[..16].to_owned()
 }

@@ -3,19 +3,17 @@
 //! In: what an [`ArmWorld`] takes, without an arm. Out: pictures, and for the first motion a [`Plan`] in the run folder as
 //! `plan.json` and `plan.png`. No arm is connected, so none can move; the tool is assumed to be at `rest_m`.
 
-use super::{Acts, ArmWorld, Parts, base_from_world, motion};
+use super::simulated::table;
+use super::{Acts, ArmWorld, Parts, motion};
 use crate::driver::parked::ParkedArm;
 use crate::kinematics::tool_down::tool_down;
 use crate::plan::Plan;
 use crate::rgbd::RgbdSource;
-use crate::settings::DriverKind;
-use crate::table::{ClothTable, TableCamera};
+use crate::table::TableCamera;
 use fab_base::files;
 use fab_picture::png;
 use fab_world::WorldError;
-use std::cell::RefCell;
 use std::path::Path;
-use std::rc::Rc;
 
 /// Name of a plan's file in a run folder.
 pub const PLAN_FILE: &str = "plan.json";
@@ -29,14 +27,7 @@ const MAX_BYTES: u64 = 1 << 20;
 impl ArmWorld {
     /// Sets up a table that this program simulates, to plan over it, for settings with the driver `simulated`.
     pub fn planning_simulated(parts: Parts) -> Result<ArmWorld, WorldError> {
-        let settings = &parts.settings;
-        if settings.driver != DriverKind::Simulated {
-            let why = "its settings name another driver than `simulated`";
-            return Err(motion(why.to_owned()));
-        }
-        let table = ClothTable::new(settings, &base_from_world(settings))?;
-        let table = table.with_material(parts.material.as_ref());
-        let table = Rc::new(RefCell::new(table));
+        let table = table(&parts)?;
         let camera = Box::new(TableCamera(table.clone()));
         let planning = ArmWorld::planning(parts, camera)?;
         Ok(ArmWorld {
@@ -49,7 +40,7 @@ impl ArmWorld {
     pub fn planning(mut parts: Parts, camera: Box<dyn RgbdSource>) -> Result<ArmWorld, WorldError> {
         // Without motion there is no journal.
         let folder = parts.folder.take();
-        let settings = &parts.settings;
+        let settings = &parts.files.settings;
         let turn_rad = settings.motion.hand_turn_deg.to_radians();
         let at = tool_down(&settings.workspace.rest_m.into(), turn_rad);
         let arm = ParkedArm::at(at);
@@ -68,14 +59,9 @@ impl ArmWorld {
         let Some(shot) = &self.last_shot else {
             return Err(motion("there is no picture to draw the plan on".to_owned()));
         };
-        let Parts {
-            settings,
-            calibration,
-            sight,
-            ..
-        } = &self.parts;
-        let reach = self.reach.reach();
-        let drawn = (sight.draw_plan)(plan, &shot.rgb, calibration, settings, reach);
+        let Parts { files, sight, .. } = &self.parts;
+        let (calibration, reach) = (&files.calibration, &self.reach.reach);
+        let drawn = (sight.draw_plan)(plan, &shot.rgb, calibration, &files.settings, reach);
         let drawn = drawn.map_err(motion)?;
         let text = serde_json::to_vec_pretty(plan).map_err(|error| motion(error.to_string()))?;
         let picture = png::encode(&drawn);

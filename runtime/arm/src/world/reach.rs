@@ -13,14 +13,15 @@ use crate::kinematics::tool_down::tool_down;
 use crate::plan::Plan;
 use crate::route::{self, SegmentName};
 use crate::settings::{DriverKind, Settings};
-use fab_program::Manner;
 use fab_world::{Grip, Motion, World, WorldPoint, Wrapper};
 use nalgebra::Point3;
 
 /// The reach of an arm with its hand pointing down.
 pub(super) struct ArmReach {
-    reach: Reach,
-    guard: Guard,
+    /// The reach in the base frame.
+    pub reach: Reach,
+    /// The guard of the arm's motions.
+    pub guard: Guard,
 }
 
 impl ArmReach {
@@ -31,16 +32,6 @@ impl ArmReach {
             reach: Reach::tool_down(guard.chain(), turn_rad),
             guard,
         }
-    }
-
-    /// Returns the reach in the base frame.
-    pub(super) fn reach(&self) -> &Reach {
-        &self.reach
-    }
-
-    /// Returns the guard of the arm's motions.
-    pub(super) fn guard(&self) -> &Guard {
-        &self.guard
     }
 
     /// Returns why a point in the world frame is out of reach, as [`World::out_of_reach`] does.
@@ -102,69 +93,49 @@ impl ArmReach {
                     .to_owned(),
             );
         }
-        if let Some(speed_m_s) = manner.speed_m_s
-            && let Some(why) = self.speed_refused(settings, speed_m_s)
-        {
-            return Some(format!("`speed` of {speed_m_s} m/s is not possible: {why}"));
-        }
-        let points = [&asked.pick, &asked.place];
-        let points = points.map(|point| base_point(settings, self.guard.surface(), point));
-        let turn_rad = settings.motion.hand_turn_deg.to_radians();
+        let motion = &settings.motion;
         let rest = ArmState {
             at_s: 0.0,
-            tool: tool_down(&settings.workspace.rest_m.into(), turn_rad),
+            tool: tool_down(
+                &settings.workspace.rest_m.into(),
+                motion.hand_turn_deg.to_radians(),
+            ),
             joints_rad: Vec::new(),
             fingers: Vec::new(),
         };
-        let plan = |manner: &Manner| {
-            let (plan, route) = Plan::make(settings, &self.guard, &rest, points, manner);
-            (plan.refused.filter(|_| route.is_none()), plan.segments)
-        };
-        let (refused, segments) = plan(manner);
-        if let Some(why) = refused {
-            // What is impossible in the arm's own manner too is not refused here.
-            if plan(&Manner::default()).0.is_some() {
-                return None;
-            }
-            let heights = [
-                ("lift", manner.lift_m),
-                ("release_height", manner.release_height_m),
-            ];
-            let stated = heights.into_iter().filter_map(|(name, height_m)| {
-                let height_m = height_m?;
-                let alone = Manner::default().with(name, height_m);
-                let why = plan(&alone).0?;
-                Some(format!(
-                    "`{name}` of {:.0} mm is not possible: {why}",
-                    height_m * 1000.0
-                ))
-            });
-            return stated.into_iter().next().or(Some(why));
+        let points = [&asked.pick, &asked.place];
+        let points = points.map(|point| base_point(settings, self.guard.surface(), point));
+        let (plan, _) = Plan::make(settings, &self.guard, &rest, points, manner);
+        let stated_m = [
+            ("lift", manner.lift_m),
+            ("release_height", manner.release_height_m),
+        ];
+        let stated = stated_m.into_iter().filter_map(|(name, height_m)| {
+            Some(format!("`{name}` of {:.0} mm", height_m? * 1000.0))
+        });
+        let stated: Vec<String> = stated.collect();
+        if let (Some(why), false) = (&plan.refused, stated.is_empty()) {
+            return Some(format!("{} is not possible: {why}", stated.join(" with ")));
         }
         let speed_m_s = manner.speed_m_s?;
         let carries = |name| (SegmentName::Lift..=SegmentName::DownToPlace).contains(&name);
-        let carried = segments.iter().filter(|segment| carries(segment.name));
-        let allowed_m_s = carried.map(|segment| segment.joints_allow_m_s);
-        let most_m_s = allowed_m_s.fold(f64::INFINITY, f64::min);
-        (speed_m_s > most_m_s).then(|| {
+        let carried = plan.segments.iter().filter(|it| carries(it.name));
+        let joints_m_s = carried
+            .map(|it| it.joints_allow_m_s)
+            .fold(f64::INFINITY, f64::min);
+        let (usual_m_s, most_m_s) = (motion.speed_m_s, self.guard.max_speed_m_s());
+        let why = if settings.driver == DriverKind::Kinova && speed_m_s != usual_m_s {
             format!(
-                "`speed` of {speed_m_s} m/s is not possible: on this way the arm's joints allow at most {most_m_s:.3} m/s"
-            )
-        })
-    }
-
-    /// Returns why no way can have this speed.
-    fn speed_refused(&self, settings: &Settings, speed_m_s: f64) -> Option<String> {
-        let usual_m_s = settings.motion.speed_m_s;
-        if settings.driver == DriverKind::Kinova && speed_m_s != usual_m_s {
-            return Some(format!(
                 "the arm takes poses and moves at a speed of its own, `motion.speed_m_s` of {usual_m_s} m/s"
-            ));
-        }
-        let most_m_s = self.guard.max_speed_m_s();
-        (speed_m_s > most_m_s).then(|| {
+            )
+        } else if speed_m_s > most_m_s {
             format!("the tool moves at most at `workspace.max_speed_m_s` of {most_m_s} m/s")
-        })
+        } else if speed_m_s > joints_m_s {
+            format!("on this way the arm's joints allow at most {joints_m_s:.3} m/s")
+        } else {
+            return None;
+        };
+        Some(format!("`speed` of {speed_m_s} m/s is not possible: {why}"))
     }
 }
 

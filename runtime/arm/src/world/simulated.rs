@@ -4,7 +4,6 @@ use super::{ArmWorld, Parts, base_from_world, motion};
 use crate::driver::{Commands, PortArm};
 use crate::port::Port;
 use crate::rgbd::RgbdSource;
-use crate::settings::DriverKind;
 use crate::simulated::{SimulatedArm, Simulation};
 use crate::table::{ClothTable, TableCamera};
 use fab_world::WorldError;
@@ -22,14 +21,8 @@ impl ArmWorld {
         parts: Parts,
         between: impl FnOnce(SimulatedArm, TableCamera) -> (Box<dyn Port>, Box<dyn RgbdSource>),
     ) -> Result<ArmWorld, WorldError> {
-        let settings = &parts.settings;
-        if settings.driver != DriverKind::Simulated {
-            return Err(motion(
-                "its settings name another driver than `simulated`".to_owned(),
-            ));
-        }
-        let table = ClothTable::new(settings, &base_from_world(settings))?;
-        let table = Rc::new(RefCell::new(table.with_material(parts.material.as_ref())));
+        let table = table(&parts)?;
+        let settings = &parts.files.settings;
         let simulation = Simulation::of(settings).map_err(motion)?;
         let arm = SimulatedArm::new(simulation, Some(table.clone()));
         let (port, camera) = between(arm, TableCamera(table.clone()));
@@ -40,4 +33,15 @@ impl ArmWorld {
         world.table = Some(table);
         Ok(world)
     }
+}
+
+/// Sets up the table without a cloth.
+pub(super) fn table(parts: &Parts) -> Result<Rc<RefCell<ClothTable>>, WorldError> {
+    let settings = &parts.files.settings;
+    let table = ClothTable::new(
+        settings,
+        &base_from_world(settings),
+        parts.material.as_ref(),
+    )?;
+    Ok(Rc::new(RefCell::new(table)))
 }

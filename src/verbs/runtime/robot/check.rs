@@ -6,7 +6,7 @@
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use clap::{Args, ValueHint};
-use fab_arm::calibration::{Accuracy, Calibration, Corner};
+use fab_arm::calibration::{Calibration, Corner};
 use fab_arm::guard::{Guard, Surface};
 use fab_arm::kinematics::reach::Reach;
 use fab_arm::settings::{CameraSource, Settings};
@@ -63,9 +63,8 @@ enum CalibrationCheck {
 struct MadeCalibration {
     usable: bool,
     made_on: String,
-    camera: String,
-    #[serde(flatten)]
-    accuracy: Accuracy,
+    left_out_mm: Vec<f64>,
+    left_out_rms_mm: f64,
     corners: [Corner; 4],
 }
 
@@ -186,15 +185,15 @@ fn calibration(robot: &Path, settings: &Settings) -> Result<MadeCalibration, [St
     let path = beside.join(&settings.calibration);
     let is_simulated = settings.camera.source == CameraSource::Simulated;
     let calibrate = format!(
-        "touch points and calibrate: `fabc calibrate --robot {} --grid 4x4`",
+        "touch points and calibrate: `fabc calibrate --robot {} --pairs FILE`",
         robot.display()
     );
     let made = Calibration::load(&path);
     let made = made.map_err(|error| [error, calibrate.clone()])?;
-    let corners = made.over_table(settings).map_err(|refusal| {
+    let corners = made.over_table(settings).map_err(|why| {
         let file = robot.display();
         [
-            format!("it does not fit these settings: {refusal}"),
+            format!("it does not fit these settings: {why}"),
             format!("correct what is said of it in `{file}`; else {calibrate}"),
         ]
     })?;
@@ -205,9 +204,9 @@ fn calibration(robot: &Path, settings: &Settings) -> Result<MadeCalibration, [St
     }
     Ok(MadeCalibration {
         usable: true,
+        left_out_rms_mm: made.left_out_rms_mm(),
         made_on: made.made_on,
-        camera: made.terms.camera,
-        accuracy: made.accuracy,
+        left_out_mm: made.left_out_mm,
         corners,
     })
 }
@@ -218,18 +217,13 @@ impl Inspection {
         let mut lines = vec![format!("settings     {name}, {model}: can be used")];
         match &self.calibration {
             CalibrationCheck::Usable(made) => {
-                let (made_on, camera) = (&made.made_on, &made.camera);
-                let left_out_mm = made.accuracy.left_out_rms_mm;
+                let (made_on, left_out_mm) = (&made.made_on, made.left_out_rms_mm);
                 lines.push(format!(
-                    "calibration  of {made_on}, camera {camera}: can be used; a point left out is {left_out_mm:.1} mm off"
+                    "calibration  of {made_on}: can be used; a point left out is {left_out_mm:.1} mm off"
                 ));
                 lines.extend(made.corners.iter().map(|corner| {
-                    let ([x, y, _], above_mm) = (corner.at_m, corner.above_mm.abs());
-                    let side = if corner.above_mm < 0.0 { "below" } else { "above" };
-                    format!(
-                        "corner       ({x:.3}, {y:.3}): {above_mm:.1} mm {side} the table's middle, known to {:.1} mm",
-                        corner.error_mm
-                    )
+                    let ([x, y, z], error_mm) = (corner.at_m, corner.error_mm);
+                    format!("corner       ({x:.3}, {y:.3}, {z:.3}): known to {error_mm:.1} mm")
                 }));
             }
             CalibrationCheck::Unusable { why, .. } => {

@@ -13,7 +13,7 @@ use fab_arm::directory::PictureSelection;
 use fab_arm::journal;
 use fab_arm::settings::{CameraSource, DriverKind, Settings};
 use fab_arm::supervisor::{NoWatchdog, Supervisor, Unattended};
-use fab_arm::world::{self, ArmWorld, FlatPicture, Parts, WithinReach};
+use fab_arm::world::{ArmWorld, Files, Parts, WithinReach};
 use fab_program::{ClothStart, Program};
 use fab_world::start::Start;
 use fab_world::{World, WorldError};
@@ -81,8 +81,7 @@ pub fn check(arguments: &ArmArguments, mode: ArmMode, io: &Io) -> Result<Setting
         preflight::check(robot).map_err(Failure::environment)?;
     }
     usable(robot)?;
-    let (settings, _, calibration) = world::load(robot).map_err(Failure::environment)?;
-    FlatPicture::load(robot, &settings, &calibration).map_err(Failure::environment)?;
+    let settings = Files::load(robot).map_err(Failure::environment)?.settings;
     if settings.driver == DriverKind::Kinova {
         io.talk(POSES_ALONE);
     }
@@ -128,20 +127,18 @@ pub fn world(
 ) -> Result<Box<dyn World>, WorldError> {
     // Again, because the files may have changed since.
     usable(arguments.robot()).map_err(|failure| failed(failure.to_string()))?;
-    let (settings, settings_hash, calibration) = world::load(arguments.robot()).map_err(failed)?;
-    let flat = FlatPicture::load(arguments.robot(), &settings, &calibration).map_err(failed)?;
+    let files = Files::load(arguments.robot()).map_err(failed)?;
+    let settings = &files.settings;
     let supervisor = match mode {
-        ArmMode::Execute => supervisor(arguments, &settings, io),
+        ArmMode::Execute => supervisor(arguments, settings, io),
         ArmMode::PlanOnly => Ok(Box::new(Unattended) as Box<dyn Supervisor>),
     };
     let supervisor = supervisor.map_err(|error| failed(error.to_string()))?;
     let is_simulated = settings.driver == DriverKind::Simulated;
-    let has_simulated_camera = has_simulated_camera(&settings);
+    let has_simulated_camera = has_simulated_camera(settings);
     let watchdog_s = settings.tolerance.watchdog_s;
     let mut parts = Parts {
-        settings,
-        settings_hash,
-        calibration,
+        files,
         sight: SIGHT,
         image_px: program.camera.image_px,
         // A real cloth is what it is.
@@ -158,20 +155,20 @@ pub fn world(
     };
     Ok(match (mode, is_simulated) {
         (ArmMode::PlanOnly, _) if has_simulated_camera => {
-            Box::new(ArmWorld::planning_simulated(parts)?.with_flat(flat))
+            Box::new(ArmWorld::planning_simulated(parts)?)
         }
-        (ArmMode::Execute, true) => Box::new(ArmWorld::simulated(parts)?.with_flat(flat)),
+        (ArmMode::Execute, true) => Box::new(ArmWorld::simulated(parts)?),
         (ArmMode::PlanOnly, _) => {
-            let camera = camera(&parts.settings, PictureSelection::Newest)?;
-            Box::new(ArmWorld::planning(parts, camera)?.with_flat(flat))
+            let camera = camera(&parts.files.settings, PictureSelection::Newest)?;
+            Box::new(ArmWorld::planning(parts, camera)?)
         }
         (ArmMode::Execute, false) => {
             preflight::check(robot).map_err(failed)?;
             parts.watchdog = Box::new(Process::start(robot, watchdog_s).map_err(failed)?);
-            let timeout_s = parts.settings.camera.timeout_s;
-            let camera = camera(&parts.settings, PictureSelection::Fresh { timeout_s })?;
-            let arm = Box::new(connect::arm(&parts.settings).map_err(failed)?);
-            let world = ArmWorld::new(parts, arm, camera)?.with_flat(flat);
+            let timeout_s = parts.files.settings.camera.timeout_s;
+            let camera = camera(&parts.files.settings, PictureSelection::Fresh { timeout_s })?;
+            let arm = Box::new(connect::arm(&parts.files.settings).map_err(failed)?);
+            let world = ArmWorld::new(parts, arm, camera)?;
             if let Some(folder) = folder {
                 // Before the first motion: after a crash in it, the next run must find this one.
                 journal::record_run(robot, folder).map_err(|error| failed(error.to_string()))?;
@@ -183,7 +180,11 @@ pub fn world(
 
 /// Makes a simulated world that refuses points out of the arm's reach: nobody is asked, and nothing moves.
 pub fn look(program: &Program, arguments: &ArmArguments) -> Result<Box<dyn World>, WorldError> {
-    let (settings, _, calibration) = world::load(arguments.robot()).map_err(failed)?;
+    let Files {
+        settings,
+        calibration,
+        ..
+    } = Files::load(arguments.robot()).map_err(failed)?;
     let world = super::world(program)?;
     Ok(Box::new(WithinReach::new(world, settings, &calibration)))
 }

@@ -8,10 +8,13 @@ mod refusals;
 mod touches;
 mod truth;
 mod views;
+mod zz;
 
+use super::view::pixel_at;
 use super::*;
+use crate::settings::Settings;
 use nalgebra::{Isometry3, Point3, Vector3};
-use truth::{Noise, Truth, window};
+use truth::{Noise, Truth, WINDOW};
 
 /// Returns a usual grid of `side * side` measured points, with errors of 0.5 mm and 0.3 pixels.
 fn measured_grid(seed: u64, side: u32, share: f64) -> Vec<Pair> {
@@ -27,19 +30,19 @@ fn terms() -> Terms {
 }
 
 /// Calibrates without a picture.
-fn make(pairs: Vec<Pair>) -> Result<Calibration, Refusal> {
+fn make(pairs: Vec<Pair>) -> Result<Calibration, String> {
     Calibration::make(terms(), pairs, "2026-11-22", None)
 }
 
 /// Calibrates, and judges the table of the usual settings by it.
-fn judged(pairs: Vec<Pair>) -> Result<[Corner; 4], Refusal> {
+fn judged(pairs: Vec<Pair>) -> Result<[Corner; 4], String> {
     make(pairs)?.over_table(&settings())
 }
 
 /// What a person would state in the settings of this camera and table.
 fn settings() -> Settings {
     let truth = Truth::usual();
-    let [x, y, z]: [f64; 3] = truth.table(window().pixel_at([0.5; 2])).into();
+    let [x, y, z]: [f64; 3] = truth.table(pixel_at(WINDOW, [0.5; 2])).into();
     let text = format!(
         "
 name = 'lab'

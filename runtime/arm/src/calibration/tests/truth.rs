@@ -1,6 +1,6 @@
 //! A camera over a table and an arm that touches it, both simulated; `super` brings the calibration into scope.
 
-use super::{Intrinsics, LIMIT_MM, Pair, Terms, Window};
+use super::{Intrinsics, LIMIT_MM, Pair, Terms};
 use fab_picture::camera::Lens;
 use nalgebra::{Isometry3, Point3, Vector3};
 use std::f64::consts::FRAC_PI_2;
@@ -61,22 +61,25 @@ impl Truth {
         let at = |index: u32| 0.5 + share * (f64::from(index) / f64::from(n - 1) - 0.5);
         let places = (0..n).flat_map(|row| (0..n).map(move |column| (column, row)));
         places
-            .map(|(column, row)| self.pair(window().pixel_at([at(column), at(row)])))
+            .map(|(column, row)| self.pair(pixel_at(WINDOW, [at(column), at(row)])))
             .collect()
     }
 
     pub fn terms(&self) -> Terms {
         Terms {
             limit_mm: LIMIT_MM,
-            camera: "shots".to_owned(),
             size_px: [640, 480],
             intrinsics: Some(self.intrinsics()),
         }
     }
 }
 
-pub fn window() -> Window {
-    Window::from([80, 0, 480])
+pub const WINDOW: [u32; 3] = [80, 0, 480];
+
+/// The pixel at shares of the window's sides.
+fn pixel_at([left, top, side]: [u32; 3], share: [f64; 2]) -> [f64; 2] {
+    let [left, top, side] = [left, top, side].map(f64::from);
+    [left + share[0] * side, top + share[1] * side]
 }
 
 /// Reproducible random numbers.

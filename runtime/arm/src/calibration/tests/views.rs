@@ -12,11 +12,10 @@ fn windows_lie_in_their_picture() {
         ([0, 0, 0], false),
         ([u32::MAX, 0, 480], false),
     ] {
-        assert_eq!(Window::from(window).is_in([640, 480]), is_in, "{window:?}");
+        let checked = check_window(window, [640, 480]);
+        assert_eq!(checked.is_ok(), is_in, "{window:?}");
     }
-    let error = Window::from([200, 0, 480])
-        .check_in([640, 480])
-        .unwrap_err();
+    let error = check_window([200, 0, 480], [640, 480]).unwrap_err();
     assert!(
         error.contains("`200, 0, 480` does not lie in the camera's picture of 640 x 480 px"),
         "{error}"
@@ -27,10 +26,9 @@ type Edit = fn(&mut Settings);
 
 #[test]
 fn settings_that_disagree_with_the_calibration_are_refused() {
-    assert_eq!(Terms::of(&settings(), [640, 480], LIMIT_MM), terms());
     let made = make(measured_grid(11, 4, 0.8)).unwrap();
     made.over_table(&settings()).unwrap();
-    let cases: [(Edit, &str); 6] = [
+    let cases: [(Edit, &str); 5] = [
         (
             |it| it.table.center_m[2] += 0.1,
             "mm from the height in `table.center_m`; at most 10 mm",
@@ -51,16 +49,12 @@ fn settings_that_disagree_with_the_calibration_are_refused() {
             |it| it.camera.intrinsics.as_mut().unwrap().focal_px = [780.0, 780.0],
             "the settings state another camera than the calibrated one",
         ),
-        (
-            |it| (it.workspace.min_m[0], it.workspace.max_m[0]) = (1.0, 1.5),
-            "the window shows nothing that the arm reaches",
-        ),
     ];
     for (change, words) in cases {
         let mut settings = settings();
         change(&mut settings);
         let refusal = made.over_table(&settings).expect_err(words);
-        assert!(refusal.to_string().contains(words), "{words}: {refusal}");
+        assert!(refusal.contains(words), "{words}: {refusal}");
     }
 }
 
@@ -80,13 +74,13 @@ proptest! {
         let world_from_base = Isometry3::rotation(Vector3::new(sway[0], sway[1], 0.0))
             * Isometry3::rotation(Vector3::new(0.0, 0.0, turn))
             * Isometry3::translation(-0.45, 0.0, -0.02);
-        let window = Window::from([cut[0], cut[1], 480 - cut[1].max(cut[2])]);
-        let pixel = window.pixel_at(share);
+        let window = [cut[0], cut[1], 480 - cut[1].max(cut[2])];
+        let pixel = pixel_at(window, share);
         let square = share.map(|share| share * f64::from(image_px));
         let pair = truth.pair(pixel);
         let wanted = world_from_base.transform_point(&Point3::from(pair.base_m));
         let made = Calibration::make(truth.terms(), truth.grid(4, 0.8), "2026-11-22", None).unwrap();
-        let camera = made.camera(&world_from_base, &window, image_px);
+        let camera = made.camera(&world_from_base, window, image_px);
         prop_assert_eq!(camera.size_px, [image_px; 2]);
         let shown = camera.table_from_pixel(square).unwrap();
         prop_assert!((shown - wanted).norm() < 1e-6, "{} {}", shown, wanted);

@@ -69,13 +69,16 @@ fn what_cannot_be_a_picture_is_refused_in_words() {
         ),
         (
             color(&message("rgb8", 2, 3, &[1, 2, 3])).err(),
-            "rows have 3 bytes, and 2 pixels of `rgb8` need 6",
+            "px as `rgb8` has rows of 3 bytes",
         ),
         (
             color(&short).err(),
-            "has 3 bytes, and 2 rows of 3 would be 6",
+            "has rows of 3 bytes, and 3 bytes in all",
         ),
-        (color(&message("rgb8", 0, 0, &[])).err(), "0 x 0 pixels"),
+        (
+            color(&message("rgb8", 0, 0, &[])).err(),
+            "picture of 0 x 0 px",
+        ),
         (
             depth(&message("rgb8", 1, 3, &[1, 2, 3])).err(),
             "expected `16UC1` or `32FC1`",

@@ -2,14 +2,15 @@
 
 #![allow(clippy::unwrap_used)]
 use super::*;
-use crate::world::load;
+use crate::world::Files;
+use fab_program::Manner;
 use std::path::Path;
 
 /// Cloth on the low side of a tilted table is grasped where it lies, not at the height of the table's middle.
 #[test]
 fn grasp_heights_follow_a_tilted_table() {
     let robot = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/real/simulated.toml");
-    let (settings, ..) = load(&robot).unwrap();
+    let settings = Files::load(&robot).unwrap().settings;
     let slope = 3f64.to_radians().tan();
     let [x, y, z] = settings.table.center_m;
     let world_from_base = base_from_world(&settings).inverse();
@@ -41,7 +42,11 @@ fn grasp_heights_follow_a_tilted_table() {
 #[test]
 fn points_at_the_rim_are_left_out_by_what_an_arm_may_be_off() {
     let robot = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/real/simulated.toml");
-    let (settings, _, calibration) = load(&robot).unwrap();
+    let Files {
+        settings,
+        calibration,
+        ..
+    } = Files::load(&robot).unwrap();
     let guard = guard(&settings, &calibration);
     let reach = ArmReach::new(&settings, guard);
     let world_from_base = base_from_world(&settings).inverse();
@@ -75,7 +80,11 @@ fn points_at_the_rim_are_left_out_by_what_an_arm_may_be_off() {
 #[test]
 fn manners_beyond_the_arm_are_refused_by_name_and_with_the_bound() {
     let robot = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/real/simulated.toml");
-    let (mut settings, _, calibration) = load(&robot).unwrap();
+    let Files {
+        mut settings,
+        calibration,
+        ..
+    } = Files::load(&robot).unwrap();
     let reach = ArmReach::new(&settings, guard(&settings, &calibration));
     let points = [
         WorldPoint::new(-0.05, 0.0, 0.0),
