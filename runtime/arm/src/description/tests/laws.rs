@@ -106,7 +106,7 @@ proptest! {
         let to = Point3::new(radius * azimuth.cos(), radius * azimuth.sin(), height);
         let start = Reach::tool_down(chain, 0.0).check(&from, &[]).unwrap();
         let [from, to] = [from, to].map(|point| tool_down(&point, 0.0));
-        let way = chain.straight(&from, &to, &start, 0.01).unwrap();
+        let way = chain.straight(&start, &to, 0.01).unwrap();
         let along = to.translation.vector - from.translation.vector;
         for joints in &way {
             let tool = chain.base_from_tool(joints).unwrap();
