@@ -1,9 +1,9 @@
 //! An arm as data: a URDF file, and what a settings file says beside it.
 //!
-//! In: the section `[arm]` of the settings, and the URDF and mesh files that it names; or the name of a model that is shipped
-//! (`shipped`). Out: a [`Chain`] with shapes; else
-//! all faults. A URDF's numbers are doubted: a joint without limits, a link without a shape or a mesh that cannot be read
-//! would let an arm go where it must not, so each is refused. No program is run to find or expand a file.
+//! In: the section `[arm]` of the settings, and the URDF and mesh files that it names; or the name of a model that is
+//! shipped (`shipped`). Out: a [`Chain`] with shapes; else all faults. A URDF's numbers are doubted: a joint without limits,
+//! a link without a shape or a mesh that cannot be read would let an arm go where it must not, so each is refused. No
+//! program is run to find or expand a file.
 
 mod hull;
 mod mesh;
@@ -395,8 +395,7 @@ impl<'b> Builder<'b> {
                 }
                 for shape in found.iter_mut().filter(|_| is_hand) {
                     shape.link = hand;
-                    shape.from = last_from_tool.inverse() * shape.from;
-                    shape.to = last_from_tool.inverse() * shape.to;
+                    *shape = shape.at(&last_from_tool.inverse());
                 }
                 shapes.extend(found);
             }
@@ -410,8 +409,7 @@ impl<'b> Builder<'b> {
         }
         shapes.extend(self.arm.hand.iter().map(|stated| Capsule {
             link: hand,
-            from: Point3::from(stated.from_m),
-            to: Point3::from(stated.to_m),
+            ends: [stated.from_m, stated.to_m].map(Point3::from),
             radius_m: stated.radius_m,
             is_around_mesh: false,
         }));
@@ -537,8 +535,7 @@ impl<'b> Builder<'b> {
             let (from, to, radius_m) = hull::capsule(&placed, cloud.radius_m)?;
             Some(Capsule {
                 link: joint,
-                from,
-                to,
+                ends: [from, to],
                 radius_m,
                 is_around_mesh: cloud.is_mesh,
             })

@@ -10,7 +10,7 @@
 use super::driver::{ArmState, Deviation};
 use super::kinematics::chain::Chain;
 use super::kinematics::reach::Reach;
-use super::kinematics::shape::PlacedCapsule;
+use super::kinematics::shape::Capsule;
 use super::kinematics::straight::between;
 use super::kinematics::tool_down::tool_down;
 use super::port::Waypoint;
@@ -19,7 +19,6 @@ use super::settings::Settings;
 use super::timing::JointLimits;
 use crate::calibration::Calibration;
 use nalgebra::{Isometry3, Point3, Vector3};
-use std::collections::BTreeMap;
 
 /// The longest motion at once, metres; a longer one is a mistake in a place.
 const MAX_WAY_M: f64 = 0.9;
@@ -236,18 +235,15 @@ impl Guard {
         let placed = rest_rad.and_then(|rest_rad| chain.placed_shapes(&rest_rad));
         let placed = placed.unwrap_or_default();
         // The hand is fixed to the last joint's link.
-        let link = |shape: &PlacedCapsule| shape.link.min(chain.joints().len() - 1);
-        let told: Vec<usize> = (0..placed.len())
-            .filter(|index| !chain.shapes()[*index].is_around_mesh)
-            .collect();
-        let pairs = told
-            .iter()
-            .flat_map(|&other| told.iter().map(move |&one| [one, other]));
-        let is_pair = |[one, other]: &[usize; 2]| {
-            one < other && link(&placed[*one]).abs_diff(link(&placed[*other])) > 1
+        let link = |shape: &Capsule| shape.link.min(chain.joints().len() - 1);
+        let pairs = (0..placed.len()).flat_map(|other| (0..other).map(move |one| [one, other]));
+        let is_told = |pair: &[usize; 2]| {
+            let [one, other] = pair.map(|index| &placed[index]);
+            let is_around_mesh = one.is_around_mesh || other.is_around_mesh;
+            !is_around_mesh && link(one).abs_diff(link(other)) > 1
         };
         let are_apart = |[one, other]: &[usize; 2]| placed[*one].gap_m(&placed[*other]) > APART_M;
-        let (apart, touching): (Vec<_>, Vec<_>) = pairs.filter(is_pair).partition(are_apart);
+        let (apart, touching): (Vec<_>, Vec<_>) = pairs.filter(is_told).partition(are_apart);
         let touching = touching
             .iter()
             .map(|pair| pair.map(|index| self.part(&placed[index])));
@@ -294,7 +290,7 @@ impl Guard {
     ) -> Result<Checked<Motion>, String> {
         self.ends(&from.tool, to, speed_m_s)?;
         let limits = JointLimits::of(&self.settings, self.chain());
-        let mut path = Path::default();
+        let mut path = Vec::new();
         let mut waypoints = Vec::new();
         let mut joints_allow_m_s = f64::INFINITY;
         if from.joints_rad.is_empty() {
@@ -302,12 +298,14 @@ impl Guard {
             let steps = (way_m / STEP_M).ceil().max(1.0) as usize;
             for step in 0..=steps {
                 let pose = between(&from.tool, to, step as f64 / steps as f64);
-                self.clear(&hand_at(self.chain(), &pose), &mut path)?;
+                path.push(self.gaps(&hand_at(self.chain(), &pose)));
             }
         } else {
             let begin = self.chain().base_from_tool(&from.joints_rad)?;
             let aside = Deviation::between(&begin, &from.tool);
-            if aside.position_m > ASIDE_M {
+            // NaN must be refused.
+            let do_fit = aside.position_m <= ASIDE_M;
+            if !do_fit {
                 return Err(format!(
                     "the arm reports joints that bring its tool {aside} away from where it reports the tool: the readings do \
                      not fit, or `model` names another arm"
@@ -319,12 +317,13 @@ impl Guard {
             joints_allow_m_s = limits.allow_m_s(&points, way_m);
             waypoints = limits.time(&points, way_m, speed_m_s)?;
             for point in &waypoints {
-                let tool = self.posture(&point.joints_rad, &mut path)?;
+                let tool = self.chain().base_from_tool(&point.joints_rad)?;
+                path.push(self.gaps(&self.chain().placed_shapes(&point.joints_rad)?));
                 self.inside(&Point3::from(tool.translation.vector), 0.0)
                     .map_err(|why| format!("the tool would be {why}"))?;
             }
         }
-        path.end()?;
+        keeps_clear(&path)?;
         Ok(Checked(Motion {
             from: from.tool,
             to: *to,
@@ -479,20 +478,8 @@ impl Guard {
         Ok(())
     }
 
-    /// Checks joint angles as the next point of a path, and returns where the tool is.
-    fn posture(&self, joints_rad: &[f64], path: &mut Path) -> Result<Isometry3<f64>, String> {
-        self.clear(&self.chain().placed_shapes(joints_rad)?, path)?;
-        self.chain().base_from_tool(joints_rad)
-    }
-
-    /// Checks shapes as the next point of a path: above the table, outside of every zone, and apart from each other.
-    fn clear(&self, shapes: &[PlacedCapsule], path: &mut Path) -> Result<(), String> {
-        let mut gaps = self.gaps(shapes).into_iter().enumerate();
-        gaps.try_for_each(|(obstacle, gap)| path.next(obstacle, gap))
-    }
-
     /// Returns the least gap between shapes and each obstacle: the table, other parts of the arm, and every zone.
-    fn gaps(&self, shapes: &[PlacedCapsule]) -> Vec<Gap> {
+    fn gaps(&self, shapes: &[Capsule]) -> Vec<Gap> {
         let mm = |metres: f64| metres.max(0.0) * 1000.0;
         let table = nearest(
             shapes
@@ -521,7 +508,7 @@ impl Guard {
         // Between two points of a path a shape comes nearer by at most half a step.
         let least_m = self.settings.tolerance.position_m + STEP_M / 2.0;
         let zones = self.settings.workspace.keep_out.iter().filter_map(|zone| {
-            let gap_m = |shape: &PlacedCapsule| shape.gap_to_box_m(&zone.min_m, &zone.max_m);
+            let gap_m = |shape: &Capsule| shape.gap_to_box_m(&zone.min_m, &zone.max_m);
             let (gap_m, shape) = nearest(shapes.iter().map(|shape| (gap_m(shape), shape)))?;
             let (name, at_mm, least_mm) = (&zone.name, mm(gap_m), mm(least_m));
             Some(Gap {
@@ -541,7 +528,7 @@ impl Guard {
     ///
     /// The settings state the table by the tool's place when the fingertips touch it, so the hand's shapes end where
     /// that is. Links are held to the tool's place itself, which is higher.
-    fn above_table_m(&self, shape: &PlacedCapsule) -> f64 {
+    fn above_table_m(&self, shape: &Capsule) -> f64 {
         // The table's plane, which has no edge, would pass through the foot.
         if shape.link == 0 && self.chain().is_upright() {
             return f64::INFINITY;
@@ -556,7 +543,7 @@ impl Guard {
     }
 
     /// Names the part of the arm that a shape contains.
-    fn part(&self, shape: &PlacedCapsule) -> String {
+    fn part(&self, shape: &Capsule) -> String {
         if shape.link == self.chain().joints().len() {
             "the hand".to_owned()
         } else {
@@ -583,58 +570,47 @@ struct Gap {
 }
 
 impl Gap {
+    fn is_clear(&self) -> bool {
+        self.gap_m >= self.least_m
+    }
+
     /// Says where the part is, or would be.
     fn text(&self, is: &str) -> String {
         format!("{} {is} {}", self.part, self.place)
     }
 }
 
-/// The obstacles of a path so far: the last gap to each that it has not been clear of yet, and nothing for those that it
-/// has been clear of. An arm that begins too near to one may go away from it, and must end clear of it.
-#[derive(Default)]
-struct Path(BTreeMap<usize, Option<Gap>>);
-
-impl Path {
-    /// Notes the next gap to an obstacle.
-    fn next(&mut self, obstacle: usize, gap: Gap) -> Result<(), String> {
-        // NaN must count as too near.
-        if gap.gap_m >= gap.least_m {
-            self.0.insert(obstacle, None);
-            return Ok(());
+/// Checks that a path keeps clear of each obstacle; the error says of which it does not. An arm that begins too near to
+/// one may go away from it, and must end clear of it.
+///
+/// - `path`: the gaps at each of its points, to the obstacles in one order.
+fn keeps_clear(path: &[Vec<Gap>]) -> Result<(), String> {
+    let n_obstacles = path.first().map_or(0, Vec::len);
+    for obstacle in 0..n_obstacles {
+        let mut before: Option<&Gap> = None;
+        for gap in path.iter().map(|gaps| &gaps[obstacle]) {
+            // NaN must count as too near.
+            let may_leave = match before {
+                None => gap.gap_m >= gap.worst_m,
+                Some(before) => !before.is_clear() && gap.gap_m >= before.gap_m - EXACT_M,
+            };
+            if !gap.is_clear() && !may_leave {
+                return Err(gap.text("would be"));
+            }
+            before = Some(gap);
         }
-        let goes_away = self.0.get(&obstacle).is_none_or(|before| {
-            let before = before.as_ref();
-            before.is_some_and(|before| gap.gap_m >= before.gap_m - EXACT_M)
-        });
-        let may_leave = gap.gap_m >= gap.worst_m && goes_away;
-        if !may_leave {
-            return Err(gap.text("would be"));
-        }
-        self.0.insert(obstacle, Some(gap));
-        Ok(())
-    }
-
-    /// Fails if the path ends too near to an obstacle.
-    fn end(self) -> Result<(), String> {
-        match self.0.into_values().flatten().next() {
-            Some(gap) => Err(gap.text("would be")),
-            None => Ok(()),
+        if let Some(last) = before.filter(|last| !last.is_clear()) {
+            return Err(last.text("would be"));
         }
     }
+    Ok(())
 }
 
 /// Returns the hand's shapes with the tool at a pose.
-fn hand_at(chain: &Chain, tool: &Isometry3<f64>) -> Vec<PlacedCapsule> {
-    let hand = chain
-        .shapes()
-        .iter()
-        .filter(|shape| shape.link == chain.joints().len());
-    hand.map(|shape| PlacedCapsule {
-        link: shape.link,
-        ends: [&shape.from, &shape.to].map(|end| tool * end),
-        radius_m: shape.radius_m,
-    })
-    .collect()
+fn hand_at(chain: &Chain, tool: &Isometry3<f64>) -> Vec<Capsule> {
+    let (shapes, hand) = (chain.shapes().iter(), chain.joints().len());
+    let shapes = shapes.filter(|shape| shape.link == hand);
+    shapes.map(|shape| shape.at(tool)).collect()
 }
 
 fn place(point: &Point3<f64>) -> String {

@@ -58,21 +58,12 @@ impl Chain {
             let pose = between(from, to, part);
             // Extrapolating leads past postures in which the wrist folds flat and a second family of postures begins.
             let ahead = std::array::from_fn(|index| 2.0 * last[index] - before[index]);
-            let angles = match self.next(&pose, &ahead) {
-                Ok(angles) if jump(&angles, &last).is_none() => angles,
-                _ => {
-                    let next = self.next(&pose, &last);
-                    next.map_err(|why| refused(after_m, &why))?
-                }
+            let step = |start: &Angles| {
+                let angles = self.next(&pose, start)?;
+                no_jump(&angles, &last).map(|()| angles)
             };
-            if let Some((joint, jump_rad)) = jump(&angles, &last) {
-                let why = format!(
-                    "joint `{joint}` would turn by `{:.0}` degrees in one step, and at most `{:.0}` are allowed",
-                    jump_rad.to_degrees(),
-                    MAX_JUMP_RAD.to_degrees()
-                );
-                return Err(refused(after_m, &why));
-            }
+            let angles = step(&ahead).or_else(|_| step(&last));
+            let angles = angles.map_err(|why| refused(after_m, &why))?;
             (before, last) = (last, angles);
             way.push(self.of_joints(&angles));
         }
@@ -80,16 +71,24 @@ impl Chain {
     }
 }
 
-/// Returns the first joint, from 1 at the base, that turns too far, and how far.
-fn jump(angles: &Angles, before: &Angles) -> Option<(usize, f64)> {
+/// Fails with the first joint, from 1 at the base, that turns too far in one step.
+fn no_jump(angles: &Angles, before: &Angles) -> Result<(), String> {
     let turned = angles
         .iter()
         .zip(before)
         .map(|(angle, before)| (angle - before).abs());
-    turned
+    match turned
         .enumerate()
         .find(|(_, turned)| *turned > MAX_JUMP_RAD)
-        .map(|(index, turned)| (index + 1, turned))
+    {
+        None => Ok(()),
+        Some((index, turned)) => Err(format!(
+            "joint `{}` would turn by `{:.0}` degrees in one step, and at most `{:.0}` are allowed",
+            index + 1,
+            turned.to_degrees(),
+            MAX_JUMP_RAD.to_degrees()
+        )),
+    }
 }
 
 /// Interpolates between two poses, at a fraction from 0 to 1.

@@ -198,8 +198,14 @@ fn check(value: &mut Value, accepts: &Accepts, full: &str, why: &str, faults: &m
             }
             for key in keys {
                 let (full, why) = (of(key.name), &key.why);
-                if let Some(default) = key.default_value() {
-                    table.entry(key.name).or_insert(default);
+                if !table.contains_key(key.name)
+                    && let Some(default) = key.default_value()
+                {
+                    table.insert(key.name.to_owned(), default);
+                    // A test accepts the defaults of keys without inner ones.
+                    if key.accepts.keys().is_none() {
+                        continue;
+                    }
                 }
                 match table.get_mut(key.name) {
                     Some(value) => check(value, &key.accepts, &full, why, faults),

@@ -265,14 +265,15 @@ fn parts_of_the_arm_that_touch_stop_it_and_those_that_always_do_are_named() {
 /// An arm that comes to rest where it was sent makes the planned motions; one that does not gets others.
 #[test]
 fn what_was_checked_is_what_is_sent() {
-    for (repeatability_m, are_sent) in [(0.0, true), (0.02, false)] {
-        let mut bench = Bench::driven(By::Trajectories, &[]);
+    for (by, repeatability_m, are_sent) in
+        [(By::Trajectories, 0.001, true), (By::Poses, 0.02, false)]
+    {
+        let mut bench = Bench::driven(by, &[]);
         let simulation = Simulation {
             repeatability_m,
             ..Simulation::of(&bench.settings).unwrap()
         };
-        let arm =
-            By::Trajectories.drive(Faulty::new(simulation, None, Vec::new()), &bench.settings);
+        let arm = by.drive(Faulty::new(simulation, None, Vec::new()), &bench.settings);
         bench.arm = Limited::new(Box::new(arm), guard(&bench.settings));
         let (here, route) = (bench.driver().state().unwrap(), bench.route());
         let route = guard(&bench.settings).route(&here, route).1.unwrap();
