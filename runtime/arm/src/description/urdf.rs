@@ -15,8 +15,8 @@ pub(super) const MAX_M: f64 = 10.0;
 /// The least length of a shape, metres.
 const MIN_M: f64 = 1e-9;
 
-/// Any number that can be meant.
-const ANY: RangeInclusive<f64> = -1e9..=1e9;
+/// Any finite number.
+const ANY: RangeInclusive<f64> = f64::NEG_INFINITY..=f64::INFINITY;
 
 /// The largest angle of a frame, radians.
 const MAX_RAD: f64 = 100.0;
