@@ -1,22 +1,21 @@
 //! An arm as data: a URDF file, and what a settings file says beside it.
 //!
-//! In: the section `[arm]` of the settings, and the URDF and mesh files that it names; or the name of a model that is shipped
-//! (`shipped`). Out: a [`Chain`] with shapes; else
-//! all faults. A URDF's numbers are doubted: a joint without limits, a link without a shape or a mesh that cannot be read
-//! would let an arm go where it must not, so each is refused. No program is run to find or expand a file.
+//! In: the section `[arm]` of the settings, and the URDF and mesh files that it names; or the name of a model that is
+//! shipped (`shipped`). Out: a [`Chain`] with shapes; else all faults. A URDF's numbers are doubted: a joint without limits,
+//! a link without a shape or a mesh that cannot be read would let an arm go where it must not, so each is refused. No
+//! program is run to find or expand a file.
 
 mod hull;
 mod mesh;
 mod shipped;
 mod urdf;
 
-pub use shipped::UnknownModel;
-
 use super::kinematics;
-use super::kinematics::chain::{Chain, Joint, MAX_JOINTS, MIN_JOINTS};
+use super::kinematics::chain::{Angles, Chain, Joint, MAX_JOINTS, MIN_JOINTS};
 use super::kinematics::shape::Capsule;
-use super::settings::declare::{ANGLE, above, from, section};
+use super::settings::declare::{ANGLE, from, section};
 use fab_base::files;
+use fab_base::wording::quoted;
 use fab_program::nearest::nearest;
 use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
@@ -75,7 +74,7 @@ section! {
         /// The largest.
         max_deg: Option<f64>, from(-720.0, 720.0);
         /// The highest speed.
-        max_speed_deg_s: Option<f64>, above(0.0, 720.0);
+        max_speed_deg_s: Option<f64>, from(1.0, 720.0);
     }
 
     /// A capsule around a link.
@@ -104,12 +103,17 @@ section! {
 /// A link that a joint of the chain carries.
 struct Carried<'b> {
     name: &'b str,
-    /// Its frame, in the frame of the chain's joint.
-    joint_from_link: Isometry3<f64>,
+    /// Its frame in that of the chain's joint; each end of its way if it slides.
+    joint_from_link: Vec<Isometry3<f64>>,
     /// Whether it is behind the last joint's own link: a part of the hand.
     is_hand: bool,
-    /// How far it slides, in the frame of the chain's joint, metres; each is one end.
-    slides_m: Vec<Vector3<f64>>,
+}
+
+/// Balls whose hull contains a shape, in the link's frame.
+struct Cloud {
+    middles: Vec<Point3<f64>>,
+    radius_m: f64,
+    is_mesh: bool,
 }
 
 impl ArmDescription {
@@ -159,19 +163,15 @@ struct Builder<'b> {
 impl<'b> Builder<'b> {
     fn build(&mut self) -> Option<Chain> {
         let path = self.path()?;
-        let is_fixed = |joint: &&&urdf::Joint| joint.kind == "fixed";
-        let moving: Vec<&urdf::Joint> = path
-            .iter()
-            .filter(|joint| !is_fixed(joint))
-            .copied()
-            .collect();
+        let moving = path.iter().filter(|joint| joint.kind != "fixed");
+        let moving: Vec<&urdf::Joint> = moving.copied().collect();
         let names: Vec<String> = moving.iter().map(|joint| joint.name.clone()).collect();
         if !(MIN_JOINTS..=MAX_JOINTS).contains(&moving.len()) {
             self.faults.push(format!(
                 "the chain from `arm.base_link` to `arm.tip_link` has {} joints that move: {}; expected {MIN_JOINTS} or \
                  {MAX_JOINTS}, because fewer do not bring the hand to every pose, and more are not supported",
                 moving.len(),
-                listed(&names)
+                quoted(&names)
             ));
             return None;
         }
@@ -194,16 +194,16 @@ impl<'b> Builder<'b> {
         }
         let last_from_tool = joint_from_link * self.arm.tip_from_tool();
         self.check_names(&names);
-        let home_rad = self.home(&joints, &names);
+        let home = self.home(&joints, &names);
         let shapes = self.shapes(&moving, &joints, &last_from_tool);
-        Some(Chain::new(
-            &self.robot.name,
+        Some(Chain {
+            model: self.robot.name.clone(),
             names,
             joints,
+            home,
             last_from_tool,
             shapes,
-            &home_rad,
-        ))
+        })
     }
 
     /// Returns the joints between base and tip, fixed ones included.
@@ -224,64 +224,38 @@ impl<'b> Builder<'b> {
         let mut path = Vec::new();
         let mut at = tip;
         while at != base {
-            let above: Vec<&urdf::Joint> = self
-                .robot
-                .joints
-                .iter()
-                .filter(|joint| joint.child == *at)
-                .collect();
-            let wrong = match above[..] {
-                [joint] if path.len() > self.robot.joints.len() => {
-                    format!(
-                        "the joint `{}` is in a circle of joints; expected a tree",
-                        joint.name
-                    )
-                }
-                [joint] => {
+            let joints = self.robot.joints.iter();
+            let above: Vec<&urdf::Joint> = joints.filter(|joint| joint.child == *at).collect();
+            match above[..] {
+                [joint] if path.len() < self.robot.joints.len() => {
                     path.push(joint);
                     at = &joint.parent;
-                    continue;
                 }
-                [] => format!(
-                    "`arm.tip_link`, `{tip}`, does not hang from `arm.base_link`, `{base}`: the chain upwards ends at `{at}`"
-                ),
-                [one, other, ..] => format!(
-                    "the link `{at}` hangs from two joints, `{}` and `{}`; expected a tree",
-                    one.name, other.name
-                ),
-            };
-            self.faults.push(wrong);
-            return None;
-        }
-        path.reverse();
-        for joint in &path {
-            for link in [&joint.parent, &joint.child] {
-                if !self.robot.links.contains_key(link) {
+                _ => {
                     self.faults.push(format!(
-                        "the joint `{}` names the link `{link}`, which `{}` does not hold",
-                        joint.name,
-                        self.file.display()
+                        "`arm.tip_link`, `{tip}`, does not hang from `arm.base_link`, `{base}`: the link `{at}` hangs from {} \
+                         joints; expected one at each link, and no circle",
+                        above.len()
                     ));
+                    return None;
                 }
             }
         }
-        self.faults.is_empty().then_some(path)
+        path.reverse();
+        Some(path)
     }
 
     fn check_kind(&mut self, joint: &urdf::Joint) {
-        if !["revolute", "continuous"].contains(&joint.kind.as_str()) {
-            self.faults.push(format!(
-                "the joint `{}` is `{}`; expected `revolute`, `continuous` or `fixed` between `arm.base_link` and \
-                 `arm.tip_link`: no other joint is supported there",
-                joint.name, joint.kind
-            ));
-        }
-        if let Some(other) = &joint.mimics {
-            self.faults.push(format!(
-                "the joint `{}` follows `{other}`; expected one that moves by itself",
-                joint.name
-            ));
-        }
+        let is = match &joint.mimics {
+            Some(other) => format!("follows `{other}`"),
+            None if ["revolute", "continuous"].contains(&joint.kind.as_str()) => return,
+            None => format!("is `{}`", joint.kind),
+        };
+        self.faults.push(format!(
+            "the joint `{}` {is}; expected `revolute`, `continuous` or `fixed` between `arm.base_link` and `arm.tip_link`, \
+             and one that moves by itself: no other joint is supported there",
+            joint.name
+        ));
     }
 
     /// Checks that a joint that moves has an axis.
@@ -303,105 +277,86 @@ impl<'b> Builder<'b> {
 
     /// Returns the least and the largest angle of a joint, radians.
     fn limits(&mut self, joint: &urdf::Joint) -> Option<[f64; 2]> {
+        let (name, stated) = (&joint.name, self.stated(joint));
         let given = joint.limits.filter(|_| joint.kind != "continuous");
         let given = given.map(|limits| limits.map(f64::to_degrees));
-        let stated = self.stated(joint);
-        let ends = [
-            stated.and_then(|it| it.min_deg).or(given.map(|it| it[0])),
-            stated.and_then(|it| it.max_deg).or(given.map(|it| it[1])),
-        ];
-        let name = &joint.name;
-        let [least, most] = match ends {
-            [None, None] if joint.kind == "continuous" => return None,
-            [Some(least), Some(most)] => [least, most],
-            _ => {
-                self.faults.push(format!(
-                    "the joint `{name}` has no limits; expected `min_deg` and `max_deg` of an `[[arm.joint]]` with `name = \
-                     \"{name}\"`"
-                ));
-                return None;
+        let least = stated.and_then(|it| it.min_deg).or(given.map(|it| it[0]));
+        let most = stated.and_then(|it| it.max_deg).or(given.map(|it| it[1]));
+        let [low, high] = given.unwrap_or([-MAX_LIMIT_DEG, MAX_LIMIT_DEG]);
+        let [low, high] = [low.max(-MAX_LIMIT_DEG), high.min(MAX_LIMIT_DEG)];
+        let are = match (least, most) {
+            (None, None) if joint.kind == "continuous" => return None,
+            (Some(least), Some(most)) => {
+                // NaN must fail this check.
+                let are_within = low - EXACT_DEG <= least && most <= high + EXACT_DEG;
+                if least < most && are_within {
+                    return Some([least, most].map(f64::to_radians));
+                }
+                format!("are `{least:.3}` to `{most:.3}` deg")
             }
+            _ => "are not known".to_owned(),
         };
-        // NaN must fail these checks.
-        let are_limits = least < most && least >= -MAX_LIMIT_DEG && most <= MAX_LIMIT_DEG;
-        if !are_limits {
-            self.faults.push(format!(
-                "the limits of the joint `{name}` are `{least:.3}` to `{most:.3}` deg; expected the first below the second, \
-                 and both within {MAX_LIMIT_DEG} deg: state others in an `[[arm.joint]]`"
-            ));
-        }
-        if let Some([low, high]) = given
-            && (least < low - EXACT_DEG || most > high + EXACT_DEG)
-        {
-            self.faults.push(format!(
-                "the `[[arm.joint]]` of `{name}` allows `{least}` to `{most}` deg; expected no more than the URDF does, \
-                 {low:.3} to {high:.3} deg"
-            ));
-        }
-        Some([least, most].map(f64::to_radians))
+        self.faults.push(format!(
+            "the limits of the joint `{name}` {are}; expected the first below the second, and both within {low:.3} to \
+             {high:.3} deg: `min_deg` and `max_deg` of an `[[arm.joint]]` with `name = \"{name}\"` state tighter ones"
+        ));
+        None
     }
 
     /// Returns the highest speed of a joint, rad/s.
     fn max_speed(&mut self, joint: &urdf::Joint) -> f64 {
         let name = &joint.name;
         let given = joint.max_speed.map(f64::to_degrees);
-        let stated = self.stated(joint).and_then(|it| it.max_speed_deg_s);
-        let Some(speed) = stated.or(given) else {
-            self.faults.push(format!(
-                "the joint `{name}` has no highest speed; expected `max_speed_deg_s` of an `[[arm.joint]]` with `name = \
-                 \"{name}\"`"
-            ));
-            return 1.0;
-        };
-        let is_speed = speed > 0.0 && speed <= MAX_SPEED_DEG_S;
-        if !is_speed {
-            self.faults.push(format!(
-                "the highest speed of the joint `{name}` is `{speed:.3}` deg/s; expected above 0 and at most \
-                 {MAX_SPEED_DEG_S}: state another in an `[[arm.joint]]`"
-            ));
-        }
-        if let Some(given) = given
-            && speed > given + EXACT_DEG
+        let speed = self
+            .stated(joint)
+            .and_then(|it| it.max_speed_deg_s)
+            .or(given);
+        let most = given.unwrap_or(MAX_SPEED_DEG_S).min(MAX_SPEED_DEG_S);
+        if let Some(speed) = speed
+            && speed > 0.0
+            && speed <= most + EXACT_DEG
         {
-            self.faults.push(format!(
-                "the `[[arm.joint]]` of `{name}` allows `{speed}` deg/s; expected no more than the URDF does, {given:.1}"
-            ));
+            return speed.to_radians();
         }
-        speed.to_radians()
+        let is = speed.map_or("not known".to_owned(), |speed| {
+            format!("`{speed:.3}` deg/s")
+        });
+        self.faults.push(format!(
+            "the highest speed of the joint `{name}` is {is}; expected above 0 and at most {most:.1} deg/s: \
+             `max_speed_deg_s` of an `[[arm.joint]]` with `name = \"{name}\"` states a lower one"
+        ));
+        1.0
     }
 
     /// Checks that every `[[arm.joint]]` is of a joint of the chain, and of another one.
     fn check_names(&mut self, names: &[String]) {
-        for (index, limits) in self.arm.joint.iter().enumerate() {
-            let name = &limits.name;
-            if !names.contains(name) {
+        let stated: Vec<&String> = self.arm.joint.iter().map(|limits| &limits.name).collect();
+        for (index, name) in stated.iter().enumerate() {
+            if !names.contains(name) || stated[..index].contains(name) {
                 self.faults.push(format!(
-                    "`arm.joint[{index}].name` is `{name}`; expected a joint between `arm.base_link` and `arm.tip_link`: {}",
-                    listed(names)
+                    "`arm.joint[{index}].name` is `{name}`; expected a joint between `arm.base_link` and `arm.tip_link` that \
+                     no other `[[arm.joint]]` names: {}",
+                    quoted(names)
                 ));
-            }
-            if self.arm.joint[..index]
-                .iter()
-                .any(|other| other.name == *name)
-            {
-                self.faults
-                    .push(format!("there are two `[[arm.joint]]` of `{name}`"));
             }
         }
     }
 
     /// Returns the home posture, radians.
-    fn home(&mut self, joints: &[Joint], names: &[String]) -> Vec<f64> {
+    fn home(&mut self, joints: &[Joint], names: &[String]) -> Angles {
+        let mut home = Angles::default();
         let home_deg = &self.arm.home_deg;
         if home_deg.len() != joints.len() {
             self.faults.push(format!(
                 "`arm.home_deg` holds {} angles; expected {}, one for each joint: {}",
                 home_deg.len(),
                 joints.len(),
-                listed(names)
+                quoted(names)
             ));
         }
-        for ((at_deg, joint), name) in home_deg.iter().zip(joints).zip(names) {
+        let joints = joints.iter().zip(names).zip(&mut home);
+        for (((joint, name), home), at_deg) in joints.zip(home_deg) {
+            *home = at_deg.to_radians();
             let limits = joint.limits_rad.map(|limits| limits.map(f64::to_degrees));
             if let Some([least, most]) = limits
                 && !(least - EXACT_DEG..=most + EXACT_DEG).contains(at_deg)
@@ -411,7 +366,7 @@ impl<'b> Builder<'b> {
                 ));
             }
         }
-        home_deg.iter().map(|it| it.to_radians()).collect()
+        home
     }
 
     /// Returns the shapes of the links that the joints move, and of the hand. A link that is drawn must have one, and so
@@ -422,59 +377,47 @@ impl<'b> Builder<'b> {
         joints: &[Joint],
         last_from_tool: &Isometry3<f64>,
     ) -> Vec<Capsule> {
+        let hand = moving.len();
         let mut shapes: Vec<Capsule> = Vec::new();
         let mut named = Vec::new();
         for (index, joint) in moving.iter().enumerate() {
-            let is_last = index + 1 == moving.len();
-            let (n_shapes, n_faults) = (shapes.len(), self.faults.len());
-            for link in self.carried(joint, moving, is_last) {
-                named.push(link.name);
+            let before = (shapes.len(), self.faults.len());
+            for carried in self.carried(joint, moving, index + 1 == hand) {
+                named.push(carried.name);
                 // Stated shapes of the hand are in place of all that the URDF has for it.
-                let is_hand = link.is_hand && self.arm.hand.is_empty();
+                let is_hand = carried.is_hand && self.arm.hand.is_empty();
                 let n_faults = self.faults.len();
-                let found = self.link_shapes(&link);
-                let must_have =
-                    self.robot.links[link.name].is_visible && (is_hand || !link.is_hand);
-                if must_have && found.is_empty() && self.faults.len() == n_faults {
-                    self.has_no_shape(link.name);
+                let mut found = self.link_shapes(&carried, index);
+                let must_have = is_hand || !carried.is_hand;
+                let is_visible = self.robot.links[carried.name].is_visible;
+                if must_have && is_visible && found.is_empty() && self.faults.len() == n_faults {
+                    self.has_no_shape(carried.name);
                 }
-                let is_around_mesh = self.is_mesh(link.name);
-                for (from, to, radius_m) in found {
-                    let to_frame = if is_hand {
-                        last_from_tool.inverse()
-                    } else {
-                        Isometry3::identity()
-                    };
-                    shapes.push(Capsule {
-                        link: if is_hand { moving.len() } else { index },
-                        from: to_frame * from,
-                        to: to_frame * to,
-                        radius_m,
-                        is_around_mesh,
-                    });
+                for shape in found.iter_mut().filter(|_| is_hand) {
+                    shape.link = hand;
+                    *shape = shape.at(&last_from_tool.inverse());
                 }
+                shapes.extend(found);
             }
-            let way_m = joints.get(index + 1).map_or(0.0, |next| {
-                next.parent_from_joint_at_zero.translation.vector.norm()
+            let next = joints.get(index + 1);
+            let way_m = next.map_or(0.0, |it| {
+                it.parent_from_joint_at_zero.translation.vector.norm()
             });
-            let is_bare = shapes.len() == n_shapes && self.faults.len() == n_faults;
-            if is_bare && way_m > FRAME_M {
+            if way_m > FRAME_M && before == (shapes.len(), self.faults.len()) {
                 self.has_no_shape(&joint.child);
             }
         }
-        shapes.extend(self.arm.hand.iter().map(|hand| Capsule {
-            link: moving.len(),
-            from: Point3::from(hand.from_m),
-            to: Point3::from(hand.to_m),
-            radius_m: hand.radius_m,
+        shapes.extend(self.arm.hand.iter().map(|stated| Capsule {
+            link: hand,
+            ends: [stated.from_m, stated.to_m].map(Point3::from),
+            radius_m: stated.radius_m,
             is_around_mesh: false,
         }));
-        if !shapes.iter().any(|shape| shape.link == moving.len()) {
+        if !shapes.iter().any(|shape| shape.link == hand) {
             self.faults.push(format!(
-                "the hand has no shape: `{}` has none behind `{}`; expected an `[[arm.hand]]` that contains hand and fingers \
-                 in every opening",
-                self.file.display(),
-                moving.last().map_or("", |joint| &joint.child)
+                "the hand has no shape: `{}` has none behind the last joint; expected an `[[arm.hand]]` that contains hand \
+                 and fingers in every opening",
+                self.file.display()
             ));
         }
         for (index, shape) in self.arm.shape.iter().enumerate() {
@@ -503,130 +446,116 @@ impl<'b> Builder<'b> {
         moving: &[&urdf::Joint],
         is_last: bool,
     ) -> Vec<Carried<'b>> {
+        let turned = Isometry3::from_parts(Translation3::identity(), z_to(joint).inverse());
         let mut carried = vec![Carried {
             name: &joint.child,
-            joint_from_link: Isometry3::from_parts(Translation3::identity(), z_to(joint).inverse()),
+            joint_from_link: vec![turned],
             is_hand: false,
-            slides_m: vec![Vector3::zeros()],
         }];
         let mut next = 0;
         while next < carried.len() {
-            let from = &carried[next];
-            next += 1;
-            let (name, joint_from_link, slides_m) =
-                (from.name, from.joint_from_link, from.slides_m.clone());
-            for below in self
-                .robot
-                .joints
-                .iter()
-                .filter(|below| below.parent == name)
-            {
+            let name = carried[next].name;
+            for below in self.robot.joints.iter().filter(|it| it.parent == name) {
                 let is_of_chain = moving.iter().any(|it| it.name == below.name);
-                let is_known = carried.iter().any(|it| it.name == below.child);
-                if is_of_chain || is_known || !self.robot.links.contains_key(&below.child) {
+                if is_of_chain || carried.iter().any(|it| it.name == below.child) {
                     continue;
                 }
-                let joint_from_below = joint_from_link * below.parent_from_joint;
-                let mut ends_m = vec![Vector3::zeros()];
-                match (below.kind.as_str(), below.limits) {
-                    ("fixed", _) => {}
-                    _ if is_last && !self.arm.hand.is_empty() => continue,
-                    ("prismatic", Some([lower, upper])) if is_last && upper - lower < 1.0 => {
-                        let along = joint_from_below * axis(below).into_inner();
-                        self.check_axis(below);
-                        ends_m = vec![along * lower, along * upper];
-                    }
-                    (kind, _) if is_last => {
-                        self.faults.push(format!(
-                            "the joint `{}` of the hand is `{kind}`; expected `fixed`, `prismatic` with limits, or an \
-                             `[[arm.hand]]` that contains hand and fingers in every opening",
-                            below.name
-                        ));
-                        continue;
-                    }
-                    (kind, _) => {
-                        self.faults.push(format!(
-                            "the joint `{}` is `{kind}` and moves `{}` beside the chain from `arm.base_link` to \
-                             `arm.tip_link`; expected none that moves there",
-                            below.name, below.child
-                        ));
-                        continue;
-                    }
-                }
-                carried.push(Carried {
-                    name: &below.child,
-                    joint_from_link: joint_from_below,
-                    is_hand: is_last,
-                    slides_m: slides_m
-                        .iter()
-                        .flat_map(|before| ends_m.iter().map(move |end| before + end))
-                        .collect(),
+                let places = self.places(below, is_last);
+                let frames = carried[next].joint_from_link.iter();
+                let below_frames = frames.flat_map(|frame| {
+                    let joint_from_below = frame * below.parent_from_joint;
+                    places.iter().map(move |place| joint_from_below * place)
                 });
+                let joint_from_link: Vec<_> = below_frames.collect();
+                if !joint_from_link.is_empty() {
+                    carried.push(Carried {
+                        name: &below.child,
+                        joint_from_link,
+                        is_hand: is_last,
+                    });
+                }
             }
+            next += 1;
         }
         carried
     }
 
+    /// Returns where a joint beside the chain holds what it carries, in the joint's frame: in one place, at both ends if it
+    /// slides, and nowhere if that does not count or is not supported.
+    fn places(&mut self, joint: &urdf::Joint, is_last: bool) -> Vec<Isometry3<f64>> {
+        match (joint.kind.as_str(), joint.limits) {
+            ("fixed", _) => vec![Isometry3::identity()],
+            _ if is_last && !self.arm.hand.is_empty() => Vec::new(),
+            ("prismatic", Some(ends_m)) if is_last && ends_m[1] - ends_m[0] < 1.0 => {
+                self.check_axis(joint);
+                let place = |at_m| Translation3::from(axis(joint).into_inner() * at_m).into();
+                ends_m.map(place).to_vec()
+            }
+            (kind, _) => {
+                self.faults.push(format!(
+                    "the joint `{}` is `{kind}` and moves `{}` beside the chain from `arm.base_link` to `arm.tip_link`; \
+                     expected `fixed`; or in the hand `prismatic` with limits, or an `[[arm.hand]]` that contains hand and \
+                     fingers in every opening",
+                    joint.name, joint.child
+                ));
+                Vec::new()
+            }
+        }
+    }
+
     /// Returns the capsules of a link, in the frame of the chain's joint.
-    fn link_shapes(&mut self, link: &Carried<'b>) -> Vec<hull::Ends> {
-        let stated = self
-            .arm
-            .shape
-            .iter()
-            .filter(|shape| shape.link == link.name);
-        let mut clouds: Vec<(Vec<Point3<f64>>, f64)> = stated
-            .map(|shape| (vec![shape.from_m.into(), shape.to_m.into()], shape.radius_m))
+    ///
+    /// - `joint`: its index.
+    fn link_shapes(&mut self, link: &Carried<'b>, joint: usize) -> Vec<Capsule> {
+        let name = link.name;
+        let stated = self.arm.shape.iter().filter(|shape| shape.link == name);
+        let mut clouds: Vec<Cloud> = stated
+            .map(|shape| Cloud {
+                middles: vec![shape.from_m.into(), shape.to_m.into()],
+                radius_m: shape.radius_m,
+                is_mesh: false,
+            })
             .collect();
         if clouds.is_empty() {
-            for collision in &self.robot.links[link.name].collisions {
-                let cloud = collision.as_ref().map_err(Clone::clone).and_then(|it| {
-                    let (points, radius_m) = self.cloud(&it.shape)?;
-                    let placed = points.into_iter().map(|point| it.link_from_shape * point);
-                    Ok((placed.collect(), radius_m))
-                });
-                match cloud {
+            for collision in &self.robot.links[name].collisions {
+                let collision = collision.as_ref().map_err(Clone::clone);
+                match collision.and_then(|collision| self.cloud(collision)) {
                     Ok(cloud) => clouds.push(cloud),
                     Err(why) => self.faults.push(format!(
                         "the link `{name}` has a shape that cannot be used: {why}; expected another, or an `[[arm.shape]]` \
-                         with `link = \"{name}\"`",
-                        name = link.name
+                         with `link = \"{name}\"`"
                     )),
                 }
             }
         }
-        let capsule = |(points, radius_m): (Vec<Point3<f64>>, f64)| {
-            let at_ends = link.slides_m.iter().flat_map(|slide| {
-                let placed = move |point| link.joint_from_link * point + slide;
-                points.iter().map(placed)
-            });
-            hull::capsule(&at_ends.collect::<Vec<_>>(), radius_m)
+        let capsule = |cloud: Cloud| {
+            let frames = link.joint_from_link.iter();
+            let placed = frames.flat_map(|frame| cloud.middles.iter().map(move |it| frame * it));
+            let placed: Vec<Point3<f64>> = placed.collect();
+            let (from, to, radius_m) = hull::capsule(&placed, cloud.radius_m)?;
+            Some(Capsule {
+                link: joint,
+                ends: [from, to],
+                radius_m,
+                is_around_mesh: cloud.is_mesh,
+            })
         };
         clouds.into_iter().filter_map(capsule).collect()
     }
 
-    /// Returns whether the shape of a link is a mesh, and not stated otherwise.
-    fn is_mesh(&self, link: &str) -> bool {
-        let is_stated = self.arm.shape.iter().any(|shape| shape.link == link);
-        let mut shapes = self.robot.links[link].collisions.iter().flatten();
-        !is_stated && shapes.any(|it| matches!(it.shape, Shape::Mesh { .. }))
-    }
-
-    /// Returns the points, and the radius of balls around them, that contain a shape.
-    fn cloud(&self, shape: &Shape) -> Result<(Vec<Point3<f64>>, f64), String> {
-        Ok(match shape {
-            Shape::Balls { middles, radius_m } => (middles.clone(), *radius_m),
+    /// Returns balls that contain a shape.
+    fn cloud(&self, collision: &urdf::Collision) -> Result<Cloud, String> {
+        let (middles, radius_m, is_mesh) = match &collision.shape {
+            Shape::Balls { middles, radius_m } => (middles.clone(), *radius_m, false),
             Shape::Mesh { file, scale } => {
                 let wrong = |why: String| format!("the mesh `{file}`: {why}");
                 let format = mesh::Format::of(file).map_err(wrong)?;
                 let path = self.mesh_path(file)?;
                 let bytes = files::read(&path, MAX_MESH_BYTES).map_err(wrong)?;
                 let corners = mesh::corners(format, &bytes).map_err(wrong)?;
-                let scaled = |it: Point3<f64>| Point3::from(it.coords.component_mul(scale));
-                let corners: Vec<_> = corners.into_iter().map(scaled).collect();
-                let far = corners
-                    .iter()
-                    .map(|it| it.coords.amax())
-                    .fold(0.0, f64::max);
+                let scaled = corners.iter().map(|it| it.coords.component_mul(scale));
+                let scaled: Vec<_> = scaled.map(Point3::from).collect();
+                let far = scaled.iter().map(|it| it.coords.amax()).fold(0.0, f64::max);
                 if far > urdf::MAX_M {
                     return Err(wrong(format!(
                         "a corner is `{far:.1}` m from its middle; expected at most {}: is it in millimetres, without \
@@ -634,8 +563,14 @@ impl<'b> Builder<'b> {
                         urdf::MAX_M
                     )));
                 }
-                (corners, 0.0)
+                (scaled, 0.0, true)
             }
+        };
+        let placed = middles.iter().map(|it| collision.link_from_shape * it);
+        Ok(Cloud {
+            middles: placed.collect(),
+            radius_m,
+            is_mesh,
         })
     }
 
@@ -676,14 +611,6 @@ fn z_to(joint: &urdf::Joint) -> UnitQuaternion<f64> {
 /// Words the name that was probably meant.
 fn did_you_mean<'n>(name: &str, names: impl Iterator<Item = &'n str>) -> String {
     nearest(name, names).map_or_else(String::new, |near| format!("; did you mean `{near}`?"))
-}
-
-fn listed(names: &[String]) -> String {
-    if names.is_empty() {
-        "none".to_owned()
-    } else {
-        format!("`{}`", names.join("`, `"))
-    }
 }
 
 #[cfg(test)]

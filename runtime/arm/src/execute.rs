@@ -82,7 +82,7 @@ impl<A: Arm + ?Sized> Execution<'_, A> {
     /// Executes the segments.
     ///
     /// - `points`: pick and place, metres, base frame, for the supervisor's question.
-    /// - `route`: checked as a whole, and each motion again before it is sent.
+    /// - `route`: checked as a whole; a motion is checked again only if the arm is not where the motion begins.
     pub fn run(
         &mut self,
         points: [Point3<f64>; 2],
@@ -91,7 +91,9 @@ impl<A: Arm + ?Sized> Execution<'_, A> {
         let Route {
             segments,
             after_missed_grasp,
+            motions,
         } = route.get();
+        self.arm.plan(motions);
         let begun_s = self.arm.now_s();
         let mut verified = None;
         let nothing_moved = |why| FailedAction {

@@ -7,18 +7,18 @@
 //! Where the arm's node finds the joint angles itself, the path of the links is the one that this crate's kinematics
 //! would take; the measured angles are checked while it moves. Without measured angles only the hand is checked.
 
-use super::driver::ArmState;
+use super::driver::{ArmState, Deviation};
 use super::kinematics::chain::Chain;
 use super::kinematics::reach::Reach;
-use super::kinematics::shape::PlacedCapsule;
+use super::kinematics::shape::Capsule;
+use super::kinematics::straight::between;
 use super::kinematics::tool_down::tool_down;
 use super::port::Waypoint;
 use super::route::{Act, Route, Segment, SegmentName};
-use super::settings::{KeepOut, Settings, Workspace};
+use super::settings::Settings;
 use super::timing::JointLimits;
 use crate::calibration::Calibration;
 use nalgebra::{Isometry3, Point3, Vector3};
-use std::collections::BTreeMap;
 
 /// The longest motion at once, metres; a longer one is a mistake in a place.
 const MAX_WAY_M: f64 = 0.9;
@@ -38,12 +38,18 @@ const EXACT_M: f64 = 1e-5;
 /// How far apart parts of the arm must be along a path, metres: between two points of it they come nearer.
 const APART_M: f64 = STEP_M / 2.0;
 
-/// How far the joint angles that an arm reports may be from those of its tool's pose, radians.
-const ASIDE_RAD: f64 = 0.05;
+/// How far a tool's pose may be from that of the joint angles, metres: they are read one after the other.
+const ASIDE_M: f64 = 0.02;
+
+/// How far an arm may be from where a motion begins, metres, and radians of a joint and of the tool: its readings differ by less
+/// while it rests.
+const BEGIN_M: f64 = 0.002;
+const BEGIN_RAD: f64 = 0.002;
+const BEGIN_TOOL_RAD: f64 = 0.02;
 
 /// Something that passed the checks of a [`Guard`]. Motions of the tool are made of nothing else, and only this module
 /// makes one.
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Checked<T>(T);
 
 impl<T> Checked<T> {
@@ -94,6 +100,18 @@ impl Motion {
         let timed = self.waypoints.last().map(|last| last.at_s);
         timed.unwrap_or(way_m / self.speed_m_s)
     }
+
+    /// Returns whether the arm is where the motion begins, so that it can be sent as it was checked.
+    pub fn begins_at(&self, state: &ArmState) -> bool {
+        let moved = Deviation::between(&self.from, &state.tool);
+        let first = self.waypoints.first();
+        let begins_rad = first.map_or(&[][..], |first| &first.joints_rad);
+        let mut joints = begins_rad.iter().zip(&state.joints_rad);
+        moved.position_m <= BEGIN_M
+            && moved.angle_rad <= BEGIN_TOOL_RAD
+            && begins_rad.len() == state.joints_rad.len()
+            && joints.all(|(begins, is)| (begins - is).abs() < BEGIN_RAD)
+    }
 }
 
 impl Checked<Motion> {
@@ -108,35 +126,17 @@ impl Checked<Motion> {
     }
 }
 
-/// A segment of a route.
+/// A segment of a route that was checked.
 #[derive(Debug)]
-pub struct SegmentEnd {
+pub struct Step {
     /// The segment.
     pub segment: Segment,
-    /// The arm's state at its end, with the time when it is there; `None` if the segment is not allowed.
-    pub state: Option<ArmState>,
-    /// [`Motion::joints_allow_m_s`].
-    pub joints_allow_m_s: f64,
-}
-
-/// A route, as far as it is allowed.
-#[derive(Debug)]
-pub struct Walk {
-    /// Its segments; a refused one is the last.
-    pub ends: Vec<SegmentEnd>,
-    /// Likewise those after a missed grasp.
-    pub home: Vec<SegmentEnd>,
-    /// The route, or why its last segment is not allowed.
-    pub route: Result<Checked<Route>, String>,
-}
-
-impl Walk {
-    /// Returns the arm's state after the grasp.
-    pub fn grasped(&self) -> Option<&ArmState> {
-        let mut ends = self.ends.iter();
-        let grasp = ends.find(|end| end.segment.name == SegmentName::Grasp);
-        grasp.and_then(|grasp| grasp.state.as_ref())
-    }
+    /// The arm's state before it.
+    pub begin: ArmState,
+    /// The arm's state after it; `None` if it is not allowed.
+    pub end: Option<ArmState>,
+    /// The motion in it; `None` if only the fingers move, or if it is not allowed.
+    pub motion: Option<Checked<Motion>>,
 }
 
 /// The tool's height when the closed fingertips touch the table, at each place: a plane in the base frame.
@@ -183,14 +183,8 @@ impl Surface {
 /// Checks motions of one arm over one table.
 #[derive(Clone, Debug)]
 pub struct Guard {
-    chain: Chain,
-    joint_limits: JointLimits,
-    workspace: Workspace,
+    settings: Settings,
     surface: Surface,
-    /// Height of the table's middle, metres: the height at which the box is stated.
-    middle_m: f64,
-    /// Distance that goals keep from box and zones, metres: the position tolerance of the arm.
-    margin_m: f64,
     /// How far below the tool's place the straight hand reaches, along the table's normal, metres.
     touch_m: f64,
     /// How far below the table a measured hand may seem to be, metres.
@@ -204,71 +198,59 @@ pub struct Guard {
 impl Guard {
     /// Guards the arm of the settings over a table.
     pub fn new(settings: &Settings, surface: Surface) -> Guard {
-        let chain = settings.chain().clone();
-        let margin_m = settings.tolerance.position_m;
-        let down = tool_down(
-            &Point3::origin(),
-            settings.motion.hand_turn_deg.to_radians(),
-        );
-        let hand = hand_at(&chain, &down);
+        let turn_rad = settings.motion.hand_turn_deg.to_radians();
+        let hand = hand_at(settings.chain(), &tool_down(&Point3::origin(), turn_rad));
         let ends = hand
             .iter()
-            .flat_map(|shape| shape.ends.map(|end| (shape.radius_m, end)));
+            .flat_map(|it| it.ends.map(|end| (it.radius_m, end)));
         let normal = surface.normal();
         let below_m = ends
             .clone()
             .map(|(radius_m, end)| radius_m - end.coords.dot(&normal));
-        let touch_m = below_m.fold(0.0, f64::max);
         let aside_m = ends.map(|(_, end)| end.x.hypot(end.y)).fold(0.0, f64::max);
+        let tolerance = &settings.tolerance;
         let mut guard = Guard {
-            joint_limits: JointLimits::of(settings, &chain),
-            workspace: settings.workspace.clone(),
+            settings: settings.clone(),
             surface,
-            middle_m: settings.table.center_m[2],
-            margin_m,
-            touch_m,
+            touch_m: below_m.fold(0.0, f64::max),
             // A hand that is tilted by its tolerance is lower on one side.
-            slack_m: margin_m
+            slack_m: tolerance.position_m
                 + READING_M
-                + aside_m * settings.tolerance.angle_deg.to_radians().sin(),
+                + aside_m * tolerance.angle_deg.to_radians().sin(),
             apart: Vec::new(),
             touching: Vec::new(),
-            chain,
         };
-        guard.pair_shapes(settings);
+        guard.pair_shapes();
         guard
     }
 
     /// Finds the pairs of shapes that must not touch: those of links that do not hang from each other, and do not touch
     /// while the arm rests. A capsule around a mesh is too wide to tell: it would forbid an arm to fold its elbow.
-    fn pair_shapes(&mut self, settings: &Settings) {
+    fn pair_shapes(&mut self) {
+        let (settings, chain) = (&self.settings, self.settings.chain());
         let turn_rad = settings.motion.hand_turn_deg.to_radians();
-        let rest = Reach::tool_down(&self.chain, turn_rad);
+        let rest = Reach::tool_down(chain, turn_rad);
         // An arm that cannot be at rest moves nowhere, and is refused by that.
         let rest_rad = rest.check(&settings.workspace.rest_m.into(), &[]);
-        let placed = rest_rad.map(|rest_rad| self.chain.placed_shapes(&rest_rad));
-        let Ok(Ok(placed)) = placed else { return };
+        let placed = rest_rad.and_then(|rest_rad| chain.placed_shapes(&rest_rad));
+        let placed = placed.unwrap_or_default();
         // The hand is fixed to the last joint's link.
-        let link = |shape: &PlacedCapsule| shape.link.min(self.chain.joints().len() - 1);
-        for (second, other) in placed.iter().enumerate() {
-            for (first, shape) in placed[..second].iter().enumerate() {
-                let is_around_mesh = |at: usize| self.chain.shapes()[at].is_around_mesh;
-                if link(shape).abs_diff(link(other)) <= 1
-                    || is_around_mesh(first)
-                    || is_around_mesh(second)
-                {
-                    continue;
-                }
-                if shape.gap_m(other) > APART_M {
-                    self.apart.push([first, second]);
-                    continue;
-                }
-                let parts = [shape, other].map(|shape| self.part(shape));
-                if !self.touching.contains(&parts) {
-                    self.touching.push(parts);
-                }
-            }
-        }
+        let link = |shape: &Capsule| shape.link.min(chain.joints().len() - 1);
+        let pairs = (0..placed.len()).flat_map(|other| (0..other).map(move |one| [one, other]));
+        let is_told = |pair: &[usize; 2]| {
+            let [one, other] = pair.map(|index| &placed[index]);
+            let is_around_mesh = one.is_around_mesh || other.is_around_mesh;
+            !is_around_mesh && link(one).abs_diff(link(other)) > 1
+        };
+        let are_apart = |[one, other]: &[usize; 2]| placed[*one].gap_m(&placed[*other]) > APART_M;
+        let (apart, touching): (Vec<_>, Vec<_>) = pairs.filter(is_told).partition(are_apart);
+        let touching = touching
+            .iter()
+            .map(|pair| pair.map(|index| self.part(&placed[index])));
+        let mut touching: Vec<_> = touching.collect();
+        touching.sort();
+        touching.dedup();
+        (self.apart, self.touching) = (apart, touching);
     }
 
     /// Guards the arm of the settings over a level table, as if no calibration had measured a tilt.
@@ -278,7 +260,7 @@ impl Guard {
 
     /// Returns the arm.
     pub fn chain(&self) -> &Chain {
-        &self.chain
+        self.settings.chain()
     }
 
     /// Returns the table's surface.
@@ -293,7 +275,7 @@ impl Guard {
 
     /// Returns the highest speed of the tool, m/s.
     pub fn max_speed_m_s(&self) -> f64 {
-        self.workspace.max_speed_m_s
+        self.settings.workspace.max_speed_m_s
     }
 
     /// Checks a straight motion of the tool from where the arm is; the error says why it is not allowed.
@@ -307,31 +289,41 @@ impl Guard {
         speed_m_s: f64,
     ) -> Result<Checked<Motion>, String> {
         self.ends(&from.tool, to, speed_m_s)?;
-        let mut path = Path::default();
+        let limits = JointLimits::of(&self.settings, self.chain());
+        let mut path = Vec::new();
         let mut waypoints = Vec::new();
         let mut joints_allow_m_s = f64::INFINITY;
-        let way_m = (to.translation.vector - from.tool.translation.vector).norm();
         if from.joints_rad.is_empty() {
+            let way_m = (to.translation.vector - from.tool.translation.vector).norm();
             let steps = (way_m / STEP_M).ceil().max(1.0) as usize;
             for step in 0..=steps {
                 let pose = between(&from.tool, to, step as f64 / steps as f64);
-                self.clear(&hand_at(&self.chain, &pose), &mut path)?;
+                path.push(self.gaps(&hand_at(self.chain(), &pose)));
             }
         } else {
-            let points = self
-                .chain
-                .straight(&from.tool, to, &from.joints_rad, STEP_M);
-            let mut points = points.map_err(|why| format!("the arm cannot follow: {why}"))?;
-            joints_allow_m_s = self.joint_limits.allow_m_s(&points, way_m);
-            begin_at(&mut points, &from.joints_rad);
-            waypoints = self.joint_limits.time(&points, way_m, speed_m_s)?;
+            let begin = self.chain().base_from_tool(&from.joints_rad)?;
+            let aside = Deviation::between(&begin, &from.tool);
+            // NaN must be refused.
+            let do_fit = aside.position_m <= ASIDE_M;
+            if !do_fit {
+                return Err(format!(
+                    "the arm reports joints that bring its tool {aside} away from where it reports the tool: the readings do \
+                     not fit, or `model` names another arm"
+                ));
+            }
+            let points = self.chain().straight(&from.joints_rad, to, STEP_M);
+            let points = points.map_err(|why| format!("the arm cannot follow: {why}"))?;
+            let way_m = (to.translation.vector - begin.translation.vector).norm();
+            joints_allow_m_s = limits.allow_m_s(&points, way_m);
+            waypoints = limits.time(&points, way_m, speed_m_s)?;
             for point in &waypoints {
-                let tool = self.posture(&point.joints_rad, &mut path)?;
+                let tool = self.chain().base_from_tool(&point.joints_rad)?;
+                path.push(self.gaps(&self.chain().placed_shapes(&point.joints_rad)?));
                 self.inside(&Point3::from(tool.translation.vector), 0.0)
                     .map_err(|why| format!("the tool would be {why}"))?;
             }
         }
-        path.end()?;
+        keeps_clear(&path)?;
         Ok(Checked(Motion {
             from: from.tool,
             to: *to,
@@ -341,62 +333,54 @@ impl Guard {
         }))
     }
 
-    /// Checks a route, and the way home after a missed grasp; fails with the first segment that is not allowed.
+    /// Checks a route, and then the way home after a missed grasp. Returns the steps of both up to the first that is not
+    /// allowed, and the route with its motions; or why that step is not allowed.
     ///
     /// - `from`: the arm's state before it, with joint angles.
-    pub fn route(&self, from: &ArmState, route: Route) -> Walk {
-        let (ends, walked) = self.walk(from, &route.segments);
-        let mut walk = Walk {
-            ends,
-            home: Vec::new(),
-            route: Err(String::new()),
-        };
-        let walked = walked.and_then(|()| {
-            let Some(grasped) = walk.grasped() else {
-                return Ok(());
-            };
-            let (home, walked) = self.walk(grasped, &route.after_missed_grasp);
-            walk.home = home;
-            walked
-        });
-        walk.route = walked.map(|()| Checked(route));
-        walk
-    }
-
-    /// Checks segments up to the first that is not allowed.
-    fn walk(&self, from: &ArmState, segments: &[Segment]) -> (Vec<SegmentEnd>, Result<(), String>) {
-        let mut ends = Vec::with_capacity(segments.len());
+    pub fn route(
+        &self,
+        from: &ArmState,
+        route: Route,
+    ) -> (Vec<Step>, Result<Checked<Route>, String>) {
+        let mut steps: Vec<Step> = Vec::new();
         let mut at = from.clone();
-        for &segment in segments {
-            let mut end = SegmentEnd {
-                segment,
-                state: None,
-                joints_allow_m_s: f64::INFINITY,
-            };
-            if let Act::Move(to) = segment.act {
-                match self.motion(&at, &to, segment.speed_m_s) {
-                    Ok(Checked(mut motion)) => {
-                        at.at_s += motion.takes_s();
-                        let last = motion.waypoints.pop();
-                        at.joints_rad = last.map(|last| last.joints_rad).unwrap_or_default();
-                        at.tool = to;
-                        end.joints_allow_m_s = motion.joints_allow_m_s;
-                    }
-                    Err(why) => {
-                        ends.push(end);
-                        return (ends, Err(why));
-                    }
-                }
+        let mut grasped = None;
+        for (index, &segment) in route.all().enumerate() {
+            if index == route.segments.len() {
+                at = grasped.take().unwrap_or(at);
             }
-            end.state = Some(at.clone());
-            ends.push(end);
+            let begin = at.clone();
+            let moved = match segment.act {
+                Act::Move(to) => self.motion(&at, &to, segment.speed_m_s).map(Some),
+                Act::Hand(_) => Ok(None),
+            };
+            if let Ok(Some(Checked(motion))) = &moved {
+                let last = motion.waypoints.last();
+                at.joints_rad = last.map_or(Vec::new(), |last| last.joints_rad.clone());
+                at.tool = motion.to;
+            }
+            if segment.name == SegmentName::Grasp {
+                grasped = Some(at.clone());
+            }
+            let refused = moved.as_ref().err().cloned();
+            steps.push(Step {
+                segment,
+                begin,
+                end: moved.is_ok().then(|| at.clone()),
+                motion: moved.ok().flatten(),
+            });
+            if let Some(why) = refused {
+                return (steps, Err(why));
+            }
         }
-        (ends, Ok(()))
+        let motions = steps.iter().filter_map(|step| step.motion.clone());
+        let motions = motions.collect();
+        (steps, Ok(Checked(Route { motions, ..route })))
     }
 
     /// Checks a goal of the tool, wherever the tool is now; the error says why it is not allowed.
     pub fn goal(&self, point: &Point3<f64>) -> Result<(), String> {
-        self.inside(point, self.margin_m)
+        self.inside(point, self.settings.tolerance.position_m)
             .map_err(|why| format!("the tool would be {why}"))
     }
 
@@ -405,36 +389,18 @@ impl Guard {
         let at = Point3::from(state.tool.translation.vector);
         self.inside(&at, 0.0)
             .map_err(|why| format!("the tool is {why}"))?;
-        let shapes = match self.chain.placed_shapes(&state.joints_rad) {
+        let shapes = match self.chain().placed_shapes(&state.joints_rad) {
             Ok(shapes) => shapes,
-            Err(_) => hand_at(&self.chain, &state.tool),
+            Err(_) => hand_at(self.chain(), &state.tool),
         };
-        if let Some((gap_m, [one, other])) = self.nearest_pair(&shapes)
-            && gap_m <= 0.0
-        {
-            return Err(format!(
-                "{} touches {}, with the tool at {}",
-                self.part(one),
-                self.part(other),
-                place(&at)
-            ));
-        }
-        for shape in &shapes {
-            let below_m = -self.above_table_m(shape);
-            if below_m > self.slack_m {
+        for gap in self.gaps(&shapes) {
+            // NaN must stop the arm too.
+            let is_kept = gap.gap_m >= gap.worst_m;
+            if !is_kept {
                 return Err(format!(
-                    "{} is {:.0} mm below the table",
-                    self.part(shape),
-                    below_m * 1000.0
-                ));
-            }
-            let zones = self.workspace.keep_out.iter();
-            if let Some(zone) = zones.into_iter().find(|zone| zone.gap_m(shape) <= 0.0) {
-                return Err(format!(
-                    "{}, with the tool at {}, is within `{}`, which is kept out",
-                    self.part(shape),
-                    place(&at),
-                    zone.name
+                    "{}, with the tool at {}",
+                    gap.text("is"),
+                    place(&at)
                 ));
             }
         }
@@ -453,7 +419,7 @@ impl Guard {
         if !numbers.all(|value| value.is_finite()) {
             return Err("a motion's end is no place".to_owned());
         }
-        let most_m_s = self.workspace.max_speed_m_s;
+        let most_m_s = self.settings.workspace.max_speed_m_s;
         if !(speed_m_s > 0.0 && speed_m_s <= most_m_s) {
             return Err(format!(
                 "a speed of `{speed_m_s}` m/s is not above 0 and at most `{most_m_s}` m/s"
@@ -493,108 +459,82 @@ impl Guard {
     /// Checks that a point is inside the box, shrunk by a margin; the error names the violated axis. The box's floor
     /// follows the table's tilt.
     fn inside(&self, point: &Point3<f64>, margin_m: f64) -> Result<(), String> {
-        let tilt_m = self.surface.height_m(point.x, point.y) - self.middle_m;
+        let tilt_m = self.surface.height_m(point.x, point.y) - self.settings.table.center_m[2];
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+            let workspace = &self.settings.workspace;
             let tilt_m = if axis == 2 { tilt_m } else { 0.0 };
-            let (least, most) = (
-                self.workspace.min_m[axis] + tilt_m,
-                self.workspace.max_m[axis],
-            );
-            let slack_m = if axis == 2 && margin_m > 0.0 {
-                EXACT_M
-            } else {
-                0.0
-            };
+            let (least, most) = (workspace.min_m[axis] + tilt_m, workspace.max_m[axis]);
             // NaN must count as outside.
-            let (low, high) = (least + margin_m - slack_m, most - margin_m);
+            let (low, high) = (least + margin_m - EXACT_M, most - margin_m + EXACT_M);
             if !(point[axis] >= low && point[axis] <= high) {
-                let margin = if margin_m > 0.0 {
-                    format!(" with a margin of {:.0} mm", margin_m * 1000.0)
-                } else {
-                    String::new()
-                };
                 return Err(format!(
-                    "at {}, outside of the workspace, whose {name} goes from {least:.3} to {most:.3} m{margin}",
-                    place(point)
+                    "at {}, outside of the workspace, whose {name} goes from {least:.3} to {most:.3} m with a margin of \
+                     {:.0} mm",
+                    place(point),
+                    margin_m * 1000.0
                 ));
             }
         }
         Ok(())
     }
 
-    /// Checks joint angles as the next point of a path, and returns where the tool is.
-    fn posture(&self, joints_rad: &[f64], path: &mut Path) -> Result<Isometry3<f64>, String> {
-        self.clear(&self.chain.placed_shapes(joints_rad)?, path)?;
-        self.chain.base_from_tool(joints_rad)
-    }
-
-    /// Checks that shapes are above the table, outside of every zone, and apart from each other.
-    fn clear(&self, shapes: &[PlacedCapsule], path: &mut Path) -> Result<(), String> {
-        let table = nearest(shapes, |shape| self.above_table_m(shape));
-        if let Some((gap_m, shape)) = table {
-            path.next(0, gap_m, -EXACT_M, -self.slack_m, || {
-                let below_mm = -gap_m * 1000.0;
-                format!(
-                    "{} would be {below_mm:.0} mm below the table",
-                    self.part(shape)
-                )
-            })?;
-        }
-        if let Some((gap_m, [one, other])) = self.nearest_pair(shapes) {
-            path.next(1, gap_m, APART_M, 0.0, || {
-                format!(
-                    "{} would come within {:.0} mm of {}",
-                    self.part(one),
-                    gap_m.max(0.0) * 1000.0,
-                    self.part(other)
-                )
-            })?;
-        }
-        for (index, zone) in self.workspace.keep_out.iter().enumerate() {
-            // Between two points of a path a shape comes nearer by at most half a step.
-            let least_m = self.margin_m + STEP_M / 2.0;
-            let Some((gap_m, shape)) = nearest(shapes, |shape| zone.gap_m(shape)) else {
-                continue;
-            };
-            path.next(index + 2, gap_m, least_m, 0.0, || {
-                let mm = |metres: f64| metres.max(0.0) * 1000.0;
-                format!(
-                    "{} would come within {:.0} mm of `{}`, which is kept out by {:.0} mm",
-                    self.part(shape),
-                    mm(gap_m),
-                    zone.name,
-                    mm(least_m)
-                )
-            })?;
-        }
-        Ok(())
-    }
-
-    /// Returns the two parts of the arm that are nearest to each other, and their distance, metres; `None` for the hand's
-    /// shapes alone.
-    fn nearest_pair<'s>(
-        &self,
-        shapes: &'s [PlacedCapsule],
-    ) -> Option<(f64, [&'s PlacedCapsule; 2])> {
-        let is_whole = shapes.len() == self.chain.shapes().len();
-        let pairs = self.apart.iter().filter(|_| is_whole).map(|pair| {
-            let pair = pair.map(|index| &shapes[index]);
-            (pair[0].gap_m(pair[1]), pair)
+    /// Returns the least gap between shapes and each obstacle: the table, other parts of the arm, and every zone.
+    fn gaps(&self, shapes: &[Capsule]) -> Vec<Gap> {
+        let mm = |metres: f64| metres.max(0.0) * 1000.0;
+        let table = nearest(
+            shapes
+                .iter()
+                .map(|shape| (self.above_table_m(shape), shape)),
+        );
+        let table = table.map(|(gap_m, shape)| Gap {
+            gap_m,
+            least_m: -EXACT_M,
+            worst_m: -self.slack_m,
+            part: self.part(shape),
+            place: format!("{:.0} mm below the table", mm(-gap_m)),
         });
-        pairs.min_by(|one, other| one.0.total_cmp(&other.0))
+        let is_whole = shapes.len() == self.chain().shapes().len();
+        let pairs = self.apart.iter().filter(|_| is_whole).map(|pair| {
+            let [one, other] = pair.map(|index| &shapes[index]);
+            (one.gap_m(other), [one, other])
+        });
+        let pair = nearest(pairs).map(|(gap_m, [one, other])| Gap {
+            gap_m,
+            least_m: APART_M,
+            worst_m: 0.0,
+            part: self.part(one),
+            place: format!("within {:.0} mm of {}", mm(gap_m), self.part(other)),
+        });
+        // Between two points of a path a shape comes nearer by at most half a step.
+        let least_m = self.settings.tolerance.position_m + STEP_M / 2.0;
+        let zones = self.settings.workspace.keep_out.iter().filter_map(|zone| {
+            let gap_m = |shape: &Capsule| shape.gap_to_box_m(&zone.min_m, &zone.max_m);
+            let (gap_m, shape) = nearest(shapes.iter().map(|shape| (gap_m(shape), shape)))?;
+            let (name, at_mm, least_mm) = (&zone.name, mm(gap_m), mm(least_m));
+            Some(Gap {
+                gap_m,
+                least_m,
+                worst_m: 0.0,
+                part: self.part(shape),
+                place: format!(
+                    "within {at_mm:.0} mm of `{name}`, which is kept out by {least_mm:.0} mm"
+                ),
+            })
+        });
+        table.into_iter().chain(pair).chain(zones).collect()
     }
 
     /// Returns the height of a shape above the table, metres.
     ///
     /// The settings state the table by the tool's place when the fingertips touch it, so the hand's shapes end where
     /// that is. Links are held to the tool's place itself, which is higher.
-    fn above_table_m(&self, shape: &PlacedCapsule) -> f64 {
+    fn above_table_m(&self, shape: &Capsule) -> f64 {
         // The table's plane, which has no edge, would pass through the foot.
-        if shape.link == 0 && self.chain.is_upright() {
+        if shape.link == 0 && self.chain().is_upright() {
             return f64::INFINITY;
         }
         let ends = shape.ends.map(|end| self.surface.distance_m(&end));
-        let touch_m = if shape.link == self.chain.joints().len() {
+        let touch_m = if shape.link == self.chain().joints().len() {
             self.touch_m
         } else {
             0.0
@@ -603,8 +543,8 @@ impl Guard {
     }
 
     /// Names the part of the arm that a shape contains.
-    fn part(&self, shape: &PlacedCapsule) -> String {
-        if shape.link == self.chain.joints().len() {
+    fn part(&self, shape: &Capsule) -> String {
+        if shape.link == self.chain().joints().len() {
             "the hand".to_owned()
         } else {
             format!("the arm behind joint {}", shape.link + 1)
@@ -612,107 +552,65 @@ impl Guard {
     }
 }
 
-impl KeepOut {
-    /// Returns the distance of a shape, metres; 0 or less if they overlap.
-    fn gap_m(&self, shape: &PlacedCapsule) -> f64 {
-        shape.gap_to_box_m(&self.min_m, &self.max_m)
+/// Returns what is nearest, with its distance.
+fn nearest<T>(gaps: impl Iterator<Item = (f64, T)>) -> Option<(f64, T)> {
+    gaps.min_by(|one, other| one.0.total_cmp(&other.0))
+}
+
+/// The distance of the nearest part of the arm from an obstacle.
+struct Gap {
+    gap_m: f64,
+    /// The gap with which a path is clear of it, metres.
+    least_m: f64,
+    /// The gap with which a path may begin, and that is kept while the arm moves, metres.
+    worst_m: f64,
+    part: String,
+    /// Where the part is.
+    place: String,
+}
+
+impl Gap {
+    fn is_clear(&self) -> bool {
+        self.gap_m >= self.least_m
+    }
+
+    /// Says where the part is, or would be.
+    fn text(&self, is: &str) -> String {
+        format!("{} {is} {}", self.part, self.place)
     }
 }
 
-/// Returns the shape that is nearest to an obstacle, and its distance, metres.
-fn nearest(
-    shapes: &[PlacedCapsule],
-    gap_m: impl Fn(&PlacedCapsule) -> f64,
-) -> Option<(f64, &PlacedCapsule)> {
-    let all = shapes.iter().map(|shape| (gap_m(shape), shape));
-    all.min_by(|one, other| one.0.total_cmp(&other.0))
-}
-
-/// The obstacles of a path so far: the last gap to each that it has not been clear of yet, and what is wrong; nothing for
-/// those that it has been clear of. An arm that begins too near to one may go away from it, and must end clear of it.
-#[derive(Default)]
-struct Path(BTreeMap<usize, Option<(f64, String)>>);
-
-impl Path {
-    /// Notes the next gap to an obstacle.
-    ///
-    /// - `least_m`: the gap at which the path is clear of it; `worst_m`: the gap with which it may begin.
-    fn next(
-        &mut self,
-        obstacle: usize,
-        gap_m: f64,
-        least_m: f64,
-        worst_m: f64,
-        why: impl Fn() -> String,
-    ) -> Result<(), String> {
-        // NaN must count as too near.
-        if gap_m >= least_m {
-            self.0.insert(obstacle, None);
-            return Ok(());
+/// Checks that a path keeps clear of each obstacle; the error says of which it does not. An arm that begins too near to
+/// one may go away from it, and must end clear of it.
+///
+/// - `path`: the gaps at each of its points, to the obstacles in one order.
+fn keeps_clear(path: &[Vec<Gap>]) -> Result<(), String> {
+    let n_obstacles = path.first().map_or(0, Vec::len);
+    for obstacle in 0..n_obstacles {
+        let mut before: Option<&Gap> = None;
+        for gap in path.iter().map(|gaps| &gaps[obstacle]) {
+            // NaN must count as too near.
+            let may_leave = match before {
+                None => gap.gap_m >= gap.worst_m,
+                Some(before) => !before.is_clear() && gap.gap_m >= before.gap_m - EXACT_M,
+            };
+            if !gap.is_clear() && !may_leave {
+                return Err(gap.text("would be"));
+            }
+            before = Some(gap);
         }
-        let goes_away = match self.0.get(&obstacle) {
-            None => true,
-            Some(before) => before
-                .as_ref()
-                .is_some_and(|(before_m, _)| gap_m >= before_m - EXACT_M),
-        };
-        let may_leave = gap_m >= worst_m && goes_away;
-        if !may_leave {
-            return Err(why());
-        }
-        self.0.insert(obstacle, Some((gap_m, why())));
-        Ok(())
-    }
-
-    /// Fails if the path ends too near to an obstacle.
-    fn end(self) -> Result<(), String> {
-        match self.0.into_values().flatten().next() {
-            Some((_, why)) => Err(why),
-            None => Ok(()),
+        if let Some(last) = before.filter(|last| !last.is_clear()) {
+            return Err(last.text("would be"));
         }
     }
-}
-
-/// Lets a path begin where the joints are. The tool's pose and the joint angles are read one after the other and with a
-/// millimetre of error, so its first point may be beside them; that fades out along the path.
-fn begin_at(points: &mut [Vec<f64>], joints_rad: &[f64]) {
-    let Some(first) = points.first().cloned() else {
-        return;
-    };
-    let aside: Vec<f64> = joints_rad
-        .iter()
-        .zip(&first)
-        .map(|(at, first)| at - first)
-        .collect();
-    if aside.iter().any(|aside| aside.abs() > ASIDE_RAD) {
-        return;
-    }
-    let steps = (points.len() - 1).max(1) as f64;
-    for (step, point) in points.iter_mut().enumerate() {
-        let left = 1.0 - step as f64 / steps;
-        for (angle, aside) in point.iter_mut().zip(&aside) {
-            *angle += left * aside;
-        }
-    }
+    Ok(())
 }
 
 /// Returns the hand's shapes with the tool at a pose.
-fn hand_at(chain: &Chain, tool: &Isometry3<f64>) -> Vec<PlacedCapsule> {
-    let hand = chain
-        .shapes()
-        .iter()
-        .filter(|shape| shape.link == chain.joints().len());
-    hand.map(|shape| PlacedCapsule {
-        link: shape.link,
-        ends: [&shape.from, &shape.to].map(|end| tool * end),
-        radius_m: shape.radius_m,
-    })
-    .collect()
-}
-
-/// Interpolates between two poses, at a fraction from 0 to 1; the rotation is at most [`MAX_TILT_RAD`].
-fn between(from: &Isometry3<f64>, to: &Isometry3<f64>, part: f64) -> Isometry3<f64> {
-    from.try_lerp_slerp(to, part, 1e-9).unwrap_or(*to)
+fn hand_at(chain: &Chain, tool: &Isometry3<f64>) -> Vec<Capsule> {
+    let (shapes, hand) = (chain.shapes().iter(), chain.joints().len());
+    let shapes = shapes.filter(|shape| shape.link == hand);
+    shapes.map(|shape| shape.at(tool)).collect()
 }
 
 fn place(point: &Point3<f64>) -> String {

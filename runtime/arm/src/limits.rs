@@ -4,9 +4,8 @@
 //! positions, angles or speeds leave its limits. It wraps any arm.
 
 use super::driver::{Arm, ArmError, ArmState, Deviation, Halt, HandContents, Opening, Watch};
-use super::guard::Guard;
+use super::guard::{Checked, Guard, Motion};
 use nalgebra::Isometry3;
-use std::collections::VecDeque;
 
 /// How often a motion that ended short of its goal is sent again: after two the arm is not where it says.
 const CORRECTIONS: u32 = 2;
@@ -24,12 +23,23 @@ const SPEED_OVER_S: f64 = 0.4;
 pub struct Limited<A: Arm + ?Sized> {
     arm: Box<A>,
     guard: Guard,
+    /// Motions of the route that it has not made.
+    pub(super) planned: Vec<Checked<Motion>>,
 }
 
 impl<A: Arm + ?Sized> Limited<A> {
     /// Wraps an arm.
     pub fn new(arm: Box<A>, guard: Guard) -> Limited<A> {
-        Limited { arm, guard }
+        Limited {
+            arm,
+            guard,
+            planned: Vec::new(),
+        }
+    }
+
+    /// Takes the motions of a route, in place of those of the route before.
+    pub fn plan(&mut self, motions: &[Checked<Motion>]) {
+        self.planned = motions.to_vec();
     }
 
     /// Returns the wrapped arm.
@@ -47,7 +57,8 @@ impl<A: Arm + ?Sized> Limited<A> {
         self.arm.state()
     }
 
-    /// Moves the tool straight to a pose, `base_from_tool`, if the guard allows it from where the arm is.
+    /// Moves the tool straight to a pose, `base_from_tool`, if the guard allows it from where the arm is. A planned motion
+    /// that begins there is sent as it was checked; any other is checked now.
     ///
     /// - `speed_m_s`: the highest speed.
     pub fn move_tool(
@@ -60,8 +71,16 @@ impl<A: Arm + ?Sized> Limited<A> {
         loop {
             self.arm.ready(watch)?;
             let from = self.arm.state()?;
-            let motion = self.guard.motion(&from, to, speed_m_s);
-            let motion = motion.map_err(ArmError::Refused)?;
+            let mut planned = self.planned.iter().map(Checked::get);
+            let planned = planned
+                .position(|it| it.to == *to && it.speed_m_s == speed_m_s && it.begins_at(&from));
+            let motion = match planned {
+                Some(index) => self.planned.swap_remove(index),
+                None => {
+                    let checked = self.guard.motion(&from, to, speed_m_s);
+                    checked.map_err(ArmError::Refused)?
+                }
+            };
             let mut monitor = LimitMonitor::new(&self.guard);
             let moved = self.arm.move_tool(&motion, &mut |state| {
                 monitor.check(state)?;
@@ -102,47 +121,32 @@ impl<A: Arm + ?Sized> Limited<A> {
 struct LimitMonitor<'l> {
     guard: &'l Guard,
     /// Recent times and poses of the tool.
-    recent: VecDeque<(f64, Isometry3<f64>)>,
+    recent: Vec<(f64, Isometry3<f64>)>,
 }
 
 impl LimitMonitor<'_> {
     fn new(guard: &Guard) -> LimitMonitor<'_> {
         LimitMonitor {
             guard,
-            recent: VecDeque::new(),
+            recent: Vec::new(),
         }
     }
 
     fn check(&mut self, state: &ArmState) -> Result<(), Halt> {
         let out = |why: String| Halt::Stop(ArmError::OutOfLimits(why));
         self.guard.measured(state).map_err(out)?;
-        if self
-            .recent
-            .back()
-            .is_none_or(|(at_s, _)| state.at_s > *at_s)
-        {
-            self.recent.push_back((state.at_s, state.tool));
-        }
-        while self.recent.len() > 2
-            && self
-                .recent
-                .get(1)
-                .is_some_and(|(at_s, _)| state.at_s - at_s >= SPEED_OVER_S)
-        {
-            self.recent.pop_front();
-        }
-        let Some((first_s, first)) = self.recent.front() else {
+        self.recent.push((state.at_s, state.tool));
+        let is_old = |(at_s, _): &(f64, Isometry3<f64>)| state.at_s - at_s >= SPEED_OVER_S;
+        let Some(begin) = self.recent.iter().rposition(is_old) else {
             return Ok(());
         };
-        let (took_s, way_m) = (
-            state.at_s - first_s,
-            Deviation::between(first, &state.tool).position_m,
-        );
-        let most_m_s = self.guard.max_speed_m_s();
-        if took_s >= SPEED_OVER_S && way_m / took_s > SPEED_SLACK * most_m_s {
+        self.recent.drain(..begin);
+        let (begin_s, begin) = self.recent[0];
+        let moved_m = Deviation::between(&begin, &state.tool).position_m;
+        let (speed_m_s, most_m_s) = (moved_m / (state.at_s - begin_s), self.guard.max_speed_m_s());
+        if speed_m_s > SPEED_SLACK * most_m_s {
             return Err(out(format!(
-                "the tool moves at {:.2} m/s, and `{most_m_s}` m/s are allowed",
-                way_m / took_s
+                "the tool moves at {speed_m_s:.2} m/s, and `{most_m_s}` m/s are allowed"
             )));
         }
         Ok(())

@@ -5,7 +5,7 @@
 //! possible. A whole plan comes with its checked route, which alone can be executed. Nothing is executed here.
 
 use super::driver::{ArmState, Opening};
-use super::guard::{Checked, Guard, SegmentEnd};
+use super::guard::{Checked, Guard, Motion, Step};
 use super::kinematics::reach::Reach;
 use super::route::{Act, Route, SegmentName};
 use super::settings::Settings;
@@ -85,18 +85,14 @@ impl Plan {
             }
         };
         let route = Route::new(settings, guard.surface(), &from.tool, &pick, &place, manner);
-        let walk = guard.route(&from, route);
-        plan.segments = planned(&from, &walk.ends);
-        if let Some(grasped) = walk.grasped() {
-            plan.after_missed_grasp = planned(grasped, &walk.home);
+        let n_segments = route.segments.len();
+        let (steps, route) = guard.route(&from, route);
+        plan.segments = steps.iter().map(PlannedSegment::of).collect();
+        if steps.len() > n_segments {
+            plan.after_missed_grasp = plan.segments.split_off(n_segments);
         }
-        match walk.route {
-            Ok(route) => (plan, Some(route)),
-            Err(why) => {
-                plan.refused = Some(why);
-                (plan, None)
-            }
-        }
+        plan.refused = route.as_ref().err().cloned();
+        (plan, route.ok())
     }
 
     /// Returns the total path length, metres.
@@ -137,31 +133,26 @@ fn with_joints(settings: &Settings, guard: &Guard, from: &ArmState) -> Result<Ar
     Ok(from)
 }
 
-/// Describes segments with the arm's state at the end of each; a refused one has none.
-fn planned(from: &ArmState, ends: &[SegmentEnd]) -> Vec<PlannedSegment> {
-    let (mut at, mut at_s) = (from.tool, from.at_s);
-    let planned = ends.iter().map(|end| {
-        let (segment, state) = (&end.segment, &end.state);
-        let (to, hand) = match segment.act {
+impl PlannedSegment {
+    /// Describes a step; a refused one has no joint angles.
+    fn of(step: &Step) -> PlannedSegment {
+        let motion = step.motion.as_ref().map(Checked::get);
+        let from = step.begin.tool;
+        let (to, hand) = match step.segment.act {
             Act::Move(to) => (to, None),
-            Act::Hand(opening) => (at, Some(opening)),
+            Act::Hand(opening) => (from, Some(opening)),
         };
-        let way_m = (to.translation.vector - at.translation.vector).norm();
-        at = to;
-        let end_s = state.as_ref().map_or(at_s, |state| state.at_s);
-        let before_s = std::mem::replace(&mut at_s, end_s);
-        let joints_rad = state.iter().flat_map(|state| &state.joints_rad);
+        let joints_rad = step.end.iter().flat_map(|end| &end.joints_rad);
         PlannedSegment {
-            name: segment.name,
+            name: step.segment.name,
             to_m: to.translation.vector.into(),
             hand,
-            way_m,
-            takes_s: at_s - before_s,
+            way_m: (to.translation.vector - from.translation.vector).norm(),
+            takes_s: motion.map_or(0.0, Motion::takes_s),
             joints_deg: joints_rad.map(|angle| angle.to_degrees()).collect(),
-            joints_allow_m_s: end.joints_allow_m_s,
+            joints_allow_m_s: motion.map_or(f64::INFINITY, |motion| motion.joints_allow_m_s),
         }
-    });
-    planned.collect()
+    }
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@
 mod picture;
 pub mod topics;
 
-use crate::settings::declare::{MAX_SIDE_PX, above, from, section};
+use crate::settings::declare::{MAX_SIDE_PX, from, section};
 use fab_picture::DepthImage;
 use image::RgbImage;
 use serde::Serialize;
@@ -52,7 +52,7 @@ section! {
         /// Width and height of its picture; the window lies inside.
         size_px: [u32; 2], from(1.0, MAX_SIDE_PX);
         /// Focal lengths along columns and rows.
-        focal_px: [f64; 2], above(0.0, 1e6);
+        focal_px: [f64; 2], from(1.0, 1e6);
         /// Where the optical axis meets the picture; the middle of the pixel in column 3 is at 3.5.
         middle_px: [f64; 2], from(0.0, MAX_SIDE_PX);
         /// Coefficients of the model `plumb_bob`: k1, k2, t1, t2, k3.

@@ -6,7 +6,7 @@
 //! counts steps of 50 mm.
 
 use super::driver::Opening;
-use super::guard::Surface;
+use super::guard::{Checked, Motion, Surface};
 use super::kinematics::tool_down::tool_down;
 use super::settings::{MotionSettings, Settings};
 use fab_program::Manner;
@@ -20,6 +20,8 @@ pub struct Route {
     pub segments: Vec<Segment>,
     /// Those that follow [`SegmentName::Grasp`] if the hand is empty: up, and out of the camera's view.
     pub after_missed_grasp: Vec<Segment>,
+    /// The motions of both, in order, once the guard has checked them.
+    pub motions: Vec<Checked<Motion>>,
 }
 
 /// One segment of a pick and place.
@@ -83,6 +85,11 @@ impl SegmentName {
 }
 
 impl Route {
+    /// Returns its segments, then those after a missed grasp.
+    pub fn all(&self) -> impl Iterator<Item = &Segment> {
+        self.segments.iter().chain(&self.after_missed_grasp)
+    }
+
     /// Lists the segments of one pick and place.
     ///
     /// - `from`: the tool's pose, `base_from_tool`.
@@ -171,6 +178,7 @@ impl Route {
         Route {
             segments: segments.into_iter().map(named).collect(),
             after_missed_grasp: after_missed_grasp.map(named).to_vec(),
+            motions: Vec::new(),
         }
     }
 }

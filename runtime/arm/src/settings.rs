@@ -10,10 +10,11 @@ pub(crate) mod declare;
 use super::description::ArmDescription;
 use super::kinematics::chain::Chain;
 use super::rgbd::Intrinsics;
-use declare::{ANGLE, MAX_SIDE_PX, Values, above, begins, from, named_settings, section};
+use declare::{ANGLE, MAX_SIDE_PX, Values, begins, from, named_settings, section};
 use fab_base::files;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use serde::Deserialize;
+use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 /// The longest settings file accepted.
@@ -21,6 +22,9 @@ const MAX_BYTES: u64 = 256 << 10;
 
 /// A place in the base frame: the largest arm of this kind reaches less than 2 m, and the table is within its reach.
 const PLACE: Values = from(-3.0, 3.0);
+
+/// The field of view of the simulated camera, radians: about that of a depth camera across its shorter side.
+pub const CAMERA_FOV_RAD: f64 = PI / 4.0;
 
 /// Heights above a point of the table.
 const HEIGHT: Values = from(0.0, 0.5);
@@ -89,13 +93,12 @@ section! {
         rest_m: [f64; 3], PLACE;
         /// The highest speed of the tool; the arm is stopped at 1.5 times of it. In a quarter of a second a tool at 0.5
         /// m/s moves 125 mm.
-        max_speed_m_s: f64 = 0.2, above(0.0, 0.5);
-        /// Boxes that no part of hand and arm may enter, each with the keys below; one that does not reach into the
-        /// workspace is refused, because it would keep the tool from nothing.
+        max_speed_m_s: f64 = 0.2, from(0.005, 0.5);
+        /// Boxes that no part of hand and arm may enter, each with the keys below.
         keep_out: Vec<KeepOut> = [];
     }
 
-    /// A box that the tool may not enter.
+    /// A box that no part of hand and arm may enter.
     pub struct KeepOut {
         /// The obstacle's name, for messages.
         name: String;
@@ -113,8 +116,7 @@ section! {
         pre_pick_m: f64 = 0.005, HEIGHT;
         /// Height over the pick point at which the fingers close.
         grasp_m: f64 = 0.0, HEIGHT;
-        /// Height to which the cloth is lifted (the paper's 5 mm); above `grasp_m` by more than `tolerance.position_m`,
-        /// and not below `release_m`.
+        /// Height to which the cloth is lifted (the paper's 5 mm); above `grasp_m` by more than `tolerance.position_m`.
         lift_m: f64 = 0.005, HEIGHT;
         /// Height over the place point at which the fingers open.
         release_m: f64 = 0.0, HEIGHT;
@@ -129,9 +131,6 @@ section! {
         /// The largest acceleration of a joint. The vendor of the Jaco states none; where none is stated, planners
         /// commonly take 1 rad/s². The vendor's node uses its own.
         acceleration_deg_s2: f64 = 60.0, from(10.0, 1000.0);
-        /// The largest jerk of a joint: with the default, full acceleration builds up in a tenth of a second, so that
-        /// arm and cloth do not swing.
-        jerk_deg_s3: f64 = 600.0, from(100.0, 100_000.0);
         /// Rotation of the hand about the vertical, base frame.
         hand_turn_deg: f64 = 0.0, ANGLE;
     }
@@ -147,10 +146,10 @@ section! {
         closed: f64, from(-1e5, 1e5);
         /// The least distance from `closed` at which they stop with cloth between them; more than `tolerance`, less
         /// than half of the way from open to closed. Without it nothing is concluded from where they stop.
-        cloth: Option<f64>, above(0.0, 1e5);
+        cloth: Option<f64>, from(1e-6, 1e5);
         /// How close to a position counts as there; at most a tenth of the way from open to closed, or fingers that did
         /// not move would count as moved.
-        tolerance: f64, above(0.0, 1e5);
+        tolerance: f64, from(1e-6, 1e5);
     }
 
     /// When a goal counts as reached, and its time limits.
@@ -158,9 +157,9 @@ section! {
     pub struct Tolerance {
         /// How far from its target the tool may come to rest; 10 mm is what the arm's own node accepts. Less than the
         /// differences between `motion`'s heights, or a miss would count as done.
-        position_m: f64 = 0.003, above(0.0, 0.01);
+        position_m: f64 = 0.003, from(1e-4, 0.01);
         /// How far the hand may be rotated from its target; the arm's own node accepts 2.
-        angle_deg: f64 = 3.0, above(0.0, 10.0);
+        angle_deg: f64 = 3.0, from(0.1, 10.0);
         /// The largest age of a reading. Readings come ten times a second; at 0.5 m/s an arm that reports nothing moves
         /// a metre in 2 s.
         stale_s: f64 = 1.0, from(0.2, 2.0);
@@ -181,7 +180,7 @@ section! {
         /// against it.
         flat: Option<PathBuf>;
         /// How long a picture is waited for, with the arm at rest.
-        timeout_s: f64 = 5.0, above(0.0, 60.0);
+        timeout_s: f64 = 5.0, from(0.1, 60.0);
         /// The camera's projection, if it does not report it itself, with the keys below, as in
         /// `sensor_msgs/CameraInfo`.
         intrinsics: Option<Intrinsics>;
@@ -253,8 +252,6 @@ section! {
         camera_offset_m: [f64; 2] = [0.0, 0.0], from(-3.0, 3.0);
         /// Its rotation about the vertical.
         camera_turn_deg: f64 = 0.0, ANGLE;
-        /// Its field of view across the shorter side.
-        camera_fov_deg: f64 = 45.0, from(1.0, 170.0);
         /// The side of its square picture.
         camera_px: u32 = 720, from(16.0, 4096.0);
     }
@@ -327,7 +324,7 @@ impl SimulatedSettings {
     /// Returns the camera's projection.
     pub fn intrinsics(&self) -> Intrinsics {
         let half_px = f64::from(self.camera_px) / 2.0;
-        let focal_px = half_px / (self.camera_fov_deg.to_radians() / 2.0).tan();
+        let focal_px = half_px / (CAMERA_FOV_RAD / 2.0).tan();
         Intrinsics {
             size_px: [self.camera_px; 2],
             focal_px: [focal_px; 2],

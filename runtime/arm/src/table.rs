@@ -54,7 +54,7 @@ impl ClothTable {
         let camera = settings.simulated.clone();
         let lens = TopDownCamera::new(
             camera.camera_height_m as f32,
-            camera.camera_fov_deg.to_radians() as f32,
+            crate::settings::CAMERA_FOV_RAD as f32,
             camera.camera_px,
         );
         let lens = lens.map_err(|error| WorldError::Camera {

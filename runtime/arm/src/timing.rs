@@ -11,16 +11,19 @@
 //! stretched by what is missing.
 
 use crate::guard::STEP_M;
-use crate::kinematics::chain::Chain;
+use crate::kinematics::chain::{Chain, MAX_JOINTS};
 use crate::port::Waypoint;
 use crate::settings::Settings;
+use nalgebra::SVector;
 use rsruckig::prelude::{
     DataArrayOrVec, InputParameter, Ruckig, RuckigResult, ThrowErrorHandler, Trajectory,
 };
 
-/// The longest time between two waypoints before times are stretched, seconds: half of the time in which acceleration
-/// builds up with the default limits.
-const BETWEEN_S: f64 = 0.05;
+/// The time in which the acceleration of a joint builds up, seconds, so that arm and cloth do not swing.
+const BUILD_UP_S: f64 = 0.1;
+
+/// The longest time between two waypoints before times are stretched, seconds.
+const BETWEEN_S: f64 = BUILD_UP_S / 2.0;
 
 /// The least number of steps of a trajectory, so that a short one keeps its form.
 const MIN_STEPS: f64 = 20.0;
@@ -34,6 +37,12 @@ const NO_TURN_RAD: f64 = 1e-6;
 /// The largest rates of the profile, 1/s and 1/s²: they keep the numbers finite if the joints hardly turn.
 const MAX_RATES: [f64; 2] = [1e3, 1e6];
 
+/// One value for each joint, 0 for those that the arm lacks, then one for the tool's place along its way.
+type Row = SVector<f64, { MAX_JOINTS + 1 }>;
+
+/// Places, speeds and accelerations.
+type State = [Row; 3];
+
 /// How fast the joints of an arm may turn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointLimits {
@@ -46,13 +55,13 @@ pub struct JointLimits {
 }
 
 impl JointLimits {
-    /// Returns the arm's own speeds, and the settings' acceleration and jerk.
+    /// Returns the arm's own speeds, the settings' acceleration, and a jerk with which that builds up in [`BUILD_UP_S`].
     pub fn of(settings: &Settings, chain: &Chain) -> JointLimits {
         let speed_rad_s = |joint: &crate::kinematics::chain::Joint| joint.max_speed_rad_s;
         JointLimits {
             speeds_rad_s: chain.joints().iter().map(speed_rad_s).collect(),
             acceleration_rad_s2: settings.motion.acceleration_deg_s2.to_radians(),
-            jerk_rad_s3: settings.motion.jerk_deg_s3.to_radians(),
+            jerk_rad_s3: settings.motion.acceleration_deg_s2.to_radians() / BUILD_UP_S,
         }
     }
 
@@ -82,29 +91,23 @@ impl JointLimits {
         way_m: f64,
         speed_m_s: f64,
     ) -> Result<Vec<Waypoint>, String> {
-        let [first, .., last] = path_rad else {
-            let still = path_rad.iter().take(1);
-            return Ok(still
-                .map(|joints_rad| Waypoint::at_rest(joints_rad.clone(), 0.0))
-                .collect());
-        };
         if !path_rad.iter().flatten().all(|angle| angle.is_finite()) {
             return Err("a joint's angle on the way is no number".to_owned());
         }
-        if turns_rad(first, path_rad) < NO_TURN_RAD {
-            return Ok(vec![Waypoint::at_rest(last.clone(), 0.0)]);
+        let steps_m = way_m / (path_rad.len().max(2) - 1) as f64;
+        let places_m = (0..).map(|index| f64::from(index) * steps_m);
+        let rows = path_rad.iter().zip(places_m);
+        let rows: Vec<Row> = rows.map(|(joints, at_m)| row(joints, 0.0, at_m)).collect();
+        let turned_rad = rows
+            .iter()
+            .map(|row| (row - rows[0]).remove_row(MAX_JOINTS));
+        if turned_rad.map(|it| it.amax()).fold(0.0, f64::max) < NO_TURN_RAD {
+            let still = path_rad.last().into_iter();
+            return Ok(still
+                .map(|joints_rad| Waypoint::at_rest(joints_rad.clone(), 0.0))
+                .collect());
         }
         let caps = self.caps(speed_m_s);
-        let step_m = way_m / (path_rad.len() - 1) as f64;
-        let rows: Vec<Vec<f64>> = path_rad
-            .iter()
-            .enumerate()
-            .map(|(index, joints_rad)| {
-                let mut row = joints_rad.clone();
-                row.push(index as f64 * step_m);
-                row
-            })
-            .collect();
         let path = Spline::through(knots(&rows, &caps), rows);
         let too_long = |takes_s: f64| {
             format!(
@@ -121,80 +124,67 @@ impl JointLimits {
         let states: Vec<State> = (0..=steps as usize)
             .map(|step| path.state(profile.at(profile.duration_s() * (step as f64 / steps))))
             .collect();
-        let step_s = profile.duration_s() / steps;
-        let stretch = stretch(&states, step_s, &caps);
+        let stretch = stretch(&states, profile.duration_s() / steps, &caps);
         let takes_s = profile.duration_s() * stretch;
         if takes_s > MAX_S {
             return Err(too_long(takes_s));
         }
-        let joints = self.speeds_rad_s.len();
-        let waypoint = |(index, state): (usize, State)| {
-            let [joints_rad, speeds, accelerations] = state.map(|mut row| {
-                row.truncate(joints);
-                row
-            });
-            Waypoint {
-                joints_rad,
-                speeds_rad_s: speeds.iter().map(|it| it / stretch).collect(),
-                accelerations_rad_s2: accelerations
-                    .iter()
-                    .map(|it| it / stretch.powi(2))
-                    .collect(),
-                at_s: takes_s * index as f64 / steps,
-            }
+        let joints = |row: Row| row.as_slice()[..self.speeds_rad_s.len()].to_vec();
+        let waypoint = |(index, [places, speeds, accelerations]): (usize, State)| Waypoint {
+            joints_rad: joints(places),
+            speeds_rad_s: joints(speeds / stretch),
+            accelerations_rad_s2: joints(accelerations / stretch.powi(2)),
+            at_s: takes_s * index as f64 / steps,
         };
         Ok(states.into_iter().enumerate().map(waypoint).collect())
     }
 
-    /// Returns the limits of speed, acceleration and jerk: of each joint, then of the tool's place along the path,
-    /// which has one of speed alone.
-    fn caps(&self, speed_m_s: f64) -> [Vec<f64>; 3] {
-        let all = |limit: f64, tool: f64| {
-            let mut limits = vec![limit; self.speeds_rad_s.len()];
-            limits.push(tool);
-            limits
-        };
-        let mut speeds = self.speeds_rad_s.clone();
-        speeds.push(speed_m_s);
+    /// Returns the limits of speed, acceleration and jerk; the tool has one of speed alone.
+    fn caps(&self, speed_m_s: f64) -> [Row; 3] {
         [
-            speeds,
-            all(self.acceleration_rad_s2, f64::INFINITY),
-            all(self.jerk_rad_s3, f64::INFINITY),
+            row(&self.speeds_rad_s, f64::INFINITY, speed_m_s),
+            row(&[], self.acceleration_rad_s2, f64::INFINITY),
+            row(&[], self.jerk_rad_s3, f64::INFINITY),
         ]
     }
 }
 
-/// Returns the largest turn of a joint from where it begins, radians.
-fn turns_rad(first: &[f64], path_rad: &[Vec<f64>]) -> f64 {
-    let turns = path_rad.iter().flat_map(|joints_rad| {
-        let pairs = joints_rad.iter().zip(first);
-        pairs.map(|(angle, first)| (angle - first).abs())
-    });
-    turns.fold(0.0, f64::max)
+/// Returns a row of one value for each joint, another for those that the arm lacks, and one for the tool.
+fn row(joints: &[f64], lacking: f64, tool: f64) -> Row {
+    let mut row = Row::repeat(lacking);
+    for (value, joint) in row.iter_mut().zip(joints) {
+        *value = *joint;
+    }
+    row[MAX_JOINTS] = tool;
+    row
+}
+
+/// Returns the least time that the limits allow a difference of this order, seconds; or by how much a derivative exceeds
+/// them.
+fn least(difference: &Row, caps: &Row, order: usize) -> f64 {
+    let share = difference.abs().component_div(caps).max();
+    share.powf(1.0 / order as f64)
 }
 
 /// Returns when each row would be passed if every step took the least time that its limits allow, seconds.
-fn knots(rows: &[Vec<f64>], caps: &[Vec<f64>; 3]) -> Vec<f64> {
-    let differences = [1, 2, 3].map(|order| differences(rows, order));
-    let steps_s: Vec<f64> = (0..rows.len())
-        .map(|row| {
-            let mut step_s = 0.0f64;
-            for ((differences, caps), order) in differences.iter().zip(caps).zip(1..) {
-                // The differences that contain this row.
-                let from = row.saturating_sub(order);
-                let until = (row + 1).min(differences.len());
-                for difference in &differences[from.min(until)..until] {
-                    for (value, cap) in difference.iter().zip(caps) {
-                        step_s = step_s.max((value.abs() / cap).powf(1.0 / f64::from(order as u8)));
-                    }
-                }
+fn knots(rows: &[Row], caps: &[Row; 3]) -> Vec<f64> {
+    let mut steps_s = vec![0.0f64; rows.len()];
+    let mut differences = rows.to_vec();
+    for (order, caps) in (1..).zip(caps) {
+        differences = between(&differences);
+        for (first, difference) in differences.iter().enumerate() {
+            let least_s = least(difference, caps, order);
+            for step_s in &mut steps_s[first..=first + order] {
+                *step_s = step_s.max(least_s);
             }
-            step_s
-        })
-        .collect();
+        }
+    }
     // A mean of values that are each the most in their neighbourhood is no less than the value itself, and the speed
     // along the path has no corners.
-    let smooth = means(&means(&most(&steps_s)));
+    let most = |near: &[f64]| near.iter().copied().fold(0.0, f64::max);
+    let mean = |near: &[f64]| near.iter().sum::<f64>() / near.len() as f64;
+    let smooth = over_near(&steps_s, 2, most);
+    let smooth = over_near(&over_near(&smooth, 1, mean), 1, mean);
     let mut at_s = 0.0;
     let mut knots = vec![0.0];
     for pair in smooth.windows(2) {
@@ -204,67 +194,43 @@ fn knots(rows: &[Vec<f64>], caps: &[Vec<f64>; 3]) -> Vec<f64> {
     knots
 }
 
-/// Returns the differences of rows of an order; none if there are too few rows.
-fn differences(rows: &[Vec<f64>], order: usize) -> Vec<Vec<f64>> {
-    let mut differences = rows.to_vec();
-    for _ in 0..order {
-        let next = differences.windows(2).map(|pair| {
-            let values = pair[1].iter().zip(&pair[0]);
-            values.map(|(after, before)| after - before).collect()
-        });
-        differences = next.collect();
-    }
-    differences
+/// Returns the differences of neighbours.
+fn between(rows: &[Row]) -> Vec<Row> {
+    rows.windows(2).map(|pair| pair[1] - pair[0]).collect()
 }
 
-/// Returns for each value the most within two places of it.
-fn most(values: &[f64]) -> Vec<f64> {
-    let near = |at: usize| &values[at.saturating_sub(2)..(at + 3).min(values.len())];
-    let most = |at| near(at).iter().copied().fold(0.0, f64::max);
-    (0..values.len()).map(most).collect()
+/// Returns a function of each value and its neighbours, so many on either side.
+fn over_near(values: &[f64], beside: usize, function: impl Fn(&[f64]) -> f64) -> Vec<f64> {
+    let near = |at: usize| at.saturating_sub(beside)..(at + beside + 1).min(values.len());
+    let all = 0..values.len();
+    all.map(|at| function(&values[near(at)])).collect()
 }
-
-/// Returns for each value the mean of it and its neighbours.
-fn means(values: &[f64]) -> Vec<f64> {
-    let near = |at: usize| &values[at.saturating_sub(1)..(at + 2).min(values.len())];
-    let mean = |at| near(at).iter().sum::<f64>() / near(at).len() as f64;
-    (0..values.len()).map(mean).collect()
-}
-
-/// Place, speed and acceleration of every joint and of the tool along its way.
-type State = [Vec<f64>; 3];
 
 /// A natural cubic spline through rows of values.
 struct Spline {
     knots: Vec<f64>,
-    rows: Vec<Vec<f64>>,
+    rows: Vec<Row>,
     /// Second derivatives at the knots.
-    bends: Vec<Vec<f64>>,
+    bends: Vec<Row>,
 }
 
 impl Spline {
     /// - `knots`: increasing, one for each row, two at least.
-    fn through(knots: Vec<f64>, rows: Vec<Vec<f64>>) -> Spline {
-        let (count, width) = (rows.len(), rows[0].len());
-        let mut bends = vec![vec![0.0; width]; count];
+    fn through(knots: Vec<f64>, rows: Vec<Row>) -> Spline {
+        let inner = 1..rows.len() - 1;
+        let mut bends = vec![Row::zeros(); rows.len()];
         // Eliminate from the first inner knot to the last, then solve backwards.
-        let mut factors = vec![0.0; count];
-        for at in 1..count - 1 {
+        let mut factors = vec![0.0; rows.len()];
+        for at in inner.clone() {
             let [before, after] = [knots[at] - knots[at - 1], knots[at + 1] - knots[at]];
             let pivot = 2.0 * (before + after) - before * factors[at - 1];
             factors[at] = after / pivot;
-            for column in 0..width {
-                let [left, here, right] =
-                    [-1, 0, 1].map(|by: isize| rows[at.saturating_add_signed(by)][column]);
-                let bend = 6.0 * ((right - here) / after - (here - left) / before);
-                bends[at][column] = (bend - before * bends[at - 1][column]) / pivot;
-            }
+            let bend = (rows[at + 1] - rows[at]) / after - (rows[at] - rows[at - 1]) / before;
+            bends[at] = (bend * 6.0 - bends[at - 1] * before) / pivot;
         }
-        for at in (1..count - 1).rev() {
-            let next = bends[at + 1].clone();
-            for (bend, next) in bends[at].iter_mut().zip(next) {
-                *bend -= factors[at] * next;
-            }
+        for at in inner.rev() {
+            let next = bends[at + 1];
+            bends[at] -= next * factors[at];
         }
         Spline { knots, rows, bends }
     }
@@ -274,37 +240,23 @@ impl Spline {
         self.knots.last().copied().unwrap_or_default()
     }
 
-    /// Returns values, first and second derivatives at a place.
-    fn at(&self, place: f64) -> State {
+    /// Returns the state at a place that is passed with a speed and an acceleration.
+    fn state(&self, [place, speed, acceleration]: [f64; 3]) -> State {
         let next = self.knots.partition_point(|knot| *knot <= place);
         let next = next.clamp(1, self.knots.len() - 1);
         let width = self.knots[next] - self.knots[next - 1];
         let after = (place - self.knots[next - 1]) / width;
         let before = 1.0 - after;
-        let column = |column: usize| {
-            let [here, there] = [next - 1, next].map(|at| self.rows[at][column]);
-            let [bend, next_bend] = [next - 1, next].map(|at| self.bends[at][column]);
-            let third = |share: f64| (share.powi(3) - share) * width.powi(2) / 6.0;
-            let slope = |share: f64| (3.0 * share.powi(2) - 1.0) * width / 6.0;
-            [
-                before * here + after * there + third(before) * bend + third(after) * next_bend,
-                (there - here) / width - slope(before) * bend + slope(after) * next_bend,
-                before * bend + after * next_bend,
-            ]
-        };
-        let columns: Vec<[f64; 3]> = (0..self.rows[0].len()).map(column).collect();
-        [0, 1, 2].map(|order| columns.iter().map(|column| column[order]).collect())
-    }
-
-    /// Returns the state at a place that is passed with a speed and an acceleration.
-    fn state(&self, [place, speed, acceleration]: [f64; 3]) -> State {
-        let [values, slopes, bends] = self.at(place);
-        let speeds = slopes.iter().map(|slope| slope * speed).collect();
-        let accelerations = slopes.iter().zip(&bends);
-        let accelerations =
-            accelerations.map(|(slope, bend)| bend * speed * speed + slope * acceleration);
-        let accelerations = accelerations.collect();
-        [values, speeds, accelerations]
+        let [here, there] = [self.rows[next - 1], self.rows[next]];
+        let [bend, next_bend] = [self.bends[next - 1], self.bends[next]];
+        let third = |share: f64| (share.powi(3) - share) * width.powi(2) / 6.0;
+        let slope = |share: f64| (3.0 * share.powi(2) - 1.0) * width / 6.0;
+        let values =
+            here * before + there * after + bend * third(before) + next_bend * third(after);
+        let slopes = (there - here) / width - bend * slope(before) + next_bend * slope(after);
+        let bends = bend * before + next_bend * after;
+        let accelerations = bends * speed.powi(2) + slopes * acceleration;
+        [values, slopes * speed, accelerations]
     }
 }
 
@@ -317,13 +269,12 @@ struct Profile {
 impl Profile {
     /// Plans the fastest motion along a path at rates of up to 1, with which the joints keep their limits where the
     /// path is straight.
-    fn over(path: &Spline, [_, accelerations, jerks]: &[Vec<f64>; 3]) -> Result<Profile, String> {
+    fn over(path: &Spline, [_, accelerations, jerks]: &[Row; 3]) -> Result<Profile, String> {
         let mut rates = MAX_RATES;
         for knot in &path.knots {
-            let [_, slopes, _] = path.at(*knot);
-            for (slope, limits) in slopes.iter().zip(accelerations.iter().zip(jerks)) {
-                rates[0] = rates[0].min(limits.0 / slope.abs());
-                rates[1] = rates[1].min(limits.1 / slope.abs());
+            let [_, slopes, _] = path.state([*knot, 1.0, 0.0]);
+            for (rate, limits) in rates.iter_mut().zip([accelerations, jerks]) {
+                *rate = rate.min(1.0 / least(&slopes, limits, 1));
             }
         }
         let mut input = InputParameter::<1>::new(None);
@@ -371,31 +322,16 @@ impl Profile {
 ///
 /// Differences over steps are means over time, so the waypoints keep a limit if the path does. The arm rests before and
 /// after.
-fn stretch(states: &[State], step_s: f64, caps: &[Vec<f64>; 3]) -> f64 {
-    let places = states.iter().map(|state| state[0].clone());
-    let [Some(first), Some(last)] = [states.first(), states.last()].map(|it| it.map(|it| &it[0]))
-    else {
-        return 1.0;
-    };
-    let rest = |place: &Vec<f64>| vec![place.clone(); caps.len()];
-    let places: Vec<Vec<f64>> = rest(first)
-        .into_iter()
-        .chain(places)
-        .chain(rest(last))
-        .collect();
+fn stretch(states: &[State], step_s: f64, caps: &[Row; 3]) -> f64 {
+    let at_rest = |state: Option<&State>| state.map(|state| [state[0]; 3]).into_iter().flatten();
+    let places = at_rest(states.first()).chain(states.iter().map(|state| state[0]));
+    let mut rows: Vec<Row> = places.chain(at_rest(states.last())).collect();
     let mut stretch = 1.0f64;
     for (order, caps) in (1..).zip(caps) {
-        let least = |value: f64, cap: f64| (value.abs() / cap).powf(1.0 / f64::from(order as u8));
-        for difference in differences(&places, order) {
-            for (value, cap) in difference.iter().zip(caps) {
-                stretch = stretch.max(least(value / step_s.powi(order as i32), *cap));
-            }
-        }
-        for state in states.iter().filter_map(|state| state.get(order)) {
-            for (value, cap) in state.iter().zip(caps) {
-                stretch = stretch.max(least(*value, *cap));
-            }
-        }
+        rows = between(&rows).iter().map(|row| row / step_s).collect();
+        let stated = states.iter().filter_map(|state| state.get(order));
+        let exceeded = stated.chain(&rows).map(|row| least(row, caps, order));
+        stretch = exceeded.fold(stretch, f64::max);
     }
     stretch
 }

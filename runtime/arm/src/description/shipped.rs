@@ -1,11 +1,10 @@
 //! The arms that are shipped: each is a URDF file, and what a section `[arm]` says beside it.
 //!
-//! In: a model's name. Out: its [`Chain`], or the names of the models.
+//! In: a model's name. Out: its [`Chain`].
 
 use super::ArmDescription;
 use crate::kinematics::chain::Chain;
 use crate::settings::declare;
-use fab_base::wording::quoted;
 use std::path::Path;
 
 /// The files of an arm.
@@ -35,38 +34,20 @@ const MODELS: [(&str, Files); 3] = [
     ("j2s6s200", SPHERICAL_WRIST),
 ];
 
-/// An unknown model.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{name}` is not a known model of an arm: {}", quoted(.available))]
-pub struct UnknownModel {
-    /// The requested name.
-    pub name: String,
-    /// The shipped models.
-    pub available: Vec<String>,
-}
-
 impl Chain {
     /// Returns the names of the shipped models.
-    pub fn models() -> Vec<String> {
-        MODELS
-            .iter()
-            .map(|(model, _)| (*model).to_owned())
-            .collect()
+    pub fn models() -> Vec<&'static str> {
+        MODELS.iter().map(|(model, _)| *model).collect()
     }
 
-    /// Returns the chain of a shipped model, e.g. `j2n6s200`.
-    pub fn of_model(name: &str) -> Result<Chain, UnknownModel> {
-        let unknown = || UnknownModel {
-            name: name.to_owned(),
-            available: Chain::models(),
-        };
-        let shipped = MODELS.iter().find(|(model, _)| *model == name);
-        let (_, files) = shipped.ok_or_else(unknown)?;
+    /// Returns the chain of a shipped model, e.g. `j2n6s200`; `None` if there is no such model.
+    pub fn of_model(name: &str) -> Option<Chain> {
+        let (_, files) = MODELS.iter().find(|(model, _)| *model == name)?;
         let [urdf, section] =
             [files.urdf, files.section].map(|text| text.replace(files.prefix, name));
         let section: ArmDescription =
             declare::read(&section).expect("a test reads every shipped section");
         let chain = section.chain_of(Path::new(&section.urdf), Ok(urdf));
-        Ok(chain.expect("a test builds every shipped arm"))
+        Some(chain.expect("a test builds every shipped arm"))
     }
 }

@@ -7,9 +7,16 @@ use crate::kinematics;
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 use roxmltree::{Document, Node};
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 /// The largest coordinate of a frame or a shape, metres.
 pub(super) const MAX_M: f64 = 10.0;
+
+/// The least length of a shape, metres.
+const MIN_M: f64 = 1e-9;
+
+/// Any finite number.
+const ANY: RangeInclusive<f64> = f64::NEG_INFINITY..=f64::INFINITY;
 
 /// The largest angle of a frame, radians.
 const MAX_RAD: f64 = 100.0;
@@ -110,6 +117,15 @@ pub(super) fn read(text: &str) -> Result<Robot, String> {
             _ => {}
         }
     }
+    for joint in &robot.joints {
+        let mut links = [&joint.parent, &joint.child].into_iter();
+        if let Some(link) = links.find(|link| !robot.links.contains_key(*link)) {
+            let name = &joint.name;
+            return Err(format!(
+                "the joint `{name}` names the link `{link}`, which is not there"
+            ));
+        }
+    }
     Ok(robot)
 }
 
@@ -137,26 +153,13 @@ fn read_shape(collision: &Node) -> Result<Shape, String> {
         .and_then(|geometry| geometry.children().find(Node::is_element))
         .ok_or_else(|| format!("{}: a `<collision>` has no shape", line(collision)))?;
     let length = |name: &str| {
-        let [length] = numbers(&geometry, name, attribute(&geometry, name)?)?;
-        if length <= 0.0 || length > MAX_M {
-            return Err(format!(
-                "{}: `{name}` is `{length}`; expected above 0 and at most {MAX_M} m",
-                line(&geometry)
-            ));
-        }
-        Ok(length)
+        let [length] = required(&geometry, name, MIN_M..=MAX_M)?;
+        Ok::<f64, String>(length)
     };
     let balls = |middles, radius_m| Shape::Balls { middles, radius_m };
     match geometry.tag_name().name() {
         "box" => {
-            let size = numbers::<3>(&geometry, "size", attribute(&geometry, "size")?)?;
-            if !size.iter().all(|it| (0.0..=MAX_M).contains(it)) {
-                return Err(format!(
-                    "{}: `size` is `{size:?}`; expected 0 to {MAX_M} m",
-                    line(&geometry)
-                ));
-            }
-            let half_m = Vector3::from(size) / 2.0;
+            let half_m = Vector3::from(required(&geometry, "size", 0.0..=MAX_M)?) / 2.0;
             let sign = |corner: u8, axis: u8| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
             let signs = (0..8).map(|it| Vector3::new(sign(it, 0), sign(it, 1), sign(it, 2)));
             let corners = signs.map(|signs| Point3::from(half_m.component_mul(&signs)));
@@ -170,10 +173,7 @@ fn read_shape(collision: &Node) -> Result<Shape, String> {
         "sphere" => Ok(balls(vec![Point3::origin()], length("radius")?)),
         "mesh" => Ok(Shape::Mesh {
             file: attribute(&geometry, "filename")?.to_owned(),
-            scale: match geometry.attribute("scale") {
-                Some(scale) => numbers(&geometry, "scale", scale)?.into(),
-                None => Vector3::repeat(1.0),
-            },
+            scale: numbers(&geometry, "scale", ANY)?.unwrap_or([1.0; 3]).into(),
         }),
         other => Err(format!(
             "{}: `<{other}>` is no shape; expected `box`, `cylinder`, `capsule`, `sphere` or `mesh`",
@@ -188,20 +188,17 @@ fn read_joint(node: &Node) -> Result<Joint, String> {
             .ok_or_else(|| format!("{}: a joint has no `<{name}>`", line(node)))?;
         Ok::<_, String>(attribute(&part, "link")?.to_owned())
     };
-    let axis = match child(node, "axis") {
-        Some(axis) => attribute(&axis, "xyz").and_then(|text| numbers(&axis, "xyz", text)),
-        // The format's default.
-        None => Ok([1.0, 0.0, 0.0]),
-    };
-    let axis = axis.and_then(|axis| {
+    let axis = child(node, "axis").map(|axis| required(&axis, "xyz", ANY));
+    // The format's default.
+    let axis = axis.unwrap_or(Ok([1.0, 0.0, 0.0])).and_then(|axis| {
         Unit::try_new(Vector3::from(axis), 1e-6)
             .ok_or_else(|| format!("{}: its axis has no direction", line(node)))
     });
     let (mut limits, mut max_speed) = (None, None);
     if let Some(limit) = child(node, "limit") {
-        let number = |name: &str| match limit.attribute(name) {
-            Some(text) => numbers(&limit, name, text).map(|[number]: [f64; 1]| Some(number)),
-            None => Ok(None),
+        let number = |name: &str| {
+            let number = numbers::<1>(&limit, name, ANY)?;
+            Ok::<_, String>(number.map(|[number]| number))
         };
         let (lower, upper) = (number("lower")?, number("upper")?);
         if lower.is_some() || upper.is_some() {
@@ -228,21 +225,9 @@ fn origin(node: &Node) -> Result<Isometry3<f64>, String> {
     let Some(origin) = child(node, "origin") else {
         return Ok(Isometry3::identity());
     };
-    let vector = |name: &str, most: f64, unit: &str| {
-        let Some(text) = origin.attribute(name) else {
-            return Ok([0.0; 3]);
-        };
-        let vector = numbers::<3>(&origin, name, text)?;
-        if vector.iter().any(|it| it.abs() > most) {
-            return Err(format!(
-                "{}: `{name}` is `{text}`; expected at most {most} {unit}",
-                line(&origin)
-            ));
-        }
-        Ok(vector)
-    };
-    let xyz_m = vector("xyz", MAX_M, "m")?;
-    let rpy_rad = vector("rpy", MAX_RAD, "rad")?;
+    let xyz_m = numbers(&origin, "xyz", -MAX_M..=MAX_M)?;
+    let rpy_rad = numbers(&origin, "rpy", -MAX_RAD..=MAX_RAD)?;
+    let (xyz_m, rpy_rad) = (xyz_m.unwrap_or_default(), rpy_rad.unwrap_or_default());
     Ok(kinematics::frame(xyz_m, rpy_rad))
 }
 
@@ -251,30 +236,47 @@ fn child<'a, 'i>(node: &Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
 }
 
 fn attribute<'a>(node: &Node<'a, '_>, name: &str) -> Result<&'a str, String> {
-    node.attribute(name).ok_or_else(|| {
-        format!(
-            "{}: `<{}>` has no `{name}`",
-            line(node),
-            node.tag_name().name()
-        )
-    })
+    node.attribute(name).ok_or_else(|| lacks(node, name))
 }
 
-/// Reads so many finite numbers.
-fn numbers<const N: usize>(node: &Node, name: &str, text: &str) -> Result<[f64; N], String> {
+fn lacks(node: &Node, name: &str) -> String {
+    let (line, element) = (line(node), node.tag_name().name());
+    format!("{line}: `<{element}>` has no `{name}`")
+}
+
+/// Reads so many finite numbers of an attribute that must be there.
+fn required<const N: usize>(
+    node: &Node,
+    name: &str,
+    range: RangeInclusive<f64>,
+) -> Result<[f64; N], String> {
+    let found = numbers(node, name, range)?;
+    found.ok_or_else(|| lacks(node, name))
+}
+
+/// Reads so many finite numbers of an attribute; `None` without it.
+fn numbers<const N: usize>(
+    node: &Node,
+    name: &str,
+    range: RangeInclusive<f64>,
+) -> Result<Option<[f64; N]>, String> {
+    let Some(text) = node.attribute(name) else {
+        return Ok(None);
+    };
     let found: Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
-    let found = found
-        .ok()
-        .and_then(|found| <[f64; N]>::try_from(found).ok());
-    let found = found.filter(|found| found.iter().all(|number| number.is_finite()));
-    found.ok_or_else(|| {
-        format!(
-            "{}: `{name}` is `{}`; expected {N} finite number{}",
+    let found = found.unwrap_or_default();
+    let are_numbers = found.iter().all(|it| it.is_finite() && range.contains(it));
+    match <[f64; N]>::try_from(found) {
+        Ok(found) if are_numbers => Ok(Some(found)),
+        _ => Err(format!(
+            "{}: `{name}` is `{}`; expected {N} finite number{} of {} to {}",
             line(node),
             text.chars().take(60).collect::<String>(),
-            if N == 1 { "" } else { "s" }
-        )
-    })
+            if N == 1 { "" } else { "s" },
+            range.start(),
+            range.end()
+        )),
+    }
 }
 
 fn line(node: &Node) -> String {

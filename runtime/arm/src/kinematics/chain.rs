@@ -14,9 +14,9 @@ pub const MIN_JOINTS: usize = 6;
 /// The most joints of a supported arm.
 pub const MAX_JOINTS: usize = 7;
 
-/// Joint angles inside of this module, radians: those beyond the chain's joints stay 0, so that chains of either length
+/// Joint angles inside of this crate, radians: those beyond the chain's joints stay 0, so that chains of either length
 /// need no heap.
-pub(super) type Angles = [f64; MAX_JOINTS];
+pub(crate) type Angles = [f64; MAX_JOINTS];
 
 /// A Jacobian inside of this module: the columns beyond the chain's joints stay 0.
 pub(super) type Jacobian = SMatrix<f64, 6, MAX_JOINTS>;
@@ -45,41 +45,15 @@ pub struct Joint {
 /// An arm from its base to its tool.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chain {
-    model: String,
-    names: Vec<String>,
-    joints: Vec<Joint>,
-    home: Angles,
-    last_from_tool: Isometry3<f64>,
-    pub(super) shapes: Vec<Capsule>,
+    pub(crate) model: String,
+    pub(crate) names: Vec<String>,
+    pub(crate) joints: Vec<Joint>,
+    pub(crate) home: Angles,
+    pub(crate) last_from_tool: Isometry3<f64>,
+    pub(crate) shapes: Vec<Capsule>,
 }
 
 impl Chain {
-    /// Makes the chain of an arm.
-    ///
-    /// - `home_rad`: one angle for each joint; missing ones are 0.
-    pub(crate) fn new(
-        model: &str,
-        names: Vec<String>,
-        joints: Vec<Joint>,
-        last_from_tool: Isometry3<f64>,
-        shapes: Vec<Capsule>,
-        home_rad: &[f64],
-    ) -> Chain {
-        debug_assert!((MIN_JOINTS..=MAX_JOINTS).contains(&joints.len()));
-        let mut home = Angles::default();
-        for (angle, home_rad) in home.iter_mut().zip(home_rad).take(joints.len()) {
-            *angle = *home_rad;
-        }
-        Chain {
-            model: model.to_owned(),
-            names,
-            joints,
-            home,
-            last_from_tool,
-            shapes,
-        }
-    }
-
     /// Returns the model's name.
     pub fn model(&self) -> &str {
         &self.model

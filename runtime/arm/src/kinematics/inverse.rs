@@ -76,7 +76,7 @@ impl Chain {
     }
 
     /// Returns whether a pose is farther from the shoulder than the stretched arm reaches, with all links in one line.
-    pub(super) fn is_beyond(&self, base_from_tool: &Isometry3<f64>) -> bool {
+    fn is_beyond(&self, base_from_tool: &Isometry3<f64>) -> bool {
         let links = self.links_at(&Angles::default());
         let links = &links[..self.joints().len()];
         let away_m = |from: &Isometry3<f64>, to: &Isometry3<f64>| {
@@ -127,23 +127,26 @@ impl Chain {
         let mut turned = *near;
         turned[self.last()] += self.last_joint_between(&self.tool_at(near), base_from_tool);
         let mut best = self.approach(base_from_tool, &turned);
-        if best.reached() || self.is_beyond(base_from_tool) {
-            return best;
-        }
-        for start in starts::towards(self, *base_from_tool).take(MAX_ATTEMPTS - 1) {
-            let attempt = self.approach(base_from_tool, &start);
-            if attempt.cost() < best.cost() {
-                best = attempt;
-            }
-            if best.reached() {
-                break;
+        let mut others = self.search(*base_from_tool).take(MAX_ATTEMPTS - 1);
+        while !best.reached()
+            && let Some(other) = others.next()
+        {
+            if other.cost() < best.cost() {
+                best = other;
             }
         }
         best
     }
 
+    /// Attempts a pose from one start after the other, the arm's home first; nothing for a pose that is too far away.
+    pub(super) fn search(&self, base_from_tool: Isometry3<f64>) -> impl Iterator<Item = Attempt> {
+        let is_near = !self.is_beyond(&base_from_tool);
+        let starts = starts::towards(self, base_from_tool).take_while(move |_| is_near);
+        starts.map(move |start| self.approach(&base_from_tool, &start))
+    }
+
     /// Steps from `start` towards a pose until it is reached or the step limit is.
-    pub(super) fn approach(&self, base_from_tool: &Isometry3<f64>, start: &Angles) -> Attempt {
+    fn approach(&self, base_from_tool: &Isometry3<f64>, start: &Angles) -> Attempt {
         let mut angles = self.within_limits(start);
         for _ in 0..MAX_STEPS {
             let (tool, jacobian) = self.motion_at(&angles);

@@ -9,7 +9,6 @@
 //! are not checked.
 
 use super::chain::{Angles, Chain};
-use super::starts;
 use super::tool_down::tool_down;
 use nalgebra::{Point3, Translation3};
 use std::collections::BTreeMap;
@@ -71,7 +70,6 @@ impl Reach {
     /// - `point`: the tool's target, base frame, metres.
     /// - `heights_above_m`: above the point, metres, none negative.
     pub fn check(&self, point: &Point3<f64>, heights_above_m: &[f64]) -> Result<Vec<f64>, String> {
-        let radius_m = point.x.hypot(point.y);
         let top_m = heights_above_m.iter().copied().fold(0.0, f64::max);
         let is_height = |height: &f64| (0.0..=MAX_M).contains(height);
         if !(point.iter().all(|coordinate| coordinate.abs() <= MAX_M)
@@ -88,7 +86,7 @@ impl Reach {
             }
             but = ", but not straight up from there";
         }
-        Err(self.refusal(radius_m, point.z, heights_above_m, but))
+        Err(self.refusal(point, but))
     }
 
     /// Returns the range reached at a height above the base, contiguous up to the farthest; `None` if nothing is
@@ -130,12 +128,10 @@ impl Reach {
     fn postures(&self, point: &Point3<f64>) -> impl Iterator<Item = Angles> {
         let (chain, height_m) = (&self.chain, point.z);
         let pose = tool_down(point, self.turn_rad);
-        let is_possible =
-            point.x.hypot(point.y) >= self.hand_off_base_m() && !chain.is_beyond(&pose);
-        let n_starts = if is_possible { SEARCHES } else { 0 };
-        let starts = starts::towards(chain, pose).take(n_starts);
-        starts.filter_map(move |start| {
-            let attempt = chain.approach(&pose, &start);
+        let is_off_base = point.x.hypot(point.y) >= self.hand_off_base_m();
+        let attempts = chain.search(pose).take(SEARCHES);
+        let attempts = attempts.take_while(move |_| is_off_base);
+        attempts.filter_map(move |attempt| {
             let angles = chain.turns_nearest(&attempt.angles, chain.home());
             (attempt.reached() && self.is_elbow_over(&angles, height_m)).then_some(angles)
         })
@@ -163,7 +159,7 @@ impl Reach {
         let target = tool_down(point, self.turn_rad);
         let top = Translation3::new(0.0, 0.0, top_m) * target;
         let near = self.chain.of_joints(posture);
-        let way = self.chain.straight(&target, &top, &near, STEP_M).ok()?;
+        let way = self.chain.straight(&near, &top, STEP_M).ok()?;
         let over_table = |joints: &Vec<f64>| {
             let angles = self.chain.angles(joints);
             angles.is_ok_and(|angles| self.is_elbow_over(&angles, point.z))
@@ -174,28 +170,20 @@ impl Reach {
         way.into_iter().next()
     }
 
-    /// Words the refusal of a point, for the first height at which it is out of range; else with a reason.
-    fn refusal(&self, radius_m: f64, height_m: f64, heights_above_m: &[f64], but: &str) -> String {
-        let mut above_m: Vec<f64> = [0.0].iter().chain(heights_above_m).copied().collect();
-        above_m.sort_by(f64::total_cmp);
-        let is_out = |above_m: &f64| {
-            let range = self.range(height_m + above_m);
-            !range.is_some_and(|it| (it.nearest_m..=it.farthest_m).contains(&radius_m))
+    /// Words the refusal of a point by the range at its height; within that, with a reason.
+    fn refusal(&self, point: &Point3<f64>, but: &str) -> String {
+        let (radius_m, range) = (point.x.hypot(point.y), self.range(point.z));
+        let reached = match range {
+            None => "nothing".to_owned(),
+            Some(Range {
+                nearest_m,
+                farthest_m,
+            }) => {
+                let is_within = (nearest_m..=farthest_m).contains(&radius_m);
+                let but = if is_within { but } else { "" };
+                format!("{nearest_m:.2} to {farthest_m:.2} m{but}")
+            }
         };
-        let (above_m, but) = match above_m.into_iter().find(is_out) {
-            Some(above_m) => (above_m, ""),
-            None => (0.0, but),
-        };
-        let range = self.range(height_m + above_m);
-        let height = match (above_m > 0.0, range) {
-            (true, _) => format!("{above_m:.2} m above the point"),
-            (false, Some(_)) => "at this height".to_owned(),
-            (false, None) => "at this height, pointing down,".to_owned(),
-        };
-        let reached = range.map_or_else(
-            || "nothing".to_owned(),
-            |it| format!("{:.2} to {:.2} m{but}", it.nearest_m, it.farthest_m),
-        );
-        format!("{radius_m:.2} m from the arm's base; {height} it reaches {reached}")
+        format!("{radius_m:.2} m from the arm's base; at this height it reaches {reached}")
     }
 }

@@ -4,35 +4,30 @@
 //! They contain the link, the hand and the fingers in every opening. Links that no joint moves are left out.
 
 use super::chain::Chain;
-use nalgebra::{Matrix2, Point3, Vector2, Vector3};
+use nalgebra::{Isometry3, Matrix2, Point3, Vector2, Vector3};
 
-/// A ball swept along a straight line, in the frame of a link.
+/// A ball swept along a straight line, in the frame of a link or in the base frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Capsule {
     /// The link: an index into [`Chain::frames`]. The last is the hand, in the tool's frame.
     pub link: usize,
-    /// One end of the line, metres, in the link's frame.
-    pub from: Point3<f64>,
-    /// The other.
-    pub to: Point3<f64>,
+    /// The ends of the line, metres.
+    pub ends: [Point3<f64>; 2],
     /// Radius of the ball, metres.
     pub radius_m: f64,
     /// Whether it was laid around a mesh, which may be much narrower.
     pub is_around_mesh: bool,
 }
 
-/// A capsule at an arm's angles.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlacedCapsule {
-    /// The link, as in [`Capsule`].
-    pub link: usize,
-    /// The ends of the line, metres, base frame.
-    pub ends: [Point3<f64>; 2],
-    /// Radius of the ball, metres.
-    pub radius_m: f64,
-}
+impl Capsule {
+    /// Returns it with its frame at a place.
+    pub fn at(&self, frame: &Isometry3<f64>) -> Capsule {
+        Capsule {
+            ends: self.ends.map(|end| frame * end),
+            ..*self
+        }
+    }
 
-impl PlacedCapsule {
     /// Returns the distance to a box along the axes, metres; 0 or less if they overlap.
     ///
     /// - `min_m`, `max_m`: its corners, base frame.
@@ -63,7 +58,7 @@ impl PlacedCapsule {
     }
 
     /// Returns the distance to another capsule, metres; 0 or less if they overlap.
-    pub fn gap_m(&self, other: &PlacedCapsule) -> f64 {
+    pub fn gap_m(&self, other: &Capsule) -> f64 {
         let [one, two] = [self, other].map(|it| it.ends[1] - it.ends[0]);
         let between = other.ends[0] - self.ends[0];
         // Either an end is nearest, or the shortest way is at right angles to both lines.
@@ -99,13 +94,9 @@ impl Chain {
     /// Returns these shapes at joint angles, in the base frame.
     ///
     /// - `joints_rad`: one for each joint, from the base; limits are not checked.
-    pub fn placed_shapes(&self, joints_rad: &[f64]) -> Result<Vec<PlacedCapsule>, String> {
+    pub fn placed_shapes(&self, joints_rad: &[f64]) -> Result<Vec<Capsule>, String> {
         let frames = self.frames(joints_rad)?;
-        let placed = |shape: &Capsule| PlacedCapsule {
-            link: shape.link,
-            ends: [&shape.from, &shape.to].map(|end| frames[shape.link] * end),
-            radius_m: shape.radius_m,
-        };
-        Ok(self.shapes.iter().map(placed).collect())
+        let shapes = self.shapes.iter();
+        Ok(shapes.map(|shape| shape.at(&frames[shape.link])).collect())
     }
 }

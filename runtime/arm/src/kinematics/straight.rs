@@ -1,7 +1,6 @@
 //! Joint angles along a straight path of the tool.
 //!
-//! In: two poses, and the arm's current angles. Out: angles at points on the line between them. Each is solved from the
-//! angles before it, so the arm keeps its posture; otherwise where on the line that fails, and why.
+//! In: the arm's angles, and a pose. Out: angles at points on the line to it. Each is solved from the angles before it, so the arm keeps its posture; otherwise where on the line that fails, and why.
 
 use super::chain::{Angles, Chain};
 use super::inverse::{NO_POSE, is_pose};
@@ -18,33 +17,31 @@ const MAX_TURN_RAD: f64 = 5.0 * std::f64::consts::PI / 180.0;
 const MAX_POINTS: f64 = 2000.0;
 
 impl Chain {
-    /// Returns joint angles along the straight line between two poses of the tool, both ends included; the error says how
-    /// far along it and why it ends.
+    /// Returns joint angles along the straight line of the tool to a pose, both ends included; the error says how far along
+    /// it and why it ends.
     ///
     /// The tool rotates evenly from one pose to the other, the shorter way. Between two points, if the joints move
     /// evenly, the tool leaves the line by less than 0.3 mm when `step_m` is 0.01 and the line stays 0.2 m off the
     /// base's axis.
     ///
-    /// - `from`, `to`: `base_from_tool` at the ends.
-    /// - `near_rad`: the arm's current angles; the first point is solved from there.
+    /// - `from_rad`: the arm's angles, which are the first point.
+    /// - `to`: `base_from_tool` at the end.
     /// - `step_m`: the largest distance between two points, metres, above 0; a rotation is divided into steps of 5
     ///   degrees.
     pub fn straight(
         &self,
-        from: &Isometry3<f64>,
+        from_rad: &[f64],
         to: &Isometry3<f64>,
-        near_rad: &[f64],
         step_m: f64,
     ) -> Result<Vec<Vec<f64>>, String> {
         let refused = |after_m: f64, why: &str| {
             format!("after `{after_m:.3}` m along the straight path {why}")
         };
-        let first = self.solve(from, near_rad);
-        let first = first.map_err(|why| refused(0.0, &why))?;
         if !is_pose(to) {
             return Err(refused(0.0, NO_POSE));
         }
-        let mut last = self.angles(&first).map_err(|why| refused(0.0, &why))?;
+        let mut last = self.angles(from_rad).map_err(|why| refused(0.0, &why))?;
+        let from = &self.tool_at(&last);
         let way_m = (to.translation.vector - from.translation.vector).norm();
         let turn_rad = from.rotation.angle_to(&to.rotation);
         let points = (way_m / step_m).max(turn_rad / MAX_TURN_RAD).ceil();
@@ -53,7 +50,7 @@ impl Chain {
                 "a path of `{way_m}` m cannot be divided into steps of `{step_m}` m: at most {MAX_POINTS} steps"
             ));
         }
-        let mut way = vec![first];
+        let mut way = vec![from_rad.to_vec()];
         let mut before = last;
         for point in 1..=points as usize {
             let part = point as f64 / points;
@@ -61,21 +58,12 @@ impl Chain {
             let pose = between(from, to, part);
             // Extrapolating leads past postures in which the wrist folds flat and a second family of postures begins.
             let ahead = std::array::from_fn(|index| 2.0 * last[index] - before[index]);
-            let angles = match self.next(&pose, &ahead) {
-                Ok(angles) if jump(&angles, &last).is_none() => angles,
-                _ => {
-                    let next = self.next(&pose, &last);
-                    next.map_err(|why| refused(after_m, &why))?
-                }
+            let step = |start: &Angles| {
+                let angles = self.next(&pose, start)?;
+                no_jump(&angles, &last).map(|()| angles)
             };
-            if let Some((joint, jump_rad)) = jump(&angles, &last) {
-                let why = format!(
-                    "joint `{joint}` would turn by `{:.0}` degrees in one step, and at most `{:.0}` are allowed",
-                    jump_rad.to_degrees(),
-                    MAX_JUMP_RAD.to_degrees()
-                );
-                return Err(refused(after_m, &why));
-            }
+            let angles = step(&ahead).or_else(|_| step(&last));
+            let angles = angles.map_err(|why| refused(after_m, &why))?;
             (before, last) = (last, angles);
             way.push(self.of_joints(&angles));
         }
@@ -83,20 +71,28 @@ impl Chain {
     }
 }
 
-/// Returns the first joint, from 1 at the base, that turns too far, and how far.
-fn jump(angles: &Angles, before: &Angles) -> Option<(usize, f64)> {
+/// Fails with the first joint, from 1 at the base, that turns too far in one step.
+fn no_jump(angles: &Angles, before: &Angles) -> Result<(), String> {
     let turned = angles
         .iter()
         .zip(before)
         .map(|(angle, before)| (angle - before).abs());
-    turned
+    match turned
         .enumerate()
         .find(|(_, turned)| *turned > MAX_JUMP_RAD)
-        .map(|(index, turned)| (index + 1, turned))
+    {
+        None => Ok(()),
+        Some((index, turned)) => Err(format!(
+            "joint `{}` would turn by `{:.0}` degrees in one step, and at most `{:.0}` are allowed",
+            index + 1,
+            turned.to_degrees(),
+            MAX_JUMP_RAD.to_degrees()
+        )),
+    }
 }
 
 /// Interpolates between two poses, at a fraction from 0 to 1.
-fn between(from: &Isometry3<f64>, to: &Isometry3<f64>, part: f64) -> Isometry3<f64> {
+pub(crate) fn between(from: &Isometry3<f64>, to: &Isometry3<f64>, part: f64) -> Isometry3<f64> {
     let place = from.translation.vector.lerp(&to.translation.vector, part);
     // Half a turn has no shorter direction; any will do.
     let turned = from.rotation.try_slerp(&to.rotation, part, 1e-9);

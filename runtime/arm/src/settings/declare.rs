@@ -4,8 +4,8 @@
 //! every value accepted, with the defaults filled in; else all faults. A test prints `docs/arm-settings.md` from the same
 //! declarations. What one key requires of another is left to `check`.
 
+use fab_base::wording::quoted;
 use fab_program::nearest::nearest;
-use std::fmt::Write as _;
 use std::path::PathBuf;
 use toml::{Table, Value};
 
@@ -39,8 +39,8 @@ macro_rules! section {
                 Accepts::Section(vec![$(
                     Key::of::<$type>(
                         stringify!($key),
-                        [None $(, Some(stringify!($default)))?].last().copied().flatten(),
-                        [$crate::settings::declare::ANY $(, $values)?].last().copied(),
+                        &[$(stringify!($default))?],
+                        &[$($values)?],
                         &[$($why),+],
                     )
                 ),*])
@@ -63,28 +63,14 @@ macro_rules! named_settings {
 }
 pub(crate) use named_settings;
 
-/// How the name of a key ends, and the unit of its numbers; the first one that fits.
-const UNITS: &[(&str, &str)] = &[
-    ("_deg_s3", "deg/s³"),
-    ("_deg_s2", "deg/s²"),
-    ("_deg_s", "deg/s"),
-    ("_m_s", "m/s"),
-    ("_deg", "deg"),
-    ("_px", "px"),
-    ("_s", "s"),
-    ("_m", "m"),
-    ("fingers.open", "in the node's units"),
-    ("fingers.closed", "in the node's units"),
-    ("fingers.cloth", "in the node's units"),
-    ("fingers.tolerance", "in the node's units"),
-    ("ros2.gripper_effort", "in the gripper's units"),
-];
-
 /// A key of a section.
 pub(crate) struct Key {
     name: &'static str,
     accepts: Accepts,
-    absent: Absent,
+    /// Its value if it is absent, as TOML.
+    default: Option<&'static str>,
+    /// Whether it may be absent without a default.
+    is_optional: bool,
     why: String,
 }
 
@@ -101,23 +87,13 @@ pub(crate) enum Accepts {
     Section(Vec<Key>),
 }
 
-/// Values of a type that are accepted.
+/// Values of a type that are accepted: numbers of a range with both ends, or texts.
 #[derive(Clone, Copy)]
 pub(crate) struct Values {
     least: f64,
     most: f64,
-    /// Whether the least is included; the largest is.
-    is_closed: bool,
     /// How a text begins.
     begins: &'static str,
-}
-
-/// What applies if a key is absent.
-enum Absent {
-    Refused,
-    Nothing,
-    /// This value, as TOML.
-    Is(&'static str),
 }
 
 /// Every value of a type.
@@ -134,16 +110,7 @@ pub(crate) const fn from(least: f64, most: f64) -> Values {
     Values {
         least,
         most,
-        is_closed: true,
         begins: "",
-    }
-}
-
-/// Numbers above one, up to another.
-pub(crate) const fn above(least: f64, most: f64) -> Values {
-    Values {
-        is_closed: false,
-        ..from(least, most)
     }
 }
 
@@ -201,117 +168,63 @@ plain_settings! {
 
 /// Reads a section, and checks every key of it by its declaration; fails with all faults, one per line.
 pub(crate) fn read<T: Setting + serde::de::DeserializeOwned>(text: &str) -> Result<T, String> {
-    let mut document: Table = toml::from_str(text).map_err(|error| error.to_string())?;
-    let Accepts::Section(keys) = T::accepts(ANY) else {
-        return Err("a text is not a section".to_owned());
-    };
-    let mut check = Check {
-        paths: paths(&keys, ""),
-        faults: Vec::new(),
-    };
-    check.section(&mut document, &keys, "");
-    if !check.faults.is_empty() {
-        return Err(check.faults.join("\n"));
+    let document: Table = toml::from_str(text).map_err(|error| error.to_string())?;
+    let mut document = Value::Table(document);
+    let mut faults = Vec::new();
+    check(&mut document, &T::accepts(ANY), "", "", &mut faults);
+    if !faults.is_empty() {
+        return Err(faults.join("\n"));
     }
     document
         .try_into()
         .map_err(|error: toml::de::Error| error.to_string())
 }
 
-/// Returns the whole names of keys and of those in them.
-fn paths(keys: &[Key], prefix: &str) -> Vec<String> {
-    let with_inner = |key: &Key| {
-        let path = format!("{prefix}{}", key.name);
-        let inner = key.accepts.keys();
-        let inner = inner.map_or_else(Vec::new, |keys| paths(keys, &format!("{path}.")));
-        [vec![path], inner].concat()
-    };
-    keys.iter().flat_map(with_inner).collect()
-}
-
-/// A check of a document.
-struct Check {
-    /// The names of all keys.
-    paths: Vec<String>,
-    faults: Vec<String>,
-}
-
-impl Check {
-    /// Checks the keys of a section, and fills in defaults.
-    ///
-    /// - `prefix`: its name with a dot, or nothing.
-    fn section(&mut self, table: &mut Table, keys: &[Key], prefix: &str) {
-        let is_known = |name: &str| keys.iter().any(|key| key.name == name);
-        for unknown in table.keys().filter(|name| !is_known(name)) {
-            let fault = self.unknown_key(unknown, keys, prefix);
-            self.faults.push(fault);
-        }
-        for key in keys {
-            let full = format!("{prefix}{}", key.name);
-            if let (Accepts::Section(_), Absent::Refused) = (&key.accepts, &key.absent) {
-                // Its keys say whether they may be absent.
-                table.entry(key.name).or_insert(Value::Table(Table::new()));
+/// Checks a value and what is in it, and fills in defaults.
+///
+/// - `full`: the whole name of its key; `why`: the key's reason.
+fn check(value: &mut Value, accepts: &Accepts, full: &str, why: &str, faults: &mut Vec<String>) {
+    match (value, accepts) {
+        (Value::Table(table), Accepts::Section(keys)) => {
+            let of = |name: &str| format!("{full}.{name}").trim_matches('.').to_owned();
+            let is_known = |name: &str| keys.iter().any(|key| key.name == name);
+            for unknown in table.keys().filter(|name| !is_known(name)) {
+                let names = || keys.iter().map(|key| key.name);
+                let instead = nearest(unknown, names()).map_or_else(
+                    || format!("here may stand {}", quoted(names())),
+                    |near| format!("did you mean `{}`?", of(near)),
+                );
+                faults.push(format!("`{}` is not a setting; {instead}", of(unknown)));
             }
-            match (table.get_mut(key.name), &key.absent) {
-                (Some(value), _) => self.value(value, key, &key.accepts, &full),
-                (None, Absent::Refused) => {
-                    let why = lowered(&key.why);
-                    self.faults.push(format!("`{full}` is missing: {why}"));
+            for key in keys {
+                let (full, why) = (of(key.name), &key.why);
+                if !table.contains_key(key.name)
+                    && let Some(default) = key.default_value()
+                {
+                    table.insert(key.name.to_owned(), default);
+                    // A test accepts the defaults of keys without inner ones.
+                    if key.accepts.keys().is_none() {
+                        continue;
+                    }
                 }
-                (None, Absent::Nothing) => {}
-                (None, Absent::Is(default)) => {
-                    table.insert(key.name.to_owned(), value_of(default));
+                match table.get_mut(key.name) {
+                    Some(value) => check(value, &key.accepts, &full, why, faults),
+                    None if key.is_optional => {}
+                    None => faults.push(format!("`{full}` is missing: {}", lowered(why))),
                 }
             }
         }
-    }
-
-    /// Checks a value, and what is in it.
-    fn value(&mut self, value: &mut Value, key: &Key, accepts: &Accepts, full: &str) {
-        match (value, accepts) {
-            (Value::Table(inner), Accepts::Section(keys)) => {
-                self.section(inner, keys, &format!("{full}."));
-            }
-            (Value::Array(all), Accepts::List(None, one)) if one.keys().is_some() => {
-                for (index, value) in all.iter_mut().enumerate() {
-                    self.value(value, key, one, &format!("{full}[{index}]"));
-                }
-            }
-            (value, accepts) if !accepts.takes(value) => {
-                let expected = accepts.expected(unit(full));
-                let why = lowered(&key.why);
-                self.faults
-                    .push(format!("`{full}` is `{value}`; expected {expected}: {why}"));
-            }
-            _ => {}
-        }
-    }
-
-    /// Words the fault of an unknown key, with the name that was probably meant.
-    fn unknown_key(&self, found: &str, keys: &[Key], prefix: &str) -> String {
-        let here = || keys.iter().map(|key| key.name);
-        let is_meant = |path: &&String| path.rsplit('.').next() == Some(found);
-        let elsewhere = self.paths.iter().find(is_meant).cloned();
-        let near = || nearest(found, here()).map(|name| format!("{prefix}{name}"));
-        let mut text = format!("`{prefix}{found}` is not a setting");
-        match elsewhere.or_else(near) {
-            Some(meant) => _ = write!(text, "; did you mean `{meant}`?"),
-            None => {
-                _ = write!(
-                    text,
-                    "; here may stand {}",
-                    fab_base::wording::quoted(here())
-                )
+        (Value::Array(all), Accepts::List(None, one)) if one.keys().is_some() => {
+            for (index, value) in all.iter_mut().enumerate() {
+                check(value, one, &format!("{full}[{index}]"), why, faults);
             }
         }
-        text
+        (value, accepts) if !accepts.takes(value) => {
+            let (expected, why) = (accepts.expected(), lowered(why));
+            faults.push(format!("`{full}` is `{value}`; expected {expected}: {why}"));
+        }
+        _ => {}
     }
-}
-
-fn value_of(default: &str) -> Value {
-    let mut table: Table =
-        toml::from_str(&format!("it = {default}")).expect("a test reads every default");
-    table.remove("it").expect("it stands there")
 }
 
 /// Returns a sentence as a part of another.
@@ -321,16 +234,9 @@ fn lowered(sentence: &str) -> String {
     first.chain(letters.as_str().chars()).collect()
 }
 
-/// Returns the unit of a key's numbers, after a blank; empty for none.
-fn unit(full: &str) -> String {
-    let unit = UNITS.iter().find(|(end, _)| full.ends_with(end));
-    unit.map_or_else(String::new, |(_, unit)| format!(" {unit}"))
-}
-
 impl Values {
     fn holds(self, number: f64) -> bool {
-        // NaN must be refused.
-        (self.least < number || self.is_closed && self.least == number) && number <= self.most
+        (self.least..=self.most).contains(&number)
     }
 }
 
@@ -361,16 +267,9 @@ impl Accepts {
         }
     }
 
-    /// Words the values that are accepted.
-    fn expected(&self, unit: String) -> String {
-        let range = |values: &Values| {
-            let Values { least, most, .. } = values;
-            if values.is_closed {
-                format!("{least} to {most}{unit}")
-            } else {
-                format!("above {least} and at most {most}{unit}")
-            }
-        };
+    /// Words the values that are accepted. The unit of a number is in its key's name.
+    fn expected(&self) -> String {
+        let range = |values: &Values| format!("{} to {}", values.least, values.most);
         match self {
             Accepts::Text("") => "a text".to_owned(),
             Accepts::Text(begins) => format!("a text that begins with `{begins}`"),
@@ -394,25 +293,30 @@ impl Accepts {
 impl Key {
     /// Makes the key of a field.
     ///
-    /// - `why`: the lines of its comment.
+    /// - `default`, `values`: one or none; `why`: the lines of its comment.
     pub(crate) fn of<T: Setting>(
         name: &'static str,
-        default: Option<&'static str>,
-        values: Option<Values>,
+        default: &[&'static str],
+        values: &[Values],
         why: &[&str],
     ) -> Key {
-        let absent = match default {
-            Some(default) => Absent::Is(default),
-            None if T::IS_OPTIONAL => Absent::Nothing,
-            None => Absent::Refused,
-        };
-        let why: Vec<&str> = why.iter().map(|line| line.trim()).collect();
         Key {
             name,
-            accepts: T::accepts(values.unwrap_or(ANY)),
-            absent,
-            why: why.join(" "),
+            accepts: T::accepts(values.first().copied().unwrap_or(ANY)),
+            default: default.first().copied(),
+            is_optional: T::IS_OPTIONAL,
+            why: why.concat().trim().to_owned(),
         }
+    }
+
+    /// Returns the value of an absent key. A section has one: its keys say whether they may be absent.
+    fn default_value(&self) -> Option<Value> {
+        let empty = match self.accepts {
+            Accepts::Section(_) if !self.is_optional => Some("{}"),
+            _ => self.default,
+        };
+        let mut table: Table = toml::from_str(&format!("it = {}", empty?)).ok()?;
+        table.remove("it")
     }
 }
 

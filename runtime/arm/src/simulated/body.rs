@@ -116,7 +116,7 @@ impl Body {
             false => self.joints_rad.clone(),
         };
         let from = self.tool_at(&begin);
-        let path = self.chain().straight(&from, to, &begin, STEP_M);
+        let path = self.chain().straight(&begin, to, STEP_M);
         let path = path.map_err(|why| why.to_string())?;
         let way_m = (to.translation.vector - from.translation.vector).norm();
         let limits = &self.simulation.joint_limits;

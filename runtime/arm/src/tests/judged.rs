@@ -178,6 +178,7 @@ fn judged_plan(settings: &Settings, height: [f64; 3], points: [Point3<f64>; 2]) 
     let Route {
         segments,
         after_missed_grasp,
+        ..
     } = route.get();
     let grasp = segments
         .iter()

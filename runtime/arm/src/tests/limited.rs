@@ -4,6 +4,7 @@ use super::*;
 use crate::driver::Opening;
 use crate::kinematics::reach::Reach;
 use crate::kinematics::tool_down::tool_down;
+use crate::route::Act;
 use crate::settings::KeepOut;
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 
@@ -44,7 +45,7 @@ fn the_hand_is_kept_away_and_not_only_its_middle() {
         ([0.40, 0.15, 0.33], [0.70, 0.15, 0.33]), // over it, the middle at 30 mm
     ] {
         let why = allowed(from, to).unwrap_err();
-        assert!(why.contains("the hand would come within"), "{why}");
+        assert!(why.contains("the hand would be within"), "{why}");
         assert!(why.contains("`lamp`"), "{why}");
     }
 }
@@ -252,11 +253,38 @@ fn parts_of_the_arm_that_touch_stop_it_and_those_that_always_do_are_named() {
         joints_rad: reach.check(&near, &[]).unwrap(),
         ..at(tool_down(&near, 0.0))
     };
-    let parts = "the arm behind joint 2 touches the arm behind joint 4";
+    let parts = "the arm behind joint 2 is within 0 mm of the arm behind joint 4";
     let why = guard.measured(&folded).unwrap_err();
     assert!(why.starts_with(parts), "{why}");
     let over = down([0.19, 0.0, 0.1]);
     let why = guard.motion(&folded, &over, SPEED_M_S).unwrap_err();
-    let parts = "the arm behind joint 2 would come within 0 mm of the arm behind joint 4";
+    let parts = "the arm behind joint 2 would be within 0 mm of the arm behind joint 4";
     assert_eq!(why, parts);
+}
+
+/// An arm that comes to rest where it was sent makes the planned motions; one that does not gets others.
+#[test]
+fn what_was_checked_is_what_is_sent() {
+    for (by, repeatability_m, are_sent) in
+        [(By::Trajectories, 0.001, true), (By::Poses, 0.02, false)]
+    {
+        let mut bench = Bench::driven(by, &[]);
+        let simulation = Simulation {
+            repeatability_m,
+            ..Simulation::of(&bench.settings).unwrap()
+        };
+        let arm = by.drive(Faulty::new(simulation, None, Vec::new()), &bench.settings);
+        bench.arm = Limited::new(Box::new(arm), guard(&bench.settings));
+        let (here, route) = (bench.driver().state().unwrap(), bench.route());
+        let route = guard(&bench.settings).route(&here, route).1.unwrap();
+        bench.arm.plan(&route.get().motions);
+        let mut left = route.get().motions.len();
+        for segment in &route.get().segments {
+            if let Act::Move(to) = segment.act {
+                _ = bench.arm.move_tool(&to, segment.speed_m_s, &mut nobody);
+                left -= 1;
+            }
+        }
+        assert_eq!(bench.arm.planned.len() == left, are_sent);
+    }
 }

@@ -210,7 +210,7 @@ impl Bench {
     ) -> Result<CompletedAction, FailedAction> {
         let route = self.route();
         let here = self.driver().state().unwrap();
-        let route = guard(&self.settings).route(&here, route).route.unwrap();
+        let route = guard(&self.settings).route(&here, route).1.unwrap();
         let execution = &mut Execution {
             arm: &mut self.arm,
             log,

@@ -181,10 +181,9 @@ fn walk_plans(plans: u64) {
         asked += 1;
         let pick = |chance: &mut Chance, values: [f64; 4]| values[chance.below(4)];
         let motion = format!(
-            "[motion]\nspeed_m_s = {}\nacceleration_deg_s2 = {}\njerk_deg_s3 = {}\n",
+            "[motion]\nspeed_m_s = {}\nacceleration_deg_s2 = {}\n",
             pick(&mut chance, [0.02, 0.1, 0.1, 0.2]),
             pick(&mut chance, [20.0, 60.0, 60.0, 500.0]),
-            pick(&mut chance, [200.0, 600.0, 600.0, 20_000.0]),
         );
         let driver = drivers[chance.below(drivers.len())];
         let ros = match driver {
@@ -264,10 +263,11 @@ fn a_trajectory_begins_where_the_joints_are_or_not_at_all() {
         };
         let mut arm = By::Trajectories.drive(tapped, &settings);
         let state = arm.state().unwrap();
-        let motion = guard(&settings).motion(&state, &there, SPEED_M_S).unwrap();
-        let first = &motion.get().waypoints[0].joints_rad;
-        let begins = (first[0] - state.joints_rad[0]).abs() < 1e-9;
-        assert_eq!(begins, is_sent, "{off_rad}");
+        let motion = guard(&settings).motion(&state, &there, SPEED_M_S);
+        assert_eq!(motion.is_ok(), is_sent, "{off_rad}");
+        if let Ok(motion) = motion {
+            assert_eq!(motion.get().waypoints[0].joints_rad, state.joints_rad);
+        }
         let moved = go_to(&mut arm, &settings, &there, SPEED_M_S, &mut nobody);
         match is_sent {
             true => drop(moved.unwrap()),
@@ -275,7 +275,7 @@ fn a_trajectory_begins_where_the_joints_are_or_not_at_all() {
                 let Err(ArmError::Refused(why)) = moved else {
                     panic!("{moved:?}");
                 };
-                assert!(why.contains("the arm reports joint 1 at"), "{why}");
+                assert!(why.contains("the readings do not fit"), "{why}");
                 assert!(arm.port().moved_s.is_none());
             }
         }

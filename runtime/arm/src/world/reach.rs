@@ -40,14 +40,16 @@ impl ArmReach {
         let at = base_point(settings, surface, point);
         let motion = &settings.motion;
         let top_m = (route::travel_height_m(settings, surface, &at) - at.z).max(0.0);
+        let low_m = motion.grasp_m.min(motion.release_m);
         let heights = [motion.pre_pick_m, motion.lift_m, motion.retreat_m, top_m];
+        let heights = heights.map(|above_m| (above_m - low_m).max(0.0));
         let margin_m = settings.tolerance.position_m;
         // Near the rim, an arm that is off by its tolerance finds no path to the point.
         let radius_m = at.x.hypot(at.y).max(f64::MIN_POSITIVE);
         let mut joints_rad = Vec::new();
         for by_m in [margin_m, -margin_m, 0.0] {
             let share = 1.0 + by_m / radius_m;
-            let near = Point3::new(at.x * share, at.y * share, at.z);
+            let near = Point3::new(at.x * share, at.y * share, at.z + low_m);
             match self.reach.check(&near, &heights) {
                 Ok(found_rad) => joints_rad = found_rad,
                 Err(why) => return Some(format!("it lies {why}")),
@@ -55,7 +57,7 @@ impl ArmReach {
         }
         let turn_rad = motion.hand_turn_deg.to_radians();
         let over = |above_m: f64| Point3::new(at.x, at.y, at.z + above_m);
-        let low = over(motion.grasp_m.min(motion.release_m));
+        let low = over(low_m);
         if let Err(why) = self.guard.goal(&low) {
             return Some(why);
         }

@@ -91,7 +91,7 @@ proptest! {
         let finger = Point3::new(0.0075 * x, 0.005 * y + slide, 0.035 * z - 0.03);
         for point in [palm, finger] {
             let hand = SEVEN.chain().shapes().iter().filter(|shape| shape.link == 7);
-            let outside = hand.map(|it| outside_m(&point, (it.from, it.to, it.radius_m)));
+            let outside = hand.map(|it| outside_m(&point, (it.ends[0], it.ends[1], it.radius_m)));
             let outside_m = outside.fold(f64::INFINITY, f64::min);
             prop_assert!(outside_m <= 1e-6, "{point} is {outside_m} m outside");
         }
@@ -106,7 +106,7 @@ proptest! {
         let to = Point3::new(radius * azimuth.cos(), radius * azimuth.sin(), height);
         let start = Reach::tool_down(chain, 0.0).check(&from, &[]).unwrap();
         let [from, to] = [from, to].map(|point| tool_down(&point, 0.0));
-        let way = chain.straight(&from, &to, &start, 0.01).unwrap();
+        let way = chain.straight(&start, &to, 0.01).unwrap();
         let along = to.translation.vector - from.translation.vector;
         for joints in &way {
             let tool = chain.base_from_tool(joints).unwrap();

@@ -194,6 +194,7 @@ impl Arm {
             let Route {
                 segments,
                 after_missed_grasp,
+                ..
             } = route.get();
             let grasp = segments
                 .iter()

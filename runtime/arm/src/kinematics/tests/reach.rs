@@ -139,12 +139,12 @@ fn a_refusal_says_how_far_and_what_is_reached() {
     let above = said(at(0.69, 1.0, 0.0), &[0.005, 0.3]);
     assert_eq!(
         above,
-        "0.69 m from the arm's base; 0.30 m above the point it reaches 0.12 to 0.67 m"
+        "0.69 m from the arm's base; at this height it reaches 0.18 to 0.70 m, but not straight up from there"
     );
     let never = said(at(0.3, 1.0, 1.3), &[]);
     assert_eq!(
         never,
-        "0.30 m from the arm's base; at this height, pointing down, it reaches nothing"
+        "0.30 m from the arm's base; at this height it reaches nothing"
     );
     let nowhere = said(Point3::new(f64::NAN, 0.0, 0.0), &[]);
     assert_eq!(

@@ -1,24 +1,25 @@
 //! Tests of the shapes of links and hand.
 
 use super::*;
-use crate::kinematics::shape::PlacedCapsule;
+use crate::kinematics::shape::Capsule;
 use nalgebra::Point3;
 
 /// Points of a line, tested for the distance to them.
 const SAMPLES: u32 = 200;
 
-fn capsule() -> impl Strategy<Value = PlacedCapsule> {
+fn capsule() -> impl Strategy<Value = Capsule> {
     // Lines of no length and along the axes too.
     let number = || prop_oneof![3 => -1.0..1.0f64, 1 => Just(0.0), 1 => Just(0.5)];
     let place = move || prop::array::uniform3(number());
-    (place(), place(), 0.0..0.2f64).prop_map(|(from, to, radius_m)| PlacedCapsule {
+    (place(), place(), 0.0..0.2f64).prop_map(|(from, to, radius_m)| Capsule {
         link: 0,
         ends: [from.into(), to.into()],
         radius_m,
+        is_around_mesh: false,
     })
 }
 
-fn samples(capsule: &PlacedCapsule) -> impl Iterator<Item = Point3<f64>> + use<> {
+fn samples(capsule: &Capsule) -> impl Iterator<Item = Point3<f64>> + use<> {
     let [from, to] = capsule.ends;
     (0..=SAMPLES).map(move |step| from + (to - from) * (f64::from(step) / f64::from(SAMPLES)))
 }
@@ -27,7 +28,7 @@ proptest! {
     /// No sampled point is nearer, and one is as near as its distance from the next.
     #[test]
     fn distances_are_those_of_sampled_points(one in capsule(), other in capsule()) {
-        let step_m = |capsule: &PlacedCapsule| (capsule.ends[1] - capsule.ends[0]).norm() / f64::from(SAMPLES);
+        let step_m = |capsule: &Capsule| (capsule.ends[1] - capsule.ends[0]).norm() / f64::from(SAMPLES);
         let between = samples(&one).flat_map(|at| samples(&other).map(move |there| (at - there).norm()));
         let sampled_m = between.fold(f64::INFINITY, f64::min) - one.radius_m - other.radius_m;
         let found_m = one.gap_m(&other);
@@ -71,7 +72,7 @@ fn the_fingers_reach_past_the_tool() {
         let chain = chain_of(model);
         let shapes = chain.shapes().iter();
         let hand = shapes.filter(|shape| shape.link == chain.joints().len());
-        let reach = hand.map(|shape| shape.from.z.max(shape.to.z) + shape.radius_m);
+        let reach = hand.map(|shape| shape.ends[0].z.max(shape.ends[1].z) + shape.radius_m);
         let beyond_m = reach.fold(0.0, f64::max);
         assert!((0.043..0.050).contains(&beyond_m), "{model}: {beyond_m}");
     }

@@ -4,6 +4,7 @@
 
 use super::*;
 use crate::settings::Settings;
+use std::fmt::Write as _;
 use std::path::Path;
 
 const BEGIN: &str = "<!-- settings: FABC_WRITE_DOCS=1 cargo test -p fab-arm --lib settings -->\n";
@@ -51,12 +52,13 @@ fn print(page: &mut String, keys: &[Key], prefix: &str) {
             inner.push((title, why, keys, full));
             continue;
         }
-        let default = match key.absent {
-            Absent::Refused => "must be given".to_owned(),
-            Absent::Nothing | Absent::Is("\"\"") => "none".to_owned(),
-            Absent::Is(value) => format!("`{value}`"),
+        let default = match key.default {
+            Some("\"\"") => "none".to_owned(),
+            Some(value) => format!("`{value}`"),
+            None if key.is_optional => "none".to_owned(),
+            None => "must be given".to_owned(),
         };
-        let expected = key.accepts.expected(unit(&full));
+        let expected = key.accepts.expected();
         _ = writeln!(page, "| `{name}` | {expected} | {default} | {why} |");
     }
     for (title, why, keys, full) in inner {
@@ -71,10 +73,11 @@ fn every_default_is_accepted_and_every_reason_fits_a_table() {
         for key in keys {
             let full = format!("{prefix}{}", key.name);
             assert!(key.why.ends_with('.') && !key.why.contains('|'), "{full}");
-            if let Absent::Is(default) = key.absent
+            if let Some(default) = key.default
                 && !["[]", "\"\""].contains(&default)
             {
-                assert!(key.accepts.takes(&value_of(default)), "{full}");
+                let value = key.default_value();
+                assert!(value.is_some_and(|it| key.accepts.takes(&it)), "{full}");
             }
             if let Some(keys) = key.accepts.keys() {
                 check(keys, &format!("{full}."));

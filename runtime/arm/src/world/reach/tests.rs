@@ -62,7 +62,7 @@ fn points_at_the_rim_are_left_out_by_what_an_arm_may_be_off() {
     assert!(at(0.187).is_some(), "the same holds near the base");
     let why = at(0.19).unwrap();
     assert!(
-        why.contains("the arm behind joint 2 would come within"),
+        why.contains("the arm behind joint 2 would be within"),
         "{why}"
     );
     let nearest = (19..30).find(|cm| at(f64::from(*cm) / 100.0).is_none());
