@@ -15,7 +15,7 @@ mod tests;
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use clap::Args;
-use decide::Outcome;
+use decide::{Decision, Decisions};
 use find::Pending;
 use groups::Group;
 use serde_json::{Value, json};
@@ -53,12 +53,15 @@ pub fn run(arguments: &ReviewArguments, io: &Io) -> Result<Exit, Failure> {
     let mut groups = groups::group(&pending);
     let is_named = !arguments.accept.is_empty() || !arguments.reject.is_empty();
     let mut outcome = None;
-    let n_pending = pending.len();
     if arguments.accept_all || is_named {
-        let decided = outcome.insert(Outcome::default());
-        for (group, decision) in decide::named(&groups, arguments)? {
-            decided.apply(decision, group, &pending)?;
+        let mut decisions = Decisions::about(&pending, &groups);
+        decisions.decide_named(&arguments.accept, Decision::Accept)?;
+        decisions.decide_named(&arguments.reject, Decision::Reject)?;
+        if arguments.accept_all {
+            decisions.accept_others();
         }
+        decisions.apply()?;
+        outcome = Some(decisions.outcome());
         pending.retain(|one| one.path.exists());
         groups = groups::group(&pending);
     }
@@ -74,10 +77,11 @@ pub fn run(arguments: &ReviewArguments, io: &Io) -> Result<Exit, Failure> {
         if let Some(outcome) = outcome {
             document["accepted"] = json!(outcome.accepted);
             document["rejected"] = json!(outcome.rejected);
+            document["waiting"] = json!(outcome.waiting);
         }
         io.json(&document);
     } else if let Some(outcome) = outcome {
-        outcome.report(n_pending, io);
+        outcome.report(io);
     } else {
         return ask(&pending, &groups, io);
     }
@@ -95,5 +99,5 @@ fn ask(pending: &[Pending], groups: &[Group], io: &Io) -> Result<Exit, Failure> 
             "{n_pending} snapshots are pending, and this is not a terminal; use --json, --accept, --reject or --accept-all"
         )));
     }
-    session::run(pending, groups, io)
+    session::run(Decisions::about(pending, groups), io)
 }

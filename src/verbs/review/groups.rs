@@ -1,7 +1,7 @@
 //! Groups pending snapshots: an edit that changes forty snapshots is one thing to look at.
 //!
-//! In: pending snapshots. Out: groups, whose ids are stable from run to run. Each snapshot is in one group: that of all
-//! snapshots with the same edits. The module `decide` applies the decisions.
+//! In: pending snapshots. Out: groups, whose ids are stable from run to run. Each edit is one group, so it is reviewed
+//! once; a text with several edits is in the group of each. The module `decide` applies the decisions.
 
 use super::edits::{self, Cause, Edit};
 use super::find::Pending;
@@ -28,7 +28,7 @@ pub struct Group {
     pub kind: Kind,
     #[serde(rename = "cause")]
     pub causes: Vec<Cause>,
-    /// The edits of each snapshot; none for pictures and new snapshots.
+    /// The edits: one for texts, all of a scene, none for pictures and new snapshots.
     pub edits: Vec<Edit>,
     /// The indices of its pending snapshots.
     #[serde(skip)]
@@ -49,20 +49,27 @@ pub fn group(pending: &[Pending]) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for (number, one) in pending.iter().enumerate() {
         let (kind, edits) = change(one);
-        let id = id(one, kind, &edits);
-        let at = groups.iter().position(|group| group.id == id);
-        let at = at.unwrap_or_else(|| {
-            groups.push(Group {
-                id,
-                kind,
-                causes: Vec::new(),
-                edits: edits.clone(),
-                members: Vec::new(),
-                tokens: None,
+        // Each edit of a text alone; all of a scene together.
+        let parts: Vec<&[Edit]> = match kind {
+            Kind::Edit if edits.len() > 1 => edits.chunks(1).collect(),
+            _ => vec![&edits],
+        };
+        for part in parts {
+            let id = id(one, kind, part);
+            let at = groups.iter().position(|group| group.id == id);
+            let at = at.unwrap_or_else(|| {
+                groups.push(Group {
+                    id,
+                    kind,
+                    causes: Vec::new(),
+                    edits: part.to_vec(),
+                    members: Vec::new(),
+                    tokens: None,
+                });
+                groups.len() - 1
             });
-            groups.len() - 1
-        });
-        groups[at].add(number, one, &edits);
+            groups[at].add(number, one, part);
+        }
     }
     groups.sort_by_key(|group| group.kind);
     groups

@@ -1,15 +1,14 @@
 //! The review on a terminal: one group at a time, one key each.
 //!
 //! In: pending snapshots, and keys. Out: changed folders, and the decisions. A settled snapshot is written at once, so
-//! quitting keeps it.
+//! quitting keeps it; partial acceptances are discarded on quit.
 
-use super::decide::{Decision, Outcome};
-use super::find::Pending;
-use super::groups::Group;
+use super::decide::{self, Decision, Decisions};
 use super::show;
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use console::{Key, Term};
+use std::ops::Range;
 
 const KEYS: &str = "\
 a  accept: from now on this is what is compared with
@@ -23,31 +22,29 @@ const PROMPT: &str = "[a]ccept [r]eject [s]kip [A]ccept all left [q]uit [?] ";
 const END_OF_INPUT: char = '\u{4}';
 
 /// Shows each group in turn and applies the decisions.
-pub fn run(pending: &[Pending], groups: &[Group], io: &Io) -> Result<Exit, Failure> {
-    let mut outcome = Outcome::default();
-    let ended = go_through(&mut outcome, pending, groups, io);
-    outcome.report(pending.len(), io);
+pub fn run(mut decisions: Decisions<'_>, io: &Io) -> Result<Exit, Failure> {
+    let ended = go_through(&mut decisions, io);
+    decisions.outcome().report(io);
     ended
 }
 
-fn go_through(
-    outcome: &mut Outcome,
-    pending: &[Pending],
-    groups: &[Group],
-    io: &Io,
-) -> Result<Exit, Failure> {
+fn go_through(decisions: &mut Decisions<'_>, io: &Io) -> Result<Exit, Failure> {
+    let groups = decisions.groups;
     for (number, group) in groups.iter().enumerate() {
+        if group.members.iter().all(|at| decisions.is_settled(*at)) {
+            // Another edit of all these snapshots was rejected.
+            continue;
+        }
         io.data(&format!("\n{} of {}", number + 1, groups.len()));
-        io.painted_data(&show::group(group, pending, io.data_color()));
+        io.painted_data(&show::group(group, decisions.pending, io.data_color()));
+        let this = number..number + 1;
         loop {
             match key()? {
-                Key::Char('a') => outcome.apply(Decision::Accept, group, pending)?,
-                Key::Char('r') => outcome.apply(Decision::Reject, group, pending)?,
+                Key::Char('a') => decide(decisions, this, Decision::Accept, io)?,
+                Key::Char('r') => decide(decisions, this, Decision::Reject, io)?,
                 Key::Char('s') => {}
                 Key::Char('A') => {
-                    for group in &groups[number..] {
-                        outcome.apply(Decision::Accept, group, pending)?;
-                    }
+                    decide(decisions, number..groups.len(), Decision::Accept, io)?;
                     return Ok(Exit::Done);
                 }
                 Key::Char('q' | END_OF_INPUT) => return Ok(Exit::Done),
@@ -62,6 +59,23 @@ fn go_through(
         }
     }
     Ok(Exit::Done)
+}
+
+fn decide(
+    decisions: &mut Decisions<'_>,
+    groups: Range<usize>,
+    decision: Decision,
+    io: &Io,
+) -> Result<(), Failure> {
+    for group in groups {
+        decisions.decide(group, decision);
+    }
+    decisions.apply()?;
+    let n_waiting = decisions.outcome().waiting.len();
+    if n_waiting > 0 {
+        io.data(&decide::waiting(n_waiting));
+    }
+    Ok(())
 }
 
 /// Asks for a key, on a line of its own.

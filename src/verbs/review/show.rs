@@ -20,7 +20,7 @@ pub fn group(group: &Group, pending: &[Pending], color: Color) -> String {
     let members = || group.members.iter().map(|at| &pending[*at]);
     let bold = page.style().bold();
     page.line(&format!("{} {}", group.id, head(group, pending)), &bold);
-    // The first cause is in the heading of texts.
+    // The first cause of an edit is in the heading.
     let shown = usize::from(group.kind == Kind::Edit);
     let causes = group.causes.iter().skip(shown).map(place);
     page.list("   ", causes);
@@ -54,11 +54,7 @@ fn head(group: &Group, pending: &[Pending]) -> String {
         Kind::Edit => {
             let cause = group.causes.first();
             let place = cause.map_or(String::new(), |cause| format!(": {}", place(cause)));
-            let edits = match group.edits.len() {
-                0 | 1 => "one edit changes".to_owned(),
-                n => format!("{n} edits change"),
-            };
-            format!("{edits} {}{place}", counted("snapshot"))
+            format!("one edit changes {}{place}", counted("snapshot"))
         }
         Kind::Scene => format!("{} changed", counted("pinned scene")),
         Kind::Picture => format!("{} changed alike", counted("picture")),

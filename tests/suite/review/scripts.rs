@@ -185,22 +185,24 @@ fn two_components_that_change_side_by_side_are_two_edits() {
     accepted(&snapshots, "half.describe@start", &old);
     pending(&snapshots, "half.describe@start", &new);
     let value = json(folder.path(), &[]);
-    let [group] = value["groups"].as_array().unwrap().as_slice() else {
+    let [one, other] = value["groups"].as_array().unwrap().as_slice() else {
         panic!("{value:#}");
     };
     assert_eq!(
-        group["edits"][0]["removed"][0],
+        one["edits"][0]["removed"][0],
         "You fold a cloth in the task half."
     );
-    assert_eq!(group["cause"][0]["component"], "describe.say");
-    assert_eq!(group["edits"][1]["added"][0], "The blue dots are corners.");
-    assert_eq!(group["cause"][1]["component"], "visual_context");
+    assert_eq!(one["cause"][0]["component"], "describe.say");
+    assert_eq!(other["edits"][0]["added"][0], "The blue dots are corners.");
+    assert_eq!(other["cause"][0]["component"], "visual_context");
     // Tokens are those of the whole texts.
-    let tokens = serde_json::json!({ "before": 810, "after": 812 });
-    assert_eq!(group["tokens"], tokens);
+    for group in [one, other] {
+        let tokens = serde_json::json!({ "before": 810, "after": 812 });
+        assert_eq!(group["tokens"], tokens);
+    }
 }
 
-/// Two edits of one text; another text has only the second. Returns the ids of the groups.
+/// Two edits of one text; another text has only the second. Returns the ids of both.
 fn two_edits(snapshots: &Path) -> [String; 2] {
     let folder = snapshots.parent().unwrap();
     let old = prompt("half", "The red dots are corners.", 810);
@@ -215,39 +217,60 @@ fn two_edits(snapshots: &Path) -> [String; 2] {
     }
     let value = json(folder, &[]);
     let groups = value["groups"].as_array().unwrap().iter();
-    let of = |n_edits: usize| {
-        let is_it = |group: &&Value| group["edits"].as_array().unwrap().len() == n_edits;
-        let group = groups.clone().find(is_it).unwrap();
-        group["id"].as_str().unwrap().to_owned()
+    let of = |removed: &str| {
+        let group = groups.clone().find(|group| {
+            let line = group["edits"][0]["removed"][0].as_str().unwrap();
+            line.starts_with(removed)
+        });
+        group.unwrap()["id"].as_str().unwrap().to_owned()
     };
-    [of(2), of(1)]
+    [of("You fold"), of("The red")]
 }
 
 #[test]
-fn a_text_with_a_second_edit_is_in_a_group_of_its_own() {
-    for (flags, said) in [
+fn a_text_is_accepted_once_each_of_its_edits_is_and_rejected_with_any() {
+    let cases: [(&[&str], &[&str], &str); 5] = [
         (
-            ["--accept", ""],
+            &["second"],
+            &[],
             "accepted 1, rejected 0, still pending 1\n",
         ),
+        (&["first"], &[], "accepted 0, rejected 0, still pending 2\n"),
         (
-            ["", "--reject"],
-            "accepted 0, rejected 1, still pending 1\n",
+            &["first", "second"],
+            &[],
+            "accepted 2, rejected 0, still pending 0\n",
         ),
         (
-            ["--accept", "--reject"],
+            &["second"],
+            &["first"],
             "accepted 1, rejected 1, still pending 0\n",
         ),
         (
-            ["--accept", "--accept"],
-            "accepted 2, rejected 0, still pending 0\n",
+            &[],
+            &["second"],
+            "accepted 0, rejected 2, still pending 0\n",
         ),
-    ] {
+    ];
+    for (accepts, rejects, said) in cases {
         let folder = tempfile::tempdir().unwrap();
-        let ids = two_edits(&folder.path().join("snapshots"));
-        let named = flags.iter().zip(&ids).filter(|(flag, _)| !flag.is_empty());
-        let arguments: Vec<&str> = named.flat_map(|(flag, id)| [*flag, id]).collect();
-        assert_eq!(review(folder.path(), &arguments).stdout, said, "{flags:?}");
+        let [first, second] = two_edits(&folder.path().join("snapshots"));
+        let id = |name: &&str| match *name {
+            "first" => first.clone(),
+            _ => second.clone(),
+        };
+        let mut arguments = Vec::new();
+        for (flag, names) in [("--accept", accepts), ("--reject", rejects)] {
+            arguments.extend(names.iter().flat_map(|name| [flag.to_owned(), id(name)]));
+        }
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        let found = review(folder.path(), &arguments);
+        assert_eq!(found.stdout, said, "{accepts:?} {rejects:?}");
+        let waits = found.stderr.contains(
+            "1 snapshot waits until its other edits are decided; decide about all of them at once",
+        );
+        let expected = accepts.len() == 1 && rejects.is_empty();
+        assert_eq!(waits, expected, "{}", found.stderr);
     }
 }
 

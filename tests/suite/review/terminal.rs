@@ -147,9 +147,9 @@ fn of_many_snapshots_the_first_are_listed() {
     assert!(shown.ends_with("still pending 40\n"), "{shown}");
 }
 
-/// Two edits in three snapshots: the snapshot with both is a group of its own.
+/// Two edits in three snapshots: each is shown once, and the snapshot with both waits for the second decision.
 #[test]
-fn a_text_with_two_edits_is_asked_for_once() {
+fn each_edit_is_asked_for_once_and_a_text_with_two_waits_for_both() {
     let folder = tempfile::tempdir().unwrap();
     let snapshots = folder.path().join("snapshots");
     let old = prompt("half", "The red dots are corners.", 810);
@@ -166,20 +166,46 @@ fn a_text_with_two_edits_is_asked_for_once() {
     }
     let mut session = start(folder.path(), 100, &[]);
     let shown = session.until(PROMPT);
-    assert!(shown.contains("1 of 3"), "{shown}");
-    assert!(shown.contains("2 edits change 1 snapshot"), "{shown}");
+    assert!(shown.contains("1 of 2"), "{shown}");
+    assert!(shown.contains("one edit changes 2 snapshots"), "{shown}");
     session.press("a");
     let shown = session.until(PROMPT);
-    assert!(shown.contains("one edit changes 1 snapshot"), "{shown}");
-    assert_eq!(left(&snapshots), ["b@start", "c@start"]);
-    session.press("r");
-    session.until(PROMPT);
-    session.press("s");
+    assert!(
+        shown.contains("1 snapshot waits until its other edits"),
+        "{shown}"
+    );
+    assert!(shown.contains("one edit changes 2 snapshots"), "{shown}");
+    assert_eq!(left(&snapshots), ["a@start", "c@start"]);
+    session.press("a");
     let (code, shown) = session.end();
     assert_eq!(code, Some(0));
     assert!(
-        shown.ends_with("accepted 1, rejected 1, still pending 1\n"),
+        shown.ends_with("accepted 3, rejected 0, still pending 0\n"),
         "{shown}"
     );
-    assert_eq!(left(&snapshots), ["c@start"]);
+    assert!(left(&snapshots).is_empty());
+}
+
+/// Two edits of one text, the first of which is accepted: however the session ends, that acceptance is discarded.
+#[test]
+fn an_accepted_edit_of_a_text_that_waits_is_said_to_be_forgotten() {
+    for (key, code) in [("s", 0), ("q", 0), ("\u{3}", 130)] {
+        let folder = tempfile::tempdir().unwrap();
+        let snapshots = folder.path().join("snapshots");
+        let old = prompt("half", "The red dots are corners.", 810);
+        let new = old.replace("You fold", "You turn").replace("red", "blue");
+        accepted(&snapshots, "half.describe@start", &old);
+        pending(&snapshots, "half.describe@start", &new);
+        let mut session = start(folder.path(), 100, &[]);
+        session.until(PROMPT);
+        session.press("a");
+        session.until(PROMPT);
+        session.press(key);
+        let (found, shown) = session.end();
+        assert_eq!(found, Some(code));
+        let words =
+            "1 snapshot waits until its other edits are decided; decide about all of them at once";
+        assert!(shown.contains(words), "{shown}");
+        assert_eq!(left(&snapshots), ["half.describe@start"]);
+    }
 }
