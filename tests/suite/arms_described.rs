@@ -117,7 +117,7 @@ fn faults_of_a_description_are_told_with_those_of_the_settings() {
     let output = finish(fabc(folder.path()).args(["robot", "check", "--robot", "robot.toml"]));
     assert_eq!(output.code, 2);
     for part in [
-        "the `[[arm.joint]]` of `seven` allows",
+        "the limits of the joint `seven` are",
         "`motion.lift_m` is `0.001`",
     ] {
         assert!(output.stderr.contains(part), "{part}: {}", output.stderr);

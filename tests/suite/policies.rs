@@ -413,3 +413,26 @@ for line in sys.stdin:
     assert_eq!(findings.len(), 2);
     assert!(matches!(findings[1].result, Finding::Action { .. }));
 }
+
+#[test]
+fn a_field_that_an_answer_leaves_out_is_told_as_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = support::small_task();
+    let trial = Trial::new(&program, folder.path(), Look::default());
+    let script = folder.path().join("policy.py");
+    let text = r#"
+import json, sys
+for line in sys.stdin:
+    step = json.loads(line)
+    answers = {"hello": {"protocol": 2}, "reset": {}, "decide": {"grips": [{}]}}
+    print(json.dumps(answers[step["do"]]), flush=True)
+"#;
+    std::fs::write(&script, text).unwrap();
+    let command = Command::new(&format!("python3 '{}'", script.display()));
+    let ended = trial.decided(&command, &folder.path().join("run"), &mut |_| {});
+    let stopped = ended.unwrap().report.stopped.unwrap();
+    assert!(
+        stopped.contains("`pick` is missing, and has to be a pixel"),
+        "{stopped}"
+    );
+}

@@ -123,6 +123,41 @@ fn play_in(
     ))
 }
 
+/// A world that shows its particles until it has acted.
+struct Fading(SimulatedWorld, bool);
+
+impl Wrapper for Fading {
+    fn inner(&self) -> &dyn World {
+        &self.0
+    }
+
+    fn inner_mut(&mut self) -> &mut dyn World {
+        &mut self.0
+    }
+
+    fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError> {
+        self.1 = true;
+        self.0.act(motion, interrupt)
+    }
+
+    fn particles(&self) -> Option<Vec<[f32; 3]>> {
+        self.0.particles().filter(|_| !self.1)
+    }
+}
+
+#[test]
+fn coverage_is_unknown_once_a_world_stops_giving_particles() {
+    let program = with_goal(Metric::Coverage, 0.4);
+    let make_world = || {
+        let world = SimulatedWorld::new(&program.camera, program.picker)?;
+        Ok(Box::new(Fading(world, false)) as Box<dyn World>)
+    };
+    let (ended, _) = play_in(&program, &make_world).unwrap();
+    assert_eq!(ended.steps, 1, "{:?}", ended.stopped);
+    assert!(ended.coverage_at_start.is_some());
+    assert_eq!(ended.measures.coverage, None);
+}
+
 #[test]
 fn a_picture_measures_nearly_what_the_particles_do() {
     let program = with_goal(Metric::Coverage, 0.4);

@@ -127,7 +127,7 @@ impl<'j> RolloutWriter<'j> {
         let asked = !line.attempts.is_empty();
         let spent = StepSpent {
             step: line.step,
-            planning_s: asked.then(|| turn.timer.planning.as_secs_f64()),
+            planning_s: asked.then_some(turn.timer.planning.as_secs_f64()),
             seconds: turn.timer.seconds.clone(),
             so_far: self.asking.ledger.spent(),
         };
