@@ -60,7 +60,7 @@ pub fn see(program: &Program, brought: SeeInput) -> Result<SeeOutput, RunError> 
         place,
     });
     let observation = Observation::of_picture(&program.camera, brought.rgb, brought.depth_m);
-    let mut observation = observation.map_err(RunError::Unfit)?;
+    let mut observation = observation.map_err(RunError::failed)?;
     let scene = Scene::of(&program, &observation, None)?;
     observation.notes.extend(scene.beyond_the_picture());
     Ok(SeeOutput {
