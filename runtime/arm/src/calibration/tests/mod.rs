@@ -8,7 +8,6 @@ mod refusals;
 mod touches;
 mod truth;
 mod views;
-mod zz;
 
 use super::view::pixel_at;
 use super::*;
