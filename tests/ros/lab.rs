@@ -39,7 +39,7 @@ table = { center_m = [0.45, 0.0, 0.02] }
 fingers = { count = 2, open = 0.0, closed = 6400.0, cloth = 200.0, tolerance = 100.0 }
 # The paper's 5 mm push a simulated cloth together instead of folding it; the simulated world's picker is as fast.
 # It runs in real time, so it speeds up at once.
-motion = { lift_m = 0.05, travel_m = 0.08, speed_m_s = 0.4, acceleration_deg_s2 = 1000.0 }
+motion = { lift_m = 0.05, travel_m = 0.08, speed_m_s = 0.4, acceleration_deg_s2 = 1000.0, jerk_deg_s3 = 100000.0 }
 # A machine that tests run on is busier than one beside an arm.
 tolerance = { stale_s = 1.5, watchdog_s = 1.5 }
 

@@ -131,6 +131,9 @@ section! {
         /// The largest acceleration of a joint. The vendor of the Jaco states none; where none is stated, planners
         /// commonly take 1 rad/s². The vendor's node uses its own.
         acceleration_deg_s2: f64 = 60.0, from(10.0, 1000.0);
+        /// The largest jerk of a joint: with the default, full acceleration builds up in a tenth of a second, so that
+        /// arm and cloth do not swing.
+        jerk_deg_s3: f64 = 600.0, from(100.0, 100_000.0);
         /// Rotation of the hand about the vertical, base frame.
         hand_turn_deg: f64 = 0.0, ANGLE;
     }

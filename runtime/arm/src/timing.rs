@@ -19,11 +19,9 @@ use rsruckig::prelude::{
     DataArrayOrVec, InputParameter, Ruckig, RuckigResult, ThrowErrorHandler, Trajectory,
 };
 
-/// The time in which the acceleration of a joint builds up, seconds, so that arm and cloth do not swing.
-const BUILD_UP_S: f64 = 0.1;
-
-/// The longest time between two waypoints before times are stretched, seconds.
-const BETWEEN_S: f64 = BUILD_UP_S / 2.0;
+/// The longest time between two waypoints before times are stretched, seconds: half of the time in which acceleration
+/// builds up with the default limits.
+const BETWEEN_S: f64 = 0.05;
 
 /// The least number of steps of a trajectory, so that a short one keeps its form.
 const MIN_STEPS: f64 = 20.0;
@@ -55,13 +53,13 @@ pub struct JointLimits {
 }
 
 impl JointLimits {
-    /// Returns the arm's own speeds, the settings' acceleration, and a jerk with which that builds up in [`BUILD_UP_S`].
+    /// Returns the arm's own speeds, and the settings' acceleration and jerk.
     pub fn of(settings: &Settings, chain: &Chain) -> JointLimits {
         let speed_rad_s = |joint: &crate::kinematics::chain::Joint| joint.max_speed_rad_s;
         JointLimits {
             speeds_rad_s: chain.joints().iter().map(speed_rad_s).collect(),
             acceleration_rad_s2: settings.motion.acceleration_deg_s2.to_radians(),
-            jerk_rad_s3: settings.motion.acceleration_deg_s2.to_radians() / BUILD_UP_S,
+            jerk_rad_s3: settings.motion.jerk_deg_s3.to_radians(),
         }
     }
 

@@ -181,9 +181,10 @@ fn walk_plans(plans: u64) {
         asked += 1;
         let pick = |chance: &mut Chance, values: [f64; 4]| values[chance.below(4)];
         let motion = format!(
-            "[motion]\nspeed_m_s = {}\nacceleration_deg_s2 = {}\n",
+            "[motion]\nspeed_m_s = {}\nacceleration_deg_s2 = {}\njerk_deg_s3 = {}\n",
             pick(&mut chance, [0.02, 0.1, 0.1, 0.2]),
             pick(&mut chance, [20.0, 60.0, 60.0, 500.0]),
+            pick(&mut chance, [200.0, 600.0, 600.0, 20_000.0]),
         );
         let driver = drivers[chance.below(drivers.len())];
         let ros = match driver {
