@@ -61,10 +61,18 @@ fn a_new_fold_compiles_without_a_word_and_runs_to_its_goal() {
 /// What the comments of a new task say to try, one edit for each.
 const TO_TRY: [(&str, &str, &str); 7] = [
     ("another corner", "-> center", "-> corner(front_left)"),
-    ("the sides' middles", "extends folding {", "extends folding_to_sides {"),
+    (
+        "the sides' middles",
+        "extends folding {",
+        "extends folding_to_sides {",
+    ),
     ("a side in metric units", "grid(55, 55)", "square(340mm)"),
     ("fewer corners", "max: 27", "max: 12"),
-    ("the cloth's colours", "is orange and its", "is white and its"),
+    (
+        "the cloth's colours",
+        "is orange and its",
+        "is white and its",
+    ),
     (
         "places on corners only",
         "    # 5. CHECKS",

@@ -161,7 +161,9 @@ impl Dialogue {
             Answers::Model(model) => exchange.asking.ask(model, &request),
             Answers::Given(answers) => {
                 let answer = answers.borrow_mut().pop_front();
-                answer.map(Reply::text).ok_or(CallRefused::Interrupted.into())
+                answer
+                    .map(Reply::text)
+                    .ok_or(CallRefused::Interrupted.into())
             }
         };
         let took = begun.elapsed();
