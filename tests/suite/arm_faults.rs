@@ -6,6 +6,8 @@ mod fault;
 #[path = "../../runtime/arm/src/tests/faulty.rs"]
 #[allow(dead_code, reason = "other tests use the rest")]
 mod faulty;
+#[path = "../../runtime/arm/src/tests/kinova/mod.rs"]
+mod kinova;
 
 use super::support::{self, Trial, root, task};
 use ::fab_arm as arm;
@@ -283,9 +285,9 @@ fn run(trial: &Trial<'_>, trouble: &Trouble, folder: &Path) -> Ended {
             watchdog: Box::new(NoWatchdog),
             folder: Some(folder.to_owned()),
         };
-        let (chain, faults) = (parts.settings.chain().clone(), trouble.faults.clone());
+        let (settings, faults) = (parts.settings.clone(), trouble.faults.clone());
         let world = ArmWorld::simulated_behind(parts, |arm, camera| {
-            let arm = SharedArm::new(Faulty::of(arm, chain, faults));
+            let arm = SharedArm::new(Faulty::of(arm, &settings, 0, faults));
             ARM.set(Some(arm.clone()));
             let camera = FaultyCamera(camera, arm.clone());
             (Box::new(arm), Box::new(camera))

@@ -4,10 +4,11 @@
 //! opened; else the error, the last verified segment, and whether the arm is verified to be stopped. On any error, and
 //! on a panic, the arm is stopped before anything else happens.
 
-use super::driver::{Arm, ArmError, ArmState, Halt, HandContents};
+use super::driver::{ArmError, ArmState, Halt, HandContents};
 use super::guard::Checked;
 use super::journal::{Entry, Journal, JournalError};
 use super::limits::Limited;
+use super::port::Port;
 use super::route::{Act, Route, Segment, SegmentName};
 use super::supervisor::{MotionRequest, Supervisor, Watchdog};
 use fab_base::interrupt::Interrupt;
@@ -19,9 +20,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 const ALLOWED_POLL_S: f64 = 0.05;
 
 /// Everything that is needed to execute one pick and place.
-pub struct Execution<'e, A: Arm + ?Sized> {
+pub struct Execution<'e, P: Port + ?Sized> {
     /// The arm, within its limits.
-    pub arm: &'e mut Limited<A>,
+    pub arm: &'e mut Limited<P>,
     /// Its journal.
     pub log: &'e mut Journal,
     /// Who confirms motion.
@@ -78,7 +79,7 @@ impl std::fmt::Display for FailedAction {
     }
 }
 
-impl<A: Arm + ?Sized> Execution<'_, A> {
+impl<P: Port + ?Sized> Execution<'_, A> {
     /// Executes the segments.
     ///
     /// - `points`: pick and place, metres, base frame, for the supervisor's question.

@@ -23,7 +23,7 @@ impl<P: Port + ?Sized> PortArm<P> {
         opening: Opening,
         watch: &mut Watch<'_>,
     ) -> Result<HandContents, ArmError> {
-        self.check_enabled(watch)?;
+        self.ready(watch)?;
         self.phase = self.phase.after(Event::Begin);
         let settings = self.fingers;
         let goal = Goal::Fingers(vec![target(&settings, opening); settings.count]);
@@ -37,7 +37,7 @@ impl<P: Port + ?Sized> PortArm<P> {
         };
         if may_be_stopped {
             // If the arm was stopped meanwhile, report that and not the finger positions.
-            self.check_enabled(watch)?;
+            self.ready(watch)?;
         }
         contents
     }

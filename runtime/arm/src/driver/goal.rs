@@ -111,12 +111,12 @@ impl<P: Port + ?Sized> PortArm<P> {
         let mut sent_s = begun_s;
         let mut resends = 0;
         let mut track = Track::default();
-        let begun_at = self.current()?.tool;
+        let begun_at = self.state()?.tool;
         let mut id = self.send(goal)?;
         loop {
             self.port.wait(POLL_S);
             let now_s = self.port.now_s();
-            let state = self.current()?;
+            let state = self.state()?;
             track.record(&state);
             match watch(&state) {
                 Ok(()) => {}

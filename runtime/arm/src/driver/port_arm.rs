@@ -12,7 +12,7 @@
 
 use super::goal::{Goal, Outcome};
 use super::readings::{POLL_S, SETTLE_S};
-use super::{Arm, ArmError, ArmState, Deviation, Halt, HandContents, Opening, Watch};
+use super::{ArmError, ArmState, Deviation, Halt, HandContents, Opening, Watch};
 use crate::guard::{Checked, Motion};
 use crate::phase::{Event, Phase};
 use crate::port::{AfterStop, Ending, GoalId, GoalState, Port};
@@ -44,22 +44,13 @@ pub enum Commands {
     /// By poses of the tool. The node solves the inverse kinematics and chooses speed and joint path, so the path of
     /// elbow and wrist may be another than the one that was checked: a person has to watch them.
     Poses,
-    /// By poses at this speed, m/s, which poses cannot change, and by trajectories at every other speed.
-    PosesAt(f64),
 }
 
-impl Commands {
-    /// Returns whether a motion of this speed is commanded by a pose.
-    fn is_pose_at(self, speed_m_s: f64) -> bool {
-        match self {
-            Commands::Trajectories => false,
-            Commands::Poses => true,
-            Commands::PosesAt(own_m_s) => speed_m_s == own_m_s,
-        }
-    }
-}
-
-/// An arm behind a port.
+/// An arm with a hand, behind a port.
+///
+/// A stopped arm does not move again until [`PortArm::recover`], which nothing here calls by itself. After an error of
+/// [`PortArm::move_tool`] or [`PortArm::move_fingers`] other than [`ArmError::Paused`] the arm may still be moving: the
+/// caller must stop it.
 pub struct PortArm<P: Port + ?Sized> {
     pub(super) port: Box<P>,
     commands: Commands,
@@ -93,9 +84,54 @@ impl<P: Port + ?Sized> PortArm<P> {
         &mut self.port
     }
 
+    /// Returns the time of a monotonic clock, seconds.
+    pub fn now_s(&self) -> f64 {
+        self.port.now_s()
+    }
+
+    /// Waits.
+    pub fn wait(&mut self, seconds: f64) {
+        self.port.wait(seconds);
+    }
+
+    /// Makes a straight motion of the tool, and verifies that it arrived and is at rest.
+    ///
+    /// One call sends one motion. After [`ArmError::Short`] the caller may check the rest of the way and call again.
+    ///
+    /// - `motion`: from where the arm is; one that was checked from elsewhere is refused. A node that takes no speed is only
+    ///   monitored.
+    pub fn move_tool(
+        &mut self,
+        motion: &Checked<Motion>,
+        watch: &mut Watch<'_>,
+    ) -> Result<ArmState, ArmError> {
+        let moved = self.try_move_tool(motion, watch);
+        self.ended(moved)
+    }
+
+    /// Opens or closes the hand, and returns what is between the fingers.
+    pub fn move_fingers(
+        &mut self,
+        opening: Opening,
+        watch: &mut Watch<'_>,
+    ) -> Result<HandContents, ArmError> {
+        let moved = self.try_move_fingers(opening, watch);
+        self.ended(moved)
+    }
+
+    /// Stops the arm and verifies that it refuses motion.
+    pub fn stop(&mut self) -> Result<(), ArmError> {
+        self.phase = self.phase.after(Event::Stop);
+        let mut stopped = self.try_stop();
+        for _ in 1..STOPS {
+            stopped = stopped.or_else(|_| self.try_stop());
+        }
+        stopped
+    }
+
     /// Returns whether the arm is stopped, by whomever.
     pub fn is_stopped(&mut self) -> Result<bool, ArmError> {
-        match self.check_enabled(&mut unwatched) {
+        match self.ready(&mut unwatched) {
             Err(ArmError::Stopped) => Ok(true),
             other => other.map(|()| false),
         }
@@ -125,17 +161,18 @@ impl<P: Port + ?Sized> PortArm<P> {
             ));
         }
         self.phase = self.phase.after(Event::Recover);
-        self.check_enabled(&mut unwatched)
+        self.ready(&mut unwatched)
     }
 
     /// Re-sends the current pose; a stopped arm aborts it, which reveals the stop.
     fn probe(&mut self, watch: &mut Watch<'_>) -> Result<Outcome, ArmError> {
-        let here = self.current()?;
+        let here = self.state()?;
         self.execute(&Goal::Pose(Checked::here(&here)), PROBE_S, watch)
     }
 
-    /// Fails if the arm is stopped.
-    pub(super) fn check_enabled(&mut self, watch: &mut Watch<'_>) -> Result<(), ArmError> {
+    /// Fails if the arm is stopped, or the watch callback ends it. This may take seconds, so it is asked before a motion
+    /// is checked, and not between the check and [`PortArm::move_tool`].
+    pub fn ready(&mut self, watch: &mut Watch<'_>) -> Result<(), ArmError> {
         if !self.phase.takes_motions() {
             return Err(ArmError::Stopped);
         }
@@ -174,12 +211,12 @@ impl<P: Port + ?Sized> PortArm<P> {
         motion: &Checked<Motion>,
         watch: &mut Watch<'_>,
     ) -> Result<ArmState, ArmError> {
-        let by_pose = self.commands.is_pose_at(motion.get().speed_m_s);
+        let by_pose = self.commands == Commands::Poses;
         if !self.phase.takes_motions() {
             return Err(ArmError::Stopped);
         }
         let from = if by_pose {
-            self.current()?
+            self.state()?
         } else {
             self.current_with_joints()?
         };
@@ -224,7 +261,7 @@ impl<P: Port + ?Sized> PortArm<P> {
         // A refused goal may mean that the arm was stopped. A stop does not end a trajectory; a pose in progress would be
         // preempted by the probe.
         if outcome.is_refusal() || outcome == Outcome::TimedOut && !by_pose {
-            self.check_enabled(watch)?;
+            self.ready(watch)?;
         }
         let reported = outcome.name();
         Err(match outcome {
@@ -302,58 +339,6 @@ impl<P: Port + ?Sized> PortArm<P> {
             Err(error) => error.to_string(),
         };
         Err(ArmError::NotStopped { why })
-    }
-}
-
-impl<P: Port + ?Sized> Arm for PortArm<P> {
-    fn now_s(&self) -> f64 {
-        self.port.now_s()
-    }
-
-    fn wait(&mut self, seconds: f64) {
-        self.port.wait(seconds);
-    }
-
-    fn state(&mut self) -> Result<ArmState, ArmError> {
-        self.current()
-    }
-
-    fn ready(&mut self, watch: &mut Watch<'_>) -> Result<(), ArmError> {
-        let ready = self.check_enabled(watch);
-        if ready == Err(ArmError::Stopped) {
-            self.phase = self.phase.after(Event::Stop);
-        }
-        ready
-    }
-
-    fn move_tool(
-        &mut self,
-        motion: &Checked<Motion>,
-        watch: &mut Watch<'_>,
-    ) -> Result<ArmState, ArmError> {
-        let moved = self.try_move_tool(motion, watch);
-        self.ended(moved)
-    }
-
-    fn move_fingers(
-        &mut self,
-        opening: Opening,
-        watch: &mut Watch<'_>,
-    ) -> Result<HandContents, ArmError> {
-        let moved = self.try_move_fingers(opening, watch);
-        self.ended(moved)
-    }
-
-    fn stop(&mut self) -> Result<(), ArmError> {
-        self.phase = self.phase.after(Event::Stop);
-        let mut stopped = self.try_stop();
-        for _ in 1..STOPS {
-            if stopped.is_ok() {
-                break;
-            }
-            stopped = self.try_stop();
-        }
-        stopped
     }
 }
 

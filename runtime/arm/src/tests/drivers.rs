@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::driver::{Deviation, HandContents, Opening};
-use crate::guard::{Checked, Motion};
 use crate::kinematics::tool_down::tool_down;
+use crate::port::{Ending, Reading};
 use crate::settings::{FingerSettings, KeepOut};
 
 /// A place 13 cm from the rest position, reached after slightly more than 1.3 s.
@@ -335,45 +335,59 @@ fn a_goal_whose_status_is_lost_is_not_begun_again() {
     }
 }
 
-/// An arm that comes to rest where a fault has brought it: its motions are reported as short.
+/// An arm that is carried elsewhere by its first goal, and reports it as reached.
 struct Carried {
     at: Isometry3<f64>,
+    now_s: f64,
     n_motions: u32,
 }
 
-impl Arm for Carried {
+impl Port for Carried {
     fn now_s(&self) -> f64 {
-        0.0
+        self.now_s
     }
-    fn wait(&mut self, _: f64) {}
-    fn state(&mut self) -> Result<ArmState, ArmError> {
-        Ok(ArmState {
-            at_s: 0.0,
-            tool: self.at,
-            joints_rad: Vec::new(),
-            fingers: Vec::new(),
-        })
+    fn wait(&mut self, seconds: f64) {
+        self.now_s += seconds;
     }
-    fn ready(&mut self, _: &mut Watch<'_>) -> Result<(), ArmError> {
-        Ok(())
+    fn send_trajectory(&mut self, _: &[Waypoint]) -> Result<GoalId, PortError> {
+        panic!("it is driven by poses")
     }
-    fn move_tool(
-        &mut self,
-        motion: &Checked<Motion>,
-        _: &mut Watch<'_>,
-    ) -> Result<ArmState, ArmError> {
+    fn send_pose(&mut self, _: &Isometry3<f64>) -> Result<GoalId, PortError> {
         self.n_motions += 1;
         self.at = tool_down(&Point3::new(0.40, 0.30, 0.20), 0.0);
-        Err(ArmError::Short {
-            reported: "reached",
-            deviation: Deviation::between(&self.at, &motion.get().to),
-        })
+        Ok(GoalId(String::new()))
     }
-    fn move_fingers(&mut self, _: Opening, _: &mut Watch<'_>) -> Result<HandContents, ArmError> {
-        Ok(HandContents::Unknown)
+    fn send_fingers(&mut self, _: &[f64]) -> Result<GoalId, PortError> {
+        panic!("its fingers stay")
     }
-    fn stop(&mut self) -> Result<(), ArmError> {
+    fn goal(&mut self, _: &GoalId) -> GoalState {
+        GoalState::Ended(Ending::Succeeded)
+    }
+    fn cancel(&mut self, _: &GoalId) -> Result<(), PortError> {
         Ok(())
+    }
+    fn stop(&mut self) -> Result<(), PortError> {
+        Ok(())
+    }
+    fn after_stop(&self) -> AfterStop {
+        AfterStop::Accepts
+    }
+    fn start(&mut self) -> Result<(), PortError> {
+        Ok(())
+    }
+    fn state(&mut self) -> Readings {
+        let at_s = self.now_s;
+        Readings {
+            tool: Some(Reading {
+                value: self.at,
+                at_s,
+            }),
+            joints_rad: None,
+            fingers: Some(Reading {
+                value: vec![0.0; 2],
+                at_s,
+            }),
+        }
     }
 }
 
@@ -385,18 +399,19 @@ fn a_correction_is_checked_like_the_motion_before() {
         min_m: [0.30, 0.10, 0.0],
         max_m: [0.50, 0.12, 0.40],
     }];
-    let arm = Carried {
+    let port = Carried {
         at: tool_down(&settings.workspace.rest_m.into(), 0.0),
+        now_s: 0.0,
         n_motions: 0,
     };
-    let mut arm = Limited::new(Box::new(arm), guard(&settings));
+    let mut arm = Limited::new(By::Poses.drive(port, &settings), guard(&settings));
     // From where it is now the way back leads through the zone.
     let moved = arm.move_tool(&there(), SPEED_M_S, &mut nobody);
     assert!(
         matches!(&moved, Err(ArmError::Refused(why)) if why.contains("`lamp`")),
         "{moved:?}"
     );
-    assert_eq!(arm.arm().n_motions, 1);
+    assert_eq!(arm.arm().port().n_motions, 1);
 }
 
 #[test]

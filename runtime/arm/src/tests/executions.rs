@@ -99,7 +99,6 @@ fn a_stated_manner_is_how_the_arm_goes_about_it() {
         (By::Trajectories, 0.0, 0.0),
         (By::Trajectories, 0.06, 0.03),
         (By::Trajectories, 0.02, 0.08),
-        (By::Either, 0.02, 0.08),
     ];
     for (by, lift_m, release_m) in cases {
         let mut usual = Bench::driven(by, &[]);

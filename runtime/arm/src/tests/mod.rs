@@ -10,13 +10,14 @@ mod faults;
 mod faulty;
 mod journals;
 mod judged;
+mod kinova;
 mod limited;
 mod pauses;
 mod simulations;
 mod timed;
 mod trajectories;
 
-use super::driver::{Arm, ArmError, ArmState, Commands, Halt, PortArm, Watch};
+use super::driver::{ArmError, ArmState, Commands, Halt, PortArm, Watch};
 use super::execute::{CompletedAction, Execution, FailedAction};
 use super::guard::{Guard, Surface};
 use super::journal::Journal;
@@ -25,7 +26,7 @@ use super::limits::Limited;
 use super::port::{AfterStop, GoalId, GoalState, Port, PortError, Readings, Waypoint};
 use super::route::Route;
 use super::settings::Settings;
-use super::simulated::{SimulatedTable, Simulation};
+use super::simulated::{SimulatedArm, SimulatedTable};
 use super::supervisor::{Supervisor, Watchdog};
 use crate as arm;
 use fab_base::interrupt::Interrupt;
@@ -88,8 +89,6 @@ type Driven = PortArm<Faulty>;
 enum By {
     Poses,
     Trajectories,
-    /// Poses at the settings' speed, trajectories at any other.
-    Either,
 }
 
 impl By {
@@ -99,7 +98,6 @@ impl By {
         let commands = match self {
             By::Poses => Commands::Poses,
             By::Trajectories => Commands::Trajectories,
-            By::Either => Commands::PosesAt(settings.motion.speed_m_s),
         };
         PortArm::new(
             Box::new(port),
@@ -116,18 +114,14 @@ fn faulty(
     faults: &[(FaultKind, f64)],
     table: Option<Rc<RefCell<dyn SimulatedTable>>>,
 ) -> Faulty {
-    let simulation = Simulation {
-        seed,
-        ..Simulation::of(settings).unwrap()
-    };
     let faults = faults.iter().map(|&(kind, from_s)| Fault { kind, from_s });
-    Faulty::new(simulation, table, faults.collect())
+    Faulty::new(settings, seed, table, faults.collect()).unwrap()
 }
 
 /// An arm above a patch of cloth, at rest, with all its surroundings.
 struct Bench {
     settings: Settings,
-    arm: Limited<Driven>,
+    arm: Limited<Faulty>,
     cloth: Rc<RefCell<Patch>>,
     folder: tempfile::TempDir,
     interrupt: Interrupt,
@@ -145,7 +139,7 @@ impl Bench {
         let port = faulty(&settings, seed, faults, Some(cloth.clone()));
         let arm = by.drive(port, &settings);
         Bench {
-            arm: Limited::new(Box::new(arm), guard(&settings)),
+            arm: Limited::new(arm, guard(&settings)),
             settings,
             cloth,
             folder: tempfile::tempdir().unwrap(),

@@ -4,11 +4,12 @@
 //! `plan.json` and `plan.png`. No arm is connected, so none can move; the tool is assumed to be at `rest_m`.
 
 use super::{Acts, ArmWorld, Parts, base_from_world, motion};
-use crate::driver::parked::ParkedArm;
-use crate::kinematics::tool_down::tool_down;
+use crate::driver::{Commands, PortArm};
 use crate::plan::Plan;
+use crate::port::Port;
 use crate::rgbd::RgbdSource;
 use crate::settings::DriverKind;
+use crate::simulated::SimulatedArm;
 use crate::table::{ClothTable, TableCamera};
 use fab_base::files;
 use fab_picture::png;
@@ -50,10 +51,10 @@ impl ArmWorld {
         // Without motion there is no journal.
         let folder = parts.folder.take();
         let settings = &parts.settings;
-        let turn_rad = settings.motion.hand_turn_deg.to_radians();
-        let at = tool_down(&settings.workspace.rest_m.into(), turn_rad);
-        let arm = ParkedArm::at(at);
-        let world = ArmWorld::new(parts, Box::new(arm), camera)?;
+        let arm = Box::new(SimulatedArm::new(settings, None).map_err(motion)?);
+        let (fingers, tolerance) = (settings.fingers, settings.tolerance);
+        let arm = PortArm::<dyn Port>::new(arm, Commands::Trajectories, fingers, tolerance);
+        let world = ArmWorld::new(parts, arm, camera)?;
         Ok(ArmWorld {
             acts: Acts::PlanIn(folder),
             ..world

@@ -5,7 +5,7 @@ use crate::driver::{Commands, PortArm};
 use crate::port::Port;
 use crate::rgbd::RgbdSource;
 use crate::settings::DriverKind;
-use crate::simulated::{SimulatedArm, Simulation};
+use crate::simulated::SimulatedArm;
 use crate::table::{ClothTable, TableCamera};
 use fab_world::WorldError;
 use std::cell::RefCell;
@@ -30,13 +30,11 @@ impl ArmWorld {
         }
         let table = ClothTable::new(settings, &base_from_world(settings))?;
         let table = Rc::new(RefCell::new(table.with_material(parts.material.as_ref())));
-        let simulation = Simulation::of(settings).map_err(motion)?;
-        let arm = SimulatedArm::new(simulation, Some(table.clone()));
+        let arm = SimulatedArm::new(settings, Some(table.clone())).map_err(motion)?;
         let (port, camera) = between(arm, TableCamera(table.clone()));
         let (fingers, tolerance) = (settings.fingers, settings.tolerance);
-        let commands = Commands::PosesAt(settings.motion.speed_m_s);
-        let driver = PortArm::new(port, commands, fingers, tolerance);
-        let mut world = ArmWorld::new(parts, Box::new(driver), camera)?;
+        let driver = PortArm::new(port, Commands::Trajectories, fingers, tolerance);
+        let mut world = ArmWorld::new(parts, driver, camera)?;
         world.table = Some(table);
         Ok(world)
     }

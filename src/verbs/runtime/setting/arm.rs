@@ -170,7 +170,7 @@ pub fn world(
             parts.watchdog = Box::new(Process::start(robot, watchdog_s).map_err(failed)?);
             let timeout_s = parts.settings.camera.timeout_s;
             let camera = camera(&parts.settings, PictureSelection::Fresh { timeout_s })?;
-            let arm = Box::new(connect::arm(&parts.settings).map_err(failed)?);
+            let arm = connect::arm(&parts.settings).map_err(failed)?;
             let world = ArmWorld::new(parts, arm, camera)?.with_flat(flat);
             if let Some(folder) = folder {
                 // Before the first motion: after a crash in it, the next run must find this one.
