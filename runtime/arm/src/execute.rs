@@ -79,7 +79,7 @@ impl std::fmt::Display for FailedAction {
     }
 }
 
-impl<P: Port + ?Sized> Execution<'_, A> {
+impl<P: Port + ?Sized> Execution<'_, P> {
     /// Executes the segments.
     ///
     /// - `points`: pick and place, metres, base frame, for the supervisor's question.
