@@ -6,7 +6,7 @@
 
 use super::driver::{ArmError, ArmState, Halt, HandContents};
 use super::guard::Checked;
-use super::journal::{Entry, Journal, JournalError};
+use super::journal::{Entry, Journal};
 use super::limits::Limited;
 use super::port::Port;
 use super::route::{Act, Route, Segment, SegmentName};
@@ -160,17 +160,15 @@ impl<P: Port + ?Sized> Execution<'_, P> {
                 }
                 self.arm.arm().wait(ALLOWED_POLL_S);
             }
-            let journal = |error: JournalError| ArmError::JournalBeforeMotion(error.to_string());
             let begun = self.log.begin(self.number, segment);
-            begun.map_err(journal)?;
+            begun.map_err(|error| ArmError::JournalBeforeMotion(error.to_string()))?;
             match self.motion(segment) {
                 Err(ArmError::Paused) => continue,
                 Err(why) => return Err(why),
                 Ok((tool, contents)) => {
                     let at_m: [f64; 3] = tool.translation.vector.into();
-                    let unwritten =
-                        |error: JournalError| ArmError::JournalAfterMotion(error.to_string());
-                    self.log.write(&Entry::Done { at_m }).map_err(unwritten)?;
+                    let written = self.log.write(&Entry::Done { at_m });
+                    written.map_err(|error| ArmError::JournalAfterMotion(error.to_string()))?;
                     return Ok(CompletedSegment {
                         at: Point3::from(at_m),
                         contents,
@@ -191,13 +189,13 @@ impl<P: Port + ?Sized> Execution<'_, P> {
 
     /// Moves while watchdog, interrupt and supervisor are checked.
     fn motion(&mut self, segment: &Segment) -> Result<(Isometry3<f64>, HandContents), ArmError> {
-        self.watchdog.watch().map_err(ArmError::Watchdog)?;
+        self.watchdog.watch().map_err(silent_watchdog)?;
         let (interrupt, supervisor) = (self.interrupt, &mut *self.supervisor);
         let watchdog = &mut *self.watchdog;
         let mut watch = |_: &ArmState| {
             watchdog
                 .beat()
-                .map_err(|why| Halt::Stop(ArmError::Watchdog(why)))?;
+                .map_err(|why| Halt::Stop(silent_watchdog(why)))?;
             if interrupt.is_raised() {
                 return Err(Halt::Stop(ArmError::Interrupted));
             }
@@ -244,7 +242,7 @@ impl<P: Port + ?Sized> Execution<'_, P> {
         let mut stopped = moved.then(|| self.arm.arm().stop());
         match &mut stopped {
             // The watchdog goes on watching until a stop is verified, and has a connection of its own to try.
-            Some(Err(ArmError::StopNotAcknowledged { why } | ArmError::NotStopped { why })) => {
+            Some(Err(ArmError::NotStopped(why))) => {
                 match self.watchdog.stop() {
                     Ok(()) => why.push_str("; the arm acknowledged a stop by the watchdog"),
                     Err(error) => why.push_str(&format!("; the watchdog did not stop it: {error}")),
@@ -271,6 +269,10 @@ impl<P: Port + ?Sized> Execution<'_, P> {
 struct CompletedSegment {
     at: Point3<f64>,
     contents: HandContents,
+}
+
+fn silent_watchdog(why: String) -> ArmError {
+    ArmError::Failed(format!("the watchdog does not answer: {why}"))
 }
 
 /// Returns the message of a panic.

@@ -69,7 +69,7 @@ impl<P: Port + ?Sized> Limited<P> {
                 watch(state)
             });
             match moved {
-                Err(ArmError::Short { .. }) if corrections < CORRECTIONS => corrections += 1,
+                Err(ArmError::Short(_)) if corrections < CORRECTIONS => corrections += 1,
                 moved => return moved,
             }
         }

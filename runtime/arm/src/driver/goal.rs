@@ -206,9 +206,7 @@ impl<P: Port + ?Sized> PortArm<P> {
                 }
             }
         }
-        Err(ArmError::TimedOut {
-            after_s: f64::from(CANCELS) * CANCEL_S,
-        })
+        Err(ArmError::timed_out(f64::from(CANCELS) * CANCEL_S))
     }
 }
 

@@ -150,7 +150,7 @@ impl<P: Port + ?Sized> PortArm<P> {
                 (_, None) => false,
             };
             if !is_accepted {
-                return Err(ArmError::TimedOut { after_s: PROBE_S });
+                return Err(ArmError::timed_out(PROBE_S));
             }
         }
         self.port.start()?;
@@ -191,13 +191,13 @@ impl<P: Port + ?Sized> PortArm<P> {
                 Outcome::Unreported | Outcome::TimedOut => {}
             }
         }
-        Err(ArmError::TimedOut { after_s: PROBE_S })
+        Err(ArmError::timed_out(PROBE_S))
     }
 
     /// Notes how a motion ended. After any other error the arm may still be moving.
     fn ended<T>(&mut self, result: Result<T, ArmError>) -> Result<T, ArmError> {
         let event = match &result {
-            Ok(_) | Err(ArmError::Short { .. }) => Event::Verify,
+            Ok(_) | Err(ArmError::Short(_)) => Event::Verify,
             Err(ArmError::Paused) => Event::Pause,
             Err(ArmError::Stopped) => Event::Stop,
             Err(_) => return result,
@@ -264,17 +264,15 @@ impl<P: Port + ?Sized> PortArm<P> {
             self.ready(watch)?;
         }
         let reported = outcome.name();
+        let why =
+            format!("the arm reported `{reported}`, but its tool is {deviation} from its target");
         Err(match outcome {
-            Outcome::Ended(Ending::Succeeded) | Outcome::Unreported => ArmError::Short {
-                reported,
-                deviation,
-            },
-            Outcome::Ended(Ending::Preempted) => ArmError::Stalled { deviation },
-            Outcome::Ended(Ending::Aborted | Ending::Rejected) => ArmError::NotReached {
-                reported,
-                deviation,
-            },
-            Outcome::TimedOut => ArmError::TimedOut { after_s: limit_s },
+            Outcome::Ended(Ending::Succeeded) | Outcome::Unreported => ArmError::Short(why),
+            Outcome::Ended(Ending::Preempted) => ArmError::Failed(format!(
+                "the arm stalled {deviation} before its goal: something may be in its way"
+            )),
+            Outcome::Ended(Ending::Aborted | Ending::Rejected) => ArmError::Failed(why),
+            Outcome::TimedOut => ArmError::timed_out(limit_s),
         })
     }
 
@@ -316,7 +314,7 @@ impl<P: Port + ?Sized> PortArm<P> {
             GoalState::Ended(_) => self.trajectory = None,
             // The goal never arrived.
             GoalState::Sent => {}
-            GoalState::Active => return Err(ArmError::TimedOut { after_s: CANCEL_S }),
+            GoalState::Active => return Err(ArmError::timed_out(CANCEL_S)),
         }
         Ok(())
     }
@@ -330,15 +328,13 @@ impl<P: Port + ?Sized> PortArm<P> {
             // Some versions of the controller also enable the arm on a cancellation.
             stopped = stopped.and(self.port.stop());
         }
-        stopped.map_err(|error| ArmError::StopNotAcknowledged {
-            why: error.to_string(),
-        })?;
+        stopped.map_err(|error| ArmError::NotStopped(error.to_string()))?;
         let why = match ended.and_then(|()| self.is_stop_verified()) {
             Ok(true) => return Ok(()),
             Ok(false) => "it still takes goals, or moves".to_owned(),
             Err(error) => error.to_string(),
         };
-        Err(ArmError::NotStopped { why })
+        Err(ArmError::NotStopped(why))
     }
 }
 

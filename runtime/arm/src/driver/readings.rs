@@ -27,9 +27,12 @@ impl<P: Port + ?Sized> PortArm<P> {
     ) -> Result<Reading<T>, ArmError> {
         let now_s = self.port.now_s();
         let for_s = heard.as_ref().map_or(now_s, |heard| now_s - heard.at_s);
-        heard
-            .filter(|_| for_s <= self.tolerance.stale_s)
-            .ok_or(ArmError::Silent { what, for_s })
+        let heard = heard.filter(|_| for_s <= self.tolerance.stale_s);
+        heard.ok_or_else(|| {
+            ArmError::Failed(format!(
+                "the arm has not reported for `{for_s:.1}` s where its {what}; its driver or the network may be down"
+            ))
+        })
     }
 
     /// Returns the arm's state. Fails on a stale tool or finger reading; stale joint angles are left empty.
@@ -114,9 +117,7 @@ impl<P: Port + ?Sized> PortArm<P> {
                 before = now;
             }
         }
-        Err(ArmError::TimedOut {
-            after_s: self.port.now_s() - begun_s,
-        })
+        Err(ArmError::timed_out(self.port.now_s() - begun_s))
     }
 
     /// Waits until the tool is at rest; fails after [`SETTLE_S`]. A pause request is ignored.

@@ -304,7 +304,7 @@ fn a_watchdog_that_does_not_answer_stops_the_arm() {
     }
     let mut bench = Bench::with(&[]);
     let broken = bench.run(&mut Unattended, &mut Deaf(0)).unwrap_err();
-    assert_eq!(broken.why, ArmError::Watchdog("it is gone".to_owned()));
+    assert_eq!(broken.why, ArmError::Failed("the watchdog does not answer: it is gone".to_owned()));
     bench.stays_stopped();
 }
 
@@ -338,7 +338,7 @@ fn a_watchdog_is_called_off_when_a_stop_is_verified_and_not_before() {
         (&[][..], "; the arm is verified to be stopped"),
         (
             &[(FaultKind::LostStop, 0.0); 3][..],
-            "; the arm was told to stop, and nothing acknowledged it: use the physical stop (the service `in/stop`: no \
+            "; the arm was told to stop, and the stop could not be verified: use the physical stop (the service `in/stop`: no \
              answer within 1 s; the watchdog did not stop it: no answer)",
         ),
         (

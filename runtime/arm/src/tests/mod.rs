@@ -356,3 +356,12 @@ fn go_to<P: Port>(
 fn nobody(_: &ArmState) -> Result<(), Halt> {
     Ok(())
 }
+
+/// Returns why a motion failed.
+#[track_caller]
+fn failure<T: std::fmt::Debug>(moved: Result<T, ArmError>) -> String {
+    match moved {
+        Err(ArmError::Failed(why)) => why,
+        other => panic!("it should have failed: {other:?}"),
+    }
+}
