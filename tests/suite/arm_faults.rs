@@ -19,7 +19,7 @@ use fab_agent::record::RECORD_FILE;
 use fab_agent::rollout::{self, Job};
 use fab_arm::calibration::{Calibration, Pair, Terms};
 use fab_arm::journal::{ARM_FILE, Begun, Entry, run_state};
-use fab_arm::port::{AfterStop, GoalId, GoalState, Port, PortError, Readings, Waypoint};
+use fab_arm::port::{GoalId, GoalState, Port, PortError, Readings, Waypoint};
 use fab_arm::rgbd::{RgbdError, RgbdSource, Shot};
 use fab_arm::route::SegmentName;
 use fab_arm::settings::Settings;
@@ -197,8 +197,8 @@ impl Port for SharedArm {
         self.arm().stop()
     }
 
-    fn after_stop(&self) -> AfterStop {
-        self.0.borrow().after_stop()
+    fn probe(&mut self) -> Result<Option<GoalId>, PortError> {
+        self.arm().probe()
     }
 
     fn start(&mut self) -> Result<(), PortError> {

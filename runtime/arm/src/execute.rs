@@ -242,12 +242,10 @@ impl<P: Port + ?Sized> Execution<'_, P> {
         let mut stopped = moved.then(|| self.arm.arm().stop());
         match &mut stopped {
             // The watchdog goes on watching until a stop is verified, and has a connection of its own to try.
-            Some(Err(ArmError::NotStopped(why))) => {
-                match self.watchdog.stop() {
-                    Ok(()) => why.push_str("; the arm acknowledged a stop by the watchdog"),
-                    Err(error) => why.push_str(&format!("; the watchdog did not stop it: {error}")),
-                }
-            }
+            Some(Err(ArmError::NotStopped(why))) => match self.watchdog.stop() {
+                Ok(()) => why.push_str("; the arm acknowledged a stop by the watchdog"),
+                Err(error) => why.push_str(&format!("; the watchdog did not stop it: {error}")),
+            },
             Some(Err(_)) => {}
             Some(Ok(())) | None => self.watchdog.rest(),
         }

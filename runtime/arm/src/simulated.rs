@@ -6,9 +6,7 @@
 
 use super::kinematics::chain::Chain;
 use super::kinematics::reach::Reach;
-use super::port::{
-    AfterStop, Ending, GoalId, GoalState, Port, PortError, Reading, Readings, Waypoint,
-};
+use super::port::{Ending, GoalId, GoalState, Port, PortError, Reading, Readings, Waypoint};
 use super::settings::{FingerSettings, Settings};
 use nalgebra::{Isometry3, Point3};
 use std::cell::RefCell;
@@ -272,10 +270,6 @@ impl Port for SimulatedArm {
         self.end_trajectory(Ending::Preempted);
         self.end_fingers(Ending::Preempted);
         Ok(())
-    }
-
-    fn after_stop(&self) -> AfterStop {
-        AfterStop::Accepts
     }
 
     fn start(&mut self) -> Result<(), PortError> {

@@ -6,7 +6,7 @@
 use super::Stage;
 use super::fault::FaultKind;
 use super::faulty::{Fault, Faulty};
-use fab_arm::port::{AfterStop, GoalId, GoalState, Port, PortError, Readings, Waypoint};
+use fab_arm::port::{GoalId, GoalState, Port, PortError, Readings, Waypoint};
 use fab_arm::rgbd::{RgbdError, RgbdSource, Shot};
 use fab_arm::settings::Settings;
 use fab_arm::table::{ClothTable, TableCamera};
@@ -232,10 +232,6 @@ impl Port for Scene {
 
     fn stop(&mut self) -> Result<(), PortError> {
         self.arm.stop()
-    }
-
-    fn after_stop(&self) -> AfterStop {
-        self.arm.after_stop()
     }
 
     fn start(&mut self) -> Result<(), PortError> {

@@ -1,13 +1,13 @@
 //! Drives an arm through a port, and verifies each motion by measurement.
 //!
 //! The node reports a goal as reached when the tool is up to 10 mm and 2 degrees off, a cancelled or stalled goal
-//! leaves the arm enabled, and only a refused pose reveals a stop. So each motion starts with a probe (a goal at the
-//! current pose) and ends with measurements of the pose; a stop is requested until a probe is refused. After a stop
+//! leaves the arm enabled, and only a refused goal reveals a stop. So each motion starts with a probe ([`Port::probe`])
+//! and ends with measurements of the pose; a stop is requested until a probe is refused. After a stop
 //! nothing is cancelled and nothing else is sent, because the node takes either as a reason to enable the arm. The
 //! exception is the trajectory controller: it ignores the stop and would resume once the arm is enabled, so its
 //! trajectory is ended.
 //!
-//! An arm that takes goals after a stop ([`AfterStop::Accepts`]) needs no probe: its stop is verified when it was
+//! An arm that takes goals after a stop has no probe: its stop is verified when it was
 //! acknowledged, its trajectory has ended, and the tool is at rest.
 
 use super::goal::{Goal, Outcome};
@@ -15,7 +15,7 @@ use super::readings::{POLL_S, SETTLE_S};
 use super::{ArmError, ArmState, Deviation, Halt, HandContents, Opening, Watch};
 use crate::guard::{Checked, Motion};
 use crate::phase::{Event, Phase};
-use crate::port::{AfterStop, Ending, GoalId, GoalState, Port};
+use crate::port::{Ending, GoalId, GoalState, Port};
 use crate::settings::{FingerSettings, Tolerance};
 
 /// How long a probe may take, seconds, and how often it is sent if its end is not reported.
@@ -164,24 +164,15 @@ impl<P: Port + ?Sized> PortArm<P> {
         self.ready(&mut unwatched)
     }
 
-    /// Re-sends the current pose; a stopped arm aborts it, which reveals the stop.
-    fn probe(&mut self, watch: &mut Watch<'_>) -> Result<Outcome, ArmError> {
-        let here = self.state()?;
-        self.execute(&Goal::Pose(Checked::here(&here)), PROBE_S, watch)
-    }
-
     /// Fails if the arm is stopped, or the watch callback ends it. This may take seconds, so it is asked before a motion
     /// is checked, and not between the check and [`PortArm::move_tool`].
     pub fn ready(&mut self, watch: &mut Watch<'_>) -> Result<(), ArmError> {
         if !self.phase.takes_motions() {
             return Err(ArmError::Stopped);
         }
-        if self.port.after_stop() == AfterStop::Accepts {
-            return Ok(());
-        }
         for _ in 0..PROBES {
-            match self.probe(watch)? {
-                Outcome::Ended(Ending::Succeeded) => return Ok(()),
+            match self.execute(&Goal::Probe, PROBE_S, watch)? {
+                Outcome::NotProbed | Outcome::Ended(Ending::Succeeded) => return Ok(()),
                 Outcome::Ended(Ending::Aborted | Ending::Rejected) => {
                     self.phase = self.phase.after(Event::Stop);
                     return Err(ArmError::Stopped);
@@ -267,7 +258,9 @@ impl<P: Port + ?Sized> PortArm<P> {
         let why =
             format!("the arm reported `{reported}`, but its tool is {deviation} from its target");
         Err(match outcome {
-            Outcome::Ended(Ending::Succeeded) | Outcome::Unreported => ArmError::Short(why),
+            Outcome::Ended(Ending::Succeeded) | Outcome::Unreported | Outcome::NotProbed => {
+                ArmError::Short(why)
+            }
             Outcome::Ended(Ending::Preempted) => ArmError::Failed(format!(
                 "the arm stalled {deviation} before its goal: something may be in its way"
             )),
@@ -281,10 +274,10 @@ impl<P: Port + ?Sized> PortArm<P> {
         if !self.is_at_rest()? {
             return Ok(false);
         }
-        if self.port.after_stop() == AfterStop::Accepts {
-            return Ok(self.trajectory.is_none());
-        }
-        Ok(self.probe(&mut unwatched)?.is_refusal())
+        Ok(match self.execute(&Goal::Probe, PROBE_S, &mut unwatched)? {
+            Outcome::NotProbed => self.trajectory.is_none(),
+            outcome => outcome.is_refusal(),
+        })
     }
 
     /// Ends the controller's last trajectory, so that it does not resume once the arm is enabled.
@@ -300,7 +293,7 @@ impl<P: Port + ?Sized> PortArm<P> {
             // The server is done with it, but the controller may not be: only another trajectory replaces it.
             GoalState::Ended(Ending::Aborted) => {
                 let here = self.current_with_joints()?;
-                id = self.send(&hold_position(&here))?;
+                id = self.send(&hold_position(&here))?.unwrap_or(id);
             }
             GoalState::Sent | GoalState::Active => self.port.cancel(&id)?,
         }

@@ -362,9 +362,6 @@ impl Port for Carried {
     fn stop(&mut self) -> Result<(), PortError> {
         Ok(())
     }
-    fn after_stop(&self) -> AfterStop {
-        AfterStop::Accepts
-    }
     fn start(&mut self) -> Result<(), PortError> {
         Ok(())
     }

@@ -304,7 +304,10 @@ fn a_watchdog_that_does_not_answer_stops_the_arm() {
     }
     let mut bench = Bench::with(&[]);
     let broken = bench.run(&mut Unattended, &mut Deaf(0)).unwrap_err();
-    assert_eq!(broken.why, ArmError::Failed("the watchdog does not answer: it is gone".to_owned()));
+    assert_eq!(
+        broken.why,
+        ArmError::Failed("the watchdog does not answer: it is gone".to_owned())
+    );
     bench.stays_stopped();
 }
 

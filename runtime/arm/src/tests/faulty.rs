@@ -4,7 +4,7 @@
 //! file by its path, with `fault.rs` and `kinova` beside it and the crate as `arm`.
 
 use super::arm::kinematics::chain::Chain;
-use super::arm::port::{AfterStop, Ending, GoalId, GoalState, Port, PortError, Readings, Waypoint};
+use super::arm::port::{Ending, GoalId, GoalState, Port, PortError, Readings, Waypoint};
 use super::arm::settings::Settings;
 use super::arm::simulated::{SimulatedArm, SimulatedTable};
 use super::fault::FaultKind;
@@ -322,8 +322,9 @@ impl Port for Faulty {
         })
     }
 
-    fn after_stop(&self) -> AfterStop {
-        self.arm.after_stop()
+    fn probe(&mut self) -> Result<Option<GoalId>, PortError> {
+        let here = self.readings.tool;
+        here.map(|here| self.send_pose(&here.value)).transpose()
     }
 
     fn start(&mut self) -> Result<(), PortError> {

@@ -196,12 +196,7 @@ fn a_link_to_the_settings_does_not_hide_an_unfinished_motion() {
 #[test]
 fn a_last_run_that_cannot_be_read_is_unknown() {
     let (folder, settings, _) = after(None);
-    for text in [
-        "",
-        "{",
-        "[]",
-        "{\"run\": 3}",
-    ] {
+    for text in ["", "{", "[]", "{\"run\": 3}"] {
         fs::write(folder.path().join("robot.last-run.json"), text).unwrap();
         let error = left(&settings).unwrap_err().to_string();
         assert!(error.contains("robot.last-run.json"), "{text}: {error}");

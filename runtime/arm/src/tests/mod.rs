@@ -23,7 +23,7 @@ use super::guard::{Guard, Surface};
 use super::journal::Journal;
 use super::kinematics::chain::Chain;
 use super::limits::Limited;
-use super::port::{AfterStop, GoalId, GoalState, Port, PortError, Readings, Waypoint};
+use super::port::{GoalId, GoalState, Port, PortError, Readings, Waypoint};
 use super::route::Route;
 use super::settings::Settings;
 use super::simulated::{SimulatedArm, SimulatedTable};
@@ -242,7 +242,8 @@ struct Tapped {
     cancelled_s: Option<f64>,
     /// When the tool first and last moved, by steps of the simulated clock.
     moved_s: Option<[f64; 2]>,
-    after_stop: AfterStop,
+    /// Whether it takes trajectories alone, and its stop is their cancellation.
+    is_generic: bool,
     last: Option<GoalId>,
 }
 
@@ -254,7 +255,7 @@ impl Tapped {
             off_rad: 0.0,
             cancelled_s: None,
             moved_s: None,
-            after_stop: AfterStop::Refuses,
+            is_generic: false,
             last: None,
         }
     }
@@ -262,7 +263,7 @@ impl Tapped {
     /// An arm that takes trajectories alone, and whose stop is their cancellation.
     fn generic(arm: Faulty) -> Tapped {
         Tapped {
-            after_stop: AfterStop::Accepts,
+            is_generic: true,
             ..Tapped::deaf(arm, f64::INFINITY)
         }
     }
@@ -288,10 +289,8 @@ impl Port for Tapped {
         sent
     }
     fn send_pose(&mut self, tool: &Isometry3<f64>) -> Result<GoalId, PortError> {
-        match self.after_stop {
-            AfterStop::Refuses => self.arm.send_pose(tool),
-            AfterStop::Accepts => panic!("it takes no poses"),
-        }
+        assert!(!self.is_generic, "it takes no poses");
+        self.arm.send_pose(tool)
     }
     fn send_fingers(&mut self, positions: &[f64]) -> Result<GoalId, PortError> {
         self.arm.send_fingers(positions)
@@ -304,11 +303,10 @@ impl Port for Tapped {
         self.arm.cancel(goal)
     }
     fn stop(&mut self) -> Result<(), PortError> {
-        let last = match self.after_stop {
-            AfterStop::Refuses => return self.arm.stop(),
-            AfterStop::Accepts => self.last.clone(),
-        };
-        let Some(id) = last else {
+        if !self.is_generic {
+            return self.arm.stop();
+        }
+        let Some(id) = self.last.clone() else {
             return Ok(());
         };
         self.arm.cancel(&id)?;
@@ -321,8 +319,11 @@ impl Port for Tapped {
             }),
         }
     }
-    fn after_stop(&self) -> AfterStop {
-        self.after_stop
+    fn probe(&mut self) -> Result<Option<GoalId>, PortError> {
+        if self.is_generic {
+            return Ok(None);
+        }
+        self.arm.probe()
     }
     fn start(&mut self) -> Result<(), PortError> {
         self.arm.start()

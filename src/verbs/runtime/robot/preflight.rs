@@ -46,7 +46,9 @@ pub fn report_run_state(run: &Path, robot: &Path, settings: &Settings, io: &Io) 
         _ => see_to_it(robot),
     };
     let left = told(&left);
-    io.talk(&format!("note: this is how the arm was left: {left}{what_to_do}"));
+    io.talk(&format!(
+        "note: this is how the arm was left: {left}{what_to_do}"
+    ));
 }
 
 /// Fails if the arm needs recovery after its last run.

@@ -9,9 +9,7 @@
 mod body;
 mod node;
 
-use super::arm::port::{
-    AfterStop, GoalId, GoalState, Port, PortError, Reading, Readings, Stamps, Waypoint,
-};
+use super::arm::port::{GoalId, GoalState, Port, PortError, Reading, Readings, Stamps, Waypoint};
 use super::arm::settings::Settings;
 use super::arm::simulated::SimulatedArm;
 use body::Body;
@@ -158,8 +156,9 @@ impl Port for KinovaArm {
         Ok(())
     }
 
-    fn after_stop(&self) -> AfterStop {
-        AfterStop::Refuses
+    fn probe(&mut self) -> Result<Option<GoalId>, PortError> {
+        let here = self.readings.tool;
+        here.map(|here| self.send_pose(&here.value)).transpose()
     }
 
     fn start(&mut self) -> Result<(), PortError> {
