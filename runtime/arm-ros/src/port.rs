@@ -231,8 +231,11 @@ impl Port for RosPort {
 
     /// Re-sends the arm's pose, which kinova-ros takes at any time and aborts while the arm is stopped.
     fn probe(&mut self) -> Result<Option<GoalId>, PortError> {
-        let here = self.topics.readings().tool.filter(|_| self.has_stop);
-        here.map(|here| self.send_pose(&here.value)).transpose()
+        let Some(here) = self.topics.readings().tool.filter(|_| self.has_stop) else {
+            return Ok(None);
+        };
+        let message = servers::tool_pose(&here.value, &self.names.base_frame);
+        send(&self.servers.pose, message).map(Some)
     }
 
     fn start(&mut self) -> Result<(), PortError> {
