@@ -118,7 +118,7 @@ fn peer_ros_an_arm_that_is_guided_gives_its_places() {
     let guard = Guard::level(&settings);
     let (fingers, tolerance) = (settings.fingers, settings.tolerance);
     let arm = PortArm::new(Box::new(port), Commands::Poses, fingers, tolerance);
-    let mut arm = Limited::new(Box::new(arm), guard);
+    let mut arm = Limited::new(arm, guard);
     let mut places = Vec::new();
     for (at, pixel) in [
         ([0.40, -0.10, 0.02], "150,200"),

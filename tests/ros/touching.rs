@@ -68,7 +68,7 @@ const ABOVE_M: f64 = 0.003;
 fn drive(lab: &mut Lab, places: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let settings = lab.settings();
     let arm = lab.ros.arm(&settings);
-    let mut arm = Limited::new(Box::new(arm), Guard::level(&settings));
+    let mut arm = Limited::new(arm, Guard::level(&settings));
     let mut go = |[x, y, z]: [f64; 3]| {
         let to = tool_down(&Point3::new(x, y, z), 0.0);
         let speed_m_s = settings.motion.speed_m_s;

@@ -6,6 +6,8 @@ mod fault;
 #[path = "../../runtime/arm/src/tests/faulty.rs"]
 #[allow(dead_code, reason = "other tests use the rest")]
 mod faulty;
+#[path = "../../runtime/arm/src/tests/kinova/mod.rs"]
+mod kinova;
 
 use super::support::{self, Trial, root, task};
 use ::fab_arm as arm;
@@ -17,7 +19,7 @@ use fab_agent::record::RECORD_FILE;
 use fab_agent::rollout::{self, Job};
 use fab_arm::calibration::{Calibration, Pair, Terms};
 use fab_arm::journal::{ARM_FILE, Begun, Entry, run_state};
-use fab_arm::port::{AfterStop, GoalId, GoalState, Port, PortError, Readings, Waypoint};
+use fab_arm::port::{GoalId, GoalState, Port, PortError, Readings, Waypoint};
 use fab_arm::rgbd::{RgbdSource, Shot};
 use fab_arm::route::SegmentName;
 use fab_arm::supervisor::{MotionRequest, NoWatchdog, Supervisor};
@@ -194,8 +196,8 @@ impl Port for SharedArm {
         self.arm().stop()
     }
 
-    fn after_stop(&self) -> AfterStop {
-        self.0.borrow().after_stop()
+    fn probe(&mut self) -> Result<Option<GoalId>, PortError> {
+        self.arm().probe()
     }
 
     fn start(&mut self) -> Result<(), PortError> {
@@ -282,9 +284,9 @@ fn run(trial: &Trial<'_>, trouble: &Trouble, folder: &Path) -> Ended {
             watchdog: Box::new(NoWatchdog),
             folder: Some(folder.to_owned()),
         };
-        let (chain, faults) = (parts.files.settings.chain().clone(), trouble.faults.clone());
+        let (settings, faults) = (parts.files.settings.clone(), trouble.faults.clone());
         let world = ArmWorld::simulated_behind(parts, |arm, camera| {
-            let arm = SharedArm::new(Faulty::of(arm, chain, faults));
+            let arm = SharedArm::new(Faulty::of(arm, &settings, 0, faults));
             ARM.set(Some(arm.clone()));
             let camera = FaultyCamera(camera, arm.clone());
             (Box::new(arm), Box::new(camera))

@@ -9,7 +9,7 @@ use super::messages::actionlib_msgs::GoalID;
 use super::messages::kinova_msgs::{Start, StartRequest, Stop, StopRequest};
 use super::servers::{self, Fingers, ToolPose, Trajectory};
 use super::topics::{Names, Topics};
-use fab_arm::port::{AfterStop, Ending, GoalId, GoalState, Port, PortError, Readings, Waypoint};
+use fab_arm::port::{Ending, GoalId, GoalState, Port, PortError, Readings, Waypoint};
 use nalgebra::Isometry3;
 use roslibrust::RosServiceType;
 use roslibrust::ros1::ServiceClient;
@@ -229,11 +229,13 @@ impl Port for RosPort {
         }
     }
 
-    fn after_stop(&self) -> AfterStop {
-        match self.has_stop {
-            true => AfterStop::Refuses,
-            false => AfterStop::Accepts,
-        }
+    /// Re-sends the arm's pose, which kinova-ros takes at any time and aborts while the arm is stopped.
+    fn probe(&mut self) -> Result<Option<GoalId>, PortError> {
+        let Some(here) = self.topics.readings().tool.filter(|_| self.has_stop) else {
+            return Ok(None);
+        };
+        let message = servers::tool_pose(&here.value, &self.names.base_frame);
+        send(&self.servers.pose, message).map(Some)
     }
 
     fn start(&mut self) -> Result<(), PortError> {

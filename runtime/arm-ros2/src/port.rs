@@ -9,7 +9,7 @@ use super::link::Link;
 use super::messages::{TriggerRequest, TriggerResponse};
 use super::readings::{JointStates, Names};
 use super::service::{Client, Service};
-use fab_arm::port::{AfterStop, Ending, GoalId, GoalState, Port, PortError, Readings, Waypoint};
+use fab_arm::port::{Ending, GoalId, GoalState, Port, PortError, Readings, Waypoint};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -238,12 +238,6 @@ impl Port for Ros2Port {
             },
             why,
         })
-    }
-
-    /// A controller of ROS 2 takes the next goal after a cancellation. Whether it does after the service's stop is the
-    /// arm's own affair, so nothing is concluded from it.
-    fn after_stop(&self) -> AfterStop {
-        AfterStop::Accepts
     }
 
     /// Does nothing: a cancellation leaves nothing to be undone, and what a stop service switched off is switched on

@@ -4,10 +4,11 @@
 //! opened; else the error, the last verified segment, and whether the arm is verified to be stopped. On any error, and
 //! on a panic, the arm is stopped before anything else happens.
 
-use super::driver::{Arm, ArmError, ArmState, Halt, HandContents};
+use super::driver::{ArmError, ArmState, Halt, HandContents};
 use super::guard::Checked;
-use super::journal::{Entry, Journal, JournalError};
+use super::journal::{Entry, Journal};
 use super::limits::Limited;
+use super::port::Port;
 use super::route::{Act, Route, Segment, SegmentName};
 use super::supervisor::{MotionRequest, Supervisor, Watchdog};
 use fab_base::interrupt::Interrupt;
@@ -19,9 +20,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 const ALLOWED_POLL_S: f64 = 0.05;
 
 /// Everything that is needed to execute one pick and place.
-pub struct Execution<'e, A: Arm + ?Sized> {
+pub struct Execution<'e, P: Port + ?Sized> {
     /// The arm, within its limits.
-    pub arm: &'e mut Limited<A>,
+    pub arm: &'e mut Limited<P>,
     /// Its journal.
     pub log: &'e mut Journal,
     /// Who confirms motion.
@@ -78,7 +79,7 @@ impl std::fmt::Display for FailedAction {
     }
 }
 
-impl<A: Arm + ?Sized> Execution<'_, A> {
+impl<P: Port + ?Sized> Execution<'_, P> {
     /// Executes the segments.
     ///
     /// - `points`: pick and place, metres, base frame, for the supervisor's question.
@@ -161,17 +162,15 @@ impl<A: Arm + ?Sized> Execution<'_, A> {
                 }
                 self.arm.arm().wait(ALLOWED_POLL_S);
             }
-            let journal = |error: JournalError| ArmError::JournalBeforeMotion(error.to_string());
             let begun = self.log.begin(self.number, segment);
-            begun.map_err(journal)?;
+            begun.map_err(|error| ArmError::JournalBeforeMotion(error.to_string()))?;
             match self.motion(segment) {
                 Err(ArmError::Paused) => continue,
                 Err(why) => return Err(why),
                 Ok((tool, contents)) => {
                     let at_m: [f64; 3] = tool.translation.vector.into();
-                    let unwritten =
-                        |error: JournalError| ArmError::JournalAfterMotion(error.to_string());
-                    self.log.write(&Entry::Done { at_m }).map_err(unwritten)?;
+                    let written = self.log.write(&Entry::Done { at_m });
+                    written.map_err(|error| ArmError::JournalAfterMotion(error.to_string()))?;
                     return Ok(CompletedSegment {
                         at: Point3::from(at_m),
                         contents,
@@ -192,13 +191,13 @@ impl<A: Arm + ?Sized> Execution<'_, A> {
 
     /// Moves while watchdog, interrupt and supervisor are checked.
     fn motion(&mut self, segment: &Segment) -> Result<(Isometry3<f64>, HandContents), ArmError> {
-        self.watchdog.watch().map_err(ArmError::Watchdog)?;
+        self.watchdog.watch().map_err(silent_watchdog)?;
         let (interrupt, supervisor) = (self.interrupt, &mut *self.supervisor);
         let watchdog = &mut *self.watchdog;
         let mut watch = |_: &ArmState| {
             watchdog
                 .beat()
-                .map_err(|why| Halt::Stop(ArmError::Watchdog(why)))?;
+                .map_err(|why| Halt::Stop(silent_watchdog(why)))?;
             if interrupt.is_raised() {
                 return Err(Halt::Stop(ArmError::Interrupted));
             }
@@ -245,12 +244,10 @@ impl<A: Arm + ?Sized> Execution<'_, A> {
         let mut stopped = moved.then(|| self.arm.arm().stop());
         match &mut stopped {
             // The watchdog goes on watching until a stop is verified, and has a connection of its own to try.
-            Some(Err(ArmError::StopNotAcknowledged { why } | ArmError::NotStopped { why })) => {
-                match self.watchdog.stop() {
-                    Ok(()) => why.push_str("; the arm acknowledged a stop by the watchdog"),
-                    Err(error) => why.push_str(&format!("; the watchdog did not stop it: {error}")),
-                }
-            }
+            Some(Err(ArmError::NotStopped(why))) => match self.watchdog.stop() {
+                Ok(()) => why.push_str("; the arm acknowledged a stop by the watchdog"),
+                Err(error) => why.push_str(&format!("; the watchdog did not stop it: {error}")),
+            },
             Some(Err(_)) => {}
             Some(Ok(())) | None => self.watchdog.rest(),
         }
@@ -272,6 +269,10 @@ impl<A: Arm + ?Sized> Execution<'_, A> {
 struct CompletedSegment {
     at: Point3<f64>,
     contents: HandContents,
+}
+
+fn silent_watchdog(why: String) -> ArmError {
+    ArmError::Failed(format!("the watchdog does not answer: {why}"))
 }
 
 /// Returns the message of a panic.

@@ -59,13 +59,6 @@ impl<T> Checked<T> {
     }
 }
 
-impl Checked<Isometry3<f64>> {
-    /// The pose in which the arm was measured: as a goal it moves nothing.
-    pub(crate) fn here(state: &ArmState) -> Checked<Isometry3<f64>> {
-        Checked(state.tool)
-    }
-}
-
 impl Checked<Vec<Waypoint>> {
     /// A trajectory that holds the joints where they were measured.
     ///

@@ -226,118 +226,64 @@ pub fn run_state(folder: &Path) -> Result<RunState, JournalError> {
     Ok(state)
 }
 
-/// How its last run left an arm.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(tag = "left", rename_all = "snake_case")]
-pub enum Left {
-    /// There was no run, or it left the arm at rest with an empty hand, or a person has recovered the arm.
-    Clear,
-    /// A motion is unfinished, or the hand may hold something.
-    Unclear(RunState),
-    /// The run's journal is gone, or cannot be read.
-    Unknown {
-        /// What is wrong with it.
-        why: String,
-    },
-}
-
-impl fmt::Display for Left {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Left::Clear => RunState::default().fmt(f),
-            Left::Unclear(state) => state.fmt(f),
-            Left::Unknown { why } => {
-                write!(
-                    f,
-                    "the state that the last run left it in is unknown: {why}"
-                )
-            }
-        }
-    }
-}
-
 /// The contents of the file that names the last run.
 #[derive(Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 struct LastRun {
     /// The run folder.
     run: PathBuf,
-    /// What a person did to recover the arm, if the run's own journal is gone.
-    recovered: Option<String>,
 }
 
-impl LastRun {
-    /// Returns the path of the file beside a settings file; a symbolic link has that of its target.
-    fn file(settings: &Path) -> PathBuf {
-        let file = fs::canonicalize(settings);
-        let file = file.unwrap_or_else(|_| settings.to_owned());
-        file.with_extension("last-run.json")
-    }
+/// Returns the path of that file beside a settings file; a symbolic link has that of its target.
+fn last_run_file(settings: &Path) -> PathBuf {
+    let file = fs::canonicalize(settings);
+    let file = file.unwrap_or_else(|_| settings.to_owned());
+    file.with_extension("last-run.json")
+}
 
-    fn read(settings: &Path) -> Result<Option<LastRun>, JournalError> {
-        let path = LastRun::file(settings);
-        if !path.exists() {
-            return Ok(None);
-        }
-        let last = files::read_json(&path, MAX_BYTES);
-        last.map(Some).map_err(|why| {
-            let why = format!("it should name the arm's last run, and cannot be read ({why}); see to the arm, then remove it");
-            JournalError { path, why }
-        })
+fn last_run(settings: &Path) -> Result<Option<PathBuf>, JournalError> {
+    let path = last_run_file(settings);
+    if !path.exists() {
+        return Ok(None);
     }
-
-    fn write(&self, settings: &Path) -> Result<(), JournalError> {
-        let path = LastRun::file(settings);
-        let text = serde_json::to_string_pretty(self);
-        let text = text.map_err(|error| JournalError::of(&path, error))?;
-        files::write_whole(&path, format!("{text}\n").as_bytes())
-            .map_err(|error| JournalError::of(&path, error))
-    }
-
-    fn left(&self) -> Left {
-        let journal = self.run.join(ARM_FILE);
-        if self.recovered.is_some() {
-            return Left::Clear;
-        }
-        if !journal.is_file() {
-            let why = format!("`{}` is gone", journal.display());
-            return Left::Unknown { why };
-        }
-        match run_state(&self.run) {
-            Ok(state) if state.is_clear() => Left::Clear,
-            Ok(state) => Left::Unclear(state),
-            Err(error) => Left::Unknown {
-                why: error.to_string(),
-            },
-        }
-    }
+    let last = files::read_json(&path, MAX_BYTES);
+    let last: LastRun = last.map_err(|why| JournalError::of(&path, why))?;
+    Ok(Some(last.run))
 }
 
 /// Records beside the settings that a run is about to move the arm; its folder must exist.
 pub fn record_run(settings: &Path, run: &Path) -> Result<(), JournalError> {
     // The next run may start in another folder.
     let run = fs::canonicalize(run).map_err(|error| JournalError::of(run, error))?;
-    let recovered = None;
-    LastRun { run, recovered }.write(settings)
+    let path = last_run_file(settings);
+    let text = serde_json::to_string_pretty(&LastRun { run });
+    let text = text.map_err(|error| JournalError::of(&path, error))?;
+    files::write_whole(&path, format!("{text}\n").as_bytes())
+        .map_err(|error| JournalError::of(&path, error))
 }
 
-/// Returns how the last run left the arm of these settings; fails if the file that names it cannot be read.
-pub fn left(settings: &Path) -> Result<Left, JournalError> {
-    Ok(LastRun::read(settings)?.map_or(Left::Clear, |last| last.left()))
+/// Returns how the last run left the arm of these settings, clear if there was none; fails if that is unknown, because the
+/// file that names the run or the run's journal is gone or cannot be read.
+pub fn left(settings: &Path) -> Result<RunState, JournalError> {
+    let Some(run) = last_run(settings)? else {
+        return Ok(RunState::default());
+    };
+    let journal = run.join(ARM_FILE);
+    if !journal.is_file() {
+        return Err(JournalError::of(&journal, "it is gone"));
+    }
+    run_state(&run)
 }
 
-/// Records what a person did to recover the arm: in its last run's journal, or beside the settings if that is gone.
+/// Records what a person did to recover the arm in its last run's journal; if that is gone or cannot be read, the run is
+/// forgotten.
 pub fn record_recovery(settings: &Path, how: &str) -> Result<(), JournalError> {
-    let Some(last) = LastRun::read(settings)? else {
+    if left(settings).is_err() {
+        let path = last_run_file(settings);
+        return fs::remove_file(&path).map_err(|error| JournalError::of(&path, error));
+    }
+    let Some(run) = last_run(settings)? else {
         return Ok(());
     };
     let how = how.to_owned();
-    if let Left::Unknown { .. } = last.left() {
-        let recovered = Some(how);
-        return LastRun { recovered, ..last }.write(settings);
-    }
-    if !last.run.join(ARM_FILE).is_file() {
-        return Ok(());
-    }
-    Journal::open(&last.run)?.write(&Entry::Recovered { how })
+    Journal::open(&run)?.write(&Entry::Recovered { how })
 }

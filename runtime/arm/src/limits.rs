@@ -1,10 +1,11 @@
 //! Stops an arm that violates its limits while it moves, and sends a motion again that ended short of its goal.
 //!
 //! In: places for the tool. Out: motions to them that the [`Guard`] allows from where the arm is, and a stop if measured
-//! positions, angles or speeds leave its limits. It wraps any arm.
+//! positions, angles or speeds leave its limits.
 
-use super::driver::{Arm, ArmError, ArmState, Deviation, Halt, HandContents, Opening, Watch};
+use super::driver::{ArmError, ArmState, Deviation, Halt, HandContents, Opening, PortArm, Watch};
 use super::guard::{Checked, Guard, Motion};
+use super::port::Port;
 use nalgebra::Isometry3;
 
 /// How often a motion that ended short of its goal is sent again: after two the arm is not where it says.
@@ -20,16 +21,16 @@ const FINGERS_STAY_M: f64 = 0.010;
 const SPEED_OVER_S: f64 = 0.4;
 
 /// An arm that is checked against its limits while it moves.
-pub struct Limited<A: Arm + ?Sized> {
-    arm: Box<A>,
+pub struct Limited<P: Port + ?Sized> {
+    arm: PortArm<P>,
     guard: Guard,
     /// Motions of the route that it has not made.
     pub(super) planned: Vec<Checked<Motion>>,
 }
 
-impl<A: Arm + ?Sized> Limited<A> {
+impl<P: Port + ?Sized> Limited<P> {
     /// Wraps an arm.
-    pub fn new(arm: Box<A>, guard: Guard) -> Limited<A> {
+    pub fn new(arm: PortArm<P>, guard: Guard) -> Limited<P> {
         Limited {
             arm,
             guard,
@@ -43,7 +44,7 @@ impl<A: Arm + ?Sized> Limited<A> {
     }
 
     /// Returns the wrapped arm.
-    pub fn arm(&mut self) -> &mut A {
+    pub fn arm(&mut self) -> &mut PortArm<P> {
         &mut self.arm
     }
 
@@ -87,7 +88,7 @@ impl<A: Arm + ?Sized> Limited<A> {
                 watch(state)
             });
             match moved {
-                Err(ArmError::Short { .. }) if corrections < CORRECTIONS => corrections += 1,
+                Err(ArmError::Short(_)) if corrections < CORRECTIONS => corrections += 1,
                 moved => return moved,
             }
         }

@@ -130,15 +130,6 @@ pub struct PortError {
     pub why: String,
 }
 
-/// What an arm does with a goal that it gets after a stop.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum AfterStop {
-    /// It refuses the goal until `start`, so that a refused goal verifies a stop.
-    Refuses,
-    /// It takes the goal: a stop only ended the motion.
-    Accepts,
-}
-
 /// A connection to the node that moves an arm.
 ///
 /// Sending only queues a message; `goal` reports whether a goal was accepted, and how it ended. Only `stop` and
@@ -153,7 +144,7 @@ pub trait Port {
     /// Moves the joints through these points, which preempts the trajectory before (`FollowJointTrajectory`).
     fn send_trajectory(&mut self, points: &[Waypoint]) -> Result<GoalId, PortError>;
 
-    /// Moves the tool to a pose, `base_from_tool`. An arm that refuses goals after a stop takes its own pose at any time.
+    /// Moves the tool to a pose, `base_from_tool`.
     fn send_pose(&mut self, _tool: &Isometry3<f64>) -> Result<GoalId, PortError> {
         Err(PortError {
             what: "a pose of the tool".to_owned(),
@@ -173,8 +164,11 @@ pub trait Port {
     /// Stops the arm; fails if nothing acknowledges the stop.
     fn stop(&mut self) -> Result<(), PortError>;
 
-    /// Returns what the arm does with goals after a stop.
-    fn after_stop(&self) -> AfterStop;
+    /// Sends a goal that moves nothing, and that a stopped arm refuses, which reveals a stop. `None` if the arm takes goals
+    /// after a stop, which then only ended the motion.
+    fn probe(&mut self) -> Result<Option<GoalId>, PortError> {
+        Ok(None)
+    }
 
     /// Enables a stopped arm. Called only at a person's request.
     fn start(&mut self) -> Result<(), PortError>;

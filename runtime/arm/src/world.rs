@@ -15,13 +15,14 @@ pub use picture::simulated_table;
 pub use planning::{PLAN_FILE, PLAN_PICTURE, read_plan};
 pub use reach::WithinReach;
 
-use crate::driver::{Arm, ArmError, ArmState, HandContents};
+use crate::driver::{ArmError, ArmState, HandContents, PortArm};
 use crate::execute::{Execution, FailedAction};
 use crate::guard::Checked;
 use crate::journal::Journal;
 use crate::kinematics::tool_down::tool_down;
 use crate::limits::Limited;
 use crate::plan::Plan;
+use crate::port::Port;
 use crate::rgbd::{RgbdSource, Shot};
 use crate::route::Route;
 use crate::table::ClothTable;
@@ -53,7 +54,7 @@ enum Acts {
 pub struct ArmWorld {
     parts: Parts,
     base_from_world: Isometry3<f64>,
-    arm: Limited<dyn Arm>,
+    arm: Limited<dyn Port>,
     camera: Box<dyn RgbdSource>,
     /// The simulated table, if there is one.
     table: Option<Rc<RefCell<ClothTable>>>,
@@ -72,7 +73,7 @@ impl ArmWorld {
     /// Wraps an arm in limits, over a table that a camera sees.
     pub fn new(
         parts: Parts,
-        arm: Box<dyn Arm>,
+        arm: PortArm<dyn Port>,
         camera: Box<dyn RgbdSource>,
     ) -> Result<ArmWorld, WorldError> {
         let Files {

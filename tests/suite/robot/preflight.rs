@@ -64,7 +64,7 @@ fn an_arm_that_a_run_left_in_the_middle_is_not_moved_again_before_a_person_has_l
     // The next run was cut off, and its folder was deleted.
     fs::write(run.join("arm.jsonl"), GRASP).unwrap();
     fs::rename(&run, folder.path().join("elsewhere")).unwrap();
-    refused("arm.jsonl` is gone");
+    refused("arm.jsonl`: it is gone");
     passes();
 }
 

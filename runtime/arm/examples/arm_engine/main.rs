@@ -13,6 +13,8 @@ mod fault;
 #[path = "../../src/tests/faulty.rs"]
 #[allow(dead_code, reason = "other tests use the rest")]
 mod faulty;
+#[path = "../../src/tests/kinova/mod.rs"]
+mod kinova;
 mod scene;
 mod straight;
 

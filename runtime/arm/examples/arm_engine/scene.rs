@@ -6,10 +6,9 @@
 use super::Stage;
 use super::fault::FaultKind;
 use super::faulty::{Fault, Faulty};
-use fab_arm::port::{AfterStop, GoalId, GoalState, Port, PortError, Readings, Waypoint};
+use fab_arm::port::{GoalId, GoalState, Port, PortError, Readings, Waypoint};
 use fab_arm::rgbd::{RgbdSource, Shot};
 use fab_arm::settings::Settings;
-use fab_arm::simulated::Simulation;
 use fab_arm::table::{ClothTable, TableCamera};
 use fab_arm::world::base_from_world;
 use fab_program::{Cloth, ClothStart};
@@ -65,13 +64,9 @@ impl Scene {
             .faults
             .iter()
             .partition(|fault| is_of_messages(fault.kind));
-        let simulation = Simulation {
-            seed: plan.seed,
-            ..Simulation::of(&settings)?
-        };
         let (dimx, dimy, spacing_m) = plan.cloth;
         Ok(Scene {
-            arm: Faulty::new(simulation, Some(table.clone()), faults),
+            arm: Faulty::new(&settings, plan.seed, Some(table.clone()), faults)?,
             camera: TableCamera(table.clone()),
             table,
             settings,
@@ -231,10 +226,6 @@ impl Port for Scene {
 
     fn stop(&mut self) -> Result<(), PortError> {
         self.arm.stop()
-    }
-
-    fn after_stop(&self) -> AfterStop {
-        self.arm.after_stop()
     }
 
     fn start(&mut self) -> Result<(), PortError> {

@@ -5,9 +5,7 @@
 //! a stop and a start, which also enables an arm that was stopped in between.
 
 use super::Stage;
-use fab_arm::port::{
-    AfterStop, Ending, GoalId, GoalState, Port, PortError, Reading, Readings, Waypoint,
-};
+use fab_arm::port::{Ending, GoalId, GoalState, Port, PortError, Reading, Readings, Waypoint};
 use fab_arm::rgbd::{Intrinsics, RgbdSource, Shot};
 use fab_picture::DepthImage;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
@@ -202,10 +200,6 @@ impl Port for Arm {
     fn stop(&mut self) -> Result<(), PortError> {
         self.is_stopped = true;
         Ok(())
-    }
-
-    fn after_stop(&self) -> AfterStop {
-        AfterStop::Refuses
     }
 
     fn start(&mut self) -> Result<(), PortError> {

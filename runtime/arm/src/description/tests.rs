@@ -20,18 +20,7 @@ fn seven() -> Settings {
 }
 
 #[test]
-fn the_page_shows_the_section_of_the_ur5() {
+fn the_page_names_the_settings_of_the_ur5() {
     let page = std::fs::read_to_string(arms().join("../../../docs/arm.md")).unwrap();
-    let text = std::fs::read_to_string(arms().join("ur5.toml")).unwrap();
-    let section = text
-        .split("[arm]")
-        .nth(1)
-        .unwrap()
-        .split("[camera]")
-        .next()
-        .unwrap();
-    assert!(
-        page.contains(&format!("[arm]{}", section.trim_end())),
-        "write it:\n[arm]{section}"
-    );
+    assert!(page.contains("tests/fixtures/arms/ur5.toml") && arms().join("ur5.toml").is_file());
 }

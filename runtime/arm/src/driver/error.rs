@@ -37,84 +37,29 @@ impl fmt::Display for Deviation {
 /// Why an arm did not execute a command, or cannot take one.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ArmError {
-    /// The arm has published no reading lately.
-    #[error(
-        "the arm has not reported for `{for_s:.1}` s where its {what}; its driver or the network may be down"
-    )]
-    Silent {
-        /// `tool is`, `joints are` or `fingers are`.
-        what: &'static str,
-        /// For how long, seconds.
-        for_s: f64,
-    },
     /// The arm is stopped.
     #[error(
         "the arm is stopped and refuses motion; find out why, then let it go with `fabc robot recover --robot FILE`"
     )]
     Stopped,
-    /// The tool came to rest away from its target.
-    #[error("the arm reported `{reported}`, but its tool is {deviation} from its target")]
-    NotReached {
-        /// The outcome that the arm's node reported.
-        reported: &'static str,
-        /// How far the tool is from the target.
-        deviation: Deviation,
-    },
     /// The tool came to rest away from its target, and the arm takes goals. The caller may send the motion again from
     /// where the tool is now, after the same checks as before.
-    #[error("the arm reported `{reported}`, but its tool is {deviation} from its target")]
-    Short {
-        /// The outcome that the arm's node reported.
-        reported: &'static str,
-        /// How far the tool is from the target.
-        deviation: Deviation,
-    },
-    /// The arm stalled during a motion.
-    #[error("the arm stalled {deviation} before its goal: something may be in its way")]
-    Stalled {
-        /// How far the tool is from the target.
-        deviation: Deviation,
-    },
-    /// A goal did not end within its time limit.
-    #[error("the motion did not end within `{after_s:.1}` s")]
-    TimedOut {
-        /// How long the driver waited, seconds.
-        after_s: f64,
-    },
-    /// The fingers did not reach their target.
-    #[error("the fingers are at {found} and should be at `{target}`")]
-    Fingers {
-        /// Their measured positions, as text.
-        found: String,
-        /// Their target position, in the node's units.
-        target: f64,
-    },
+    #[error("{0}")]
+    Short(String),
+    /// A motion was not done, or the arm cannot be driven.
+    #[error("{0}")]
+    Failed(String),
     /// A motion would violate a limit, so it was not started.
     #[error("not moved: {0}")]
     Refused(String),
     /// The arm violated a limit while it moved.
     #[error("stopped: {0}")]
     OutOfLimits(String),
-    /// Inverse kinematics found no joint path to the target.
-    #[error("there is no joint path to the target: {0}")]
-    NoPath(String),
-    /// A message could not be sent, or a service did not answer.
-    #[error(transparent)]
-    Port(#[from] PortError),
-    /// A stop was requested, nothing acknowledged it, and the arm may still move.
-    #[error("the arm was told to stop, and nothing acknowledged it: use the physical stop ({why})")]
-    StopNotAcknowledged {
-        /// What became of the request.
-        why: String,
-    },
-    /// A stop was acknowledged, and the arm may still move.
+    /// A stop was requested and is not verified: the arm may still move.
     #[error(
-        "the arm was told to stop, but the stop could not be verified: use the physical stop ({why})"
+        "the arm was told to stop, and the stop could not be verified: use the physical stop ({0})"
     )]
-    NotStopped {
-        /// Why the stop is not verified.
-        why: String,
-    },
+    NotStopped(String),
     /// A motion was paused, and the arm is at rest.
     #[error("paused")]
     Paused,
@@ -135,7 +80,17 @@ pub enum ArmError {
     /// This program panicked while the arm moved.
     #[error("this program panicked while the arm moved, which is a bug: {0}")]
     Panicked(String),
-    /// The watchdog does not answer, so nothing may move.
-    #[error("the watchdog does not answer: {0}")]
-    Watchdog(String),
+}
+
+impl ArmError {
+    /// A goal did not end within its time limit, seconds.
+    pub(super) fn timed_out(after_s: f64) -> ArmError {
+        ArmError::Failed(format!("the motion did not end within `{after_s:.1}` s"))
+    }
+}
+
+impl From<PortError> for ArmError {
+    fn from(error: PortError) -> ArmError {
+        ArmError::Failed(error.to_string())
+    }
 }

@@ -23,23 +23,19 @@ impl<P: Port + ?Sized> PortArm<P> {
         opening: Opening,
         watch: &mut Watch<'_>,
     ) -> Result<HandContents, ArmError> {
-        self.check_enabled(watch)?;
+        self.ready(watch)?;
         self.phase = self.phase.after(Event::Begin);
         let settings = self.fingers;
         let goal = Goal::Fingers(vec![target(&settings, opening); settings.count]);
         let outcome = self.execute(&goal, LIMIT_S, watch)?;
-        let found = self.resting_positions(watch);
-        let contents = found.and_then(|found| classify(&settings, opening, outcome, &found));
+        let found = self.resting_positions(watch)?;
+        let contents = classify(&settings, opening, outcome, &found);
         // Probe only when no goal is in progress: the probe would preempt it, and the node then enables a stopped arm.
-        let may_be_stopped = match &contents {
-            Ok(_) => outcome.is_refusal(),
-            Err(error) => matches!(error, ArmError::Fingers { .. }),
-        };
-        if may_be_stopped {
+        if contents.is_err() || outcome.is_refusal() {
             // If the arm was stopped meanwhile, report that and not the finger positions.
-            self.check_enabled(watch)?;
+            self.ready(watch)?;
         }
-        contents
+        contents.map_err(ArmError::Failed)
     }
 
     /// Waits until the fingers are at rest, and returns their positions.
@@ -61,10 +57,11 @@ impl<P: Port + ?Sized> PortArm<P> {
         if fingers.value.len() == self.fingers.count && are_numbers {
             return Ok(fingers);
         }
-        Err(ArmError::Fingers {
-            found: format!("{} positions", fingers.value.len()),
-            target: self.fingers.count as f64,
-        })
+        Err(ArmError::Failed(format!(
+            "the arm reports {} positions of fingers, and has {}",
+            fingers.value.len(),
+            self.fingers.count
+        )))
     }
 }
 
@@ -81,16 +78,14 @@ fn classify(
     opening: Opening,
     outcome: Outcome,
     found: &[f64],
-) -> Result<HandContents, ArmError> {
+) -> Result<HandContents, String> {
     let target = target(settings, opening);
-    let wrong = || ArmError::Fingers {
-        found: found
-            .iter()
-            // Grippers count in metres or radians, and other hands in thousands.
-            .map(|position| format!("`{}`", (position * 1e4).round() / 1e4))
-            .collect::<Vec<_>>()
-            .join(", "),
-        target,
+    let wrong = || {
+        // Grippers count in metres or radians, and other hands in thousands.
+        let rounded = |position: &f64| format!("`{}`", (position * 1e4).round() / 1e4);
+        let found: Vec<String> = found.iter().map(rounded).collect();
+        let found = found.join(", ");
+        format!("the fingers are at {found} and should be at `{target}`")
     };
     let distance = |from: f64| found.iter().map(move |position| (position - from).abs());
     let are_at_target = distance(target).fold(0.0, f64::max) <= settings.tolerance;

@@ -53,6 +53,8 @@ pub(crate) enum Goal {
     Trajectory(Checked<Vec<Waypoint>>),
     /// Move the fingers to these positions, in the arm's own units.
     Fingers(Vec<f64>),
+    /// Move nothing, and show whether the arm is stopped.
+    Probe,
 }
 
 /// How a goal ended, as far as the server reported.
@@ -64,6 +66,8 @@ pub(super) enum Outcome {
     Unreported,
     /// The time limit passed without a terminal status.
     TimedOut,
+    /// The arm has no goal that a stop refuses.
+    NotProbed,
 }
 
 impl Outcome {
@@ -74,7 +78,7 @@ impl Outcome {
             Outcome::Ended(Ending::Preempted) => "given up",
             Outcome::Ended(Ending::Aborted) => "aborted",
             Outcome::Ended(Ending::Rejected) => "refused",
-            Outcome::Unreported | Outcome::TimedOut => "nothing",
+            Outcome::Unreported | Outcome::TimedOut | Outcome::NotProbed => "nothing",
         }
     }
 
@@ -85,17 +89,18 @@ impl Outcome {
 }
 
 impl<P: Port + ?Sized> PortArm<P> {
-    /// Sends a goal. Nothing else in this program makes an arm move.
-    pub(super) fn send(&mut self, goal: &Goal) -> Result<GoalId, ArmError> {
+    /// Sends a goal; `None` if it is a probe and the arm has none. Nothing else in this program makes an arm move.
+    pub(super) fn send(&mut self, goal: &Goal) -> Result<Option<GoalId>, ArmError> {
         let id = match goal {
             Goal::Pose(tool) => self.port.send_pose(tool.get())?,
             Goal::Trajectory(points) => self.port.send_trajectory(points.get())?,
             Goal::Fingers(positions) => self.port.send_fingers(positions)?,
+            Goal::Probe => return Ok(self.port.probe()?),
         };
         if let Goal::Trajectory(_) = goal {
             self.trajectory = Some(id.clone());
         }
-        Ok(id)
+        Ok(Some(id))
     }
 
     /// Sends a goal and waits for its end, at most `limit_s` seconds.
@@ -111,12 +116,14 @@ impl<P: Port + ?Sized> PortArm<P> {
         let mut sent_s = begun_s;
         let mut resends = 0;
         let mut track = Track::default();
-        let begun_at = self.current()?.tool;
-        let mut id = self.send(goal)?;
+        let begun_at = self.state()?.tool;
+        let Some(mut id) = self.send(goal)? else {
+            return Ok(Outcome::NotProbed);
+        };
         loop {
             self.port.wait(POLL_S);
             let now_s = self.port.now_s();
-            let state = self.current()?;
+            let state = self.state()?;
             track.record(&state);
             match watch(&state) {
                 Ok(()) => {}
@@ -142,7 +149,7 @@ impl<P: Port + ?Sized> PortArm<P> {
                         if let Goal::Trajectory(_) = goal {
                             self.port.cancel(&id)?;
                         }
-                        id = self.send(goal)?;
+                        id = self.send(goal)?.unwrap_or(id);
                     }
                 }
                 GoalState::Sent | GoalState::Active => {}
@@ -206,9 +213,7 @@ impl<P: Port + ?Sized> PortArm<P> {
                 }
             }
         }
-        Err(ArmError::TimedOut {
-            after_s: f64::from(CANCELS) * CANCEL_S,
-        })
+        Err(ArmError::timed_out(f64::from(CANCELS) * CANCEL_S))
     }
 }
 
@@ -216,7 +221,7 @@ impl Goal {
     /// Returns whether the goal is about to end by itself.
     fn ends_soon(&self, state: &ArmState) -> bool {
         match self {
-            Goal::Fingers(_) => true,
+            Goal::Fingers(_) | Goal::Probe => true,
             Goal::Pose(pose) => Deviation::between(pose.get(), &state.tool).position_m < NEAR_M,
             Goal::Trajectory(points) => points.get().last().is_some_and(|last| {
                 // There may be no recent reading of the joints.

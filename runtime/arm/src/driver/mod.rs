@@ -2,12 +2,11 @@
 //!
 //! In: checked motions of the tool and hand openings. Out: the verified state of the arm, else an [`ArmError`]. A driver trusts no
 //! action server: it measures where the arm is. [`PortArm`] drives an arm through a [`Port`](super::port::Port);
-//! [`Limited`](super::limits::Limited) checks motions for any arm.
+//! [`Limited`](super::limits::Limited) checks its motions.
 
 mod error;
 mod fingers;
 mod goal;
-pub mod parked;
 mod port_arm;
 mod readings;
 
@@ -15,7 +14,6 @@ pub use error::{ArmError, Deviation};
 
 pub use port_arm::{Commands, PortArm};
 
-use crate::guard::{Checked, Motion};
 use nalgebra::Isometry3;
 
 /// The state of an arm, from recent readings.
@@ -63,45 +61,3 @@ pub enum Halt {
 
 /// A callback that gets each state while an arm moves, and may end the motion.
 pub type Watch<'w> = dyn FnMut(&ArmState) -> Result<(), Halt> + 'w;
-
-/// An arm with a hand.
-///
-/// A stopped arm does not move again until [`PortArm::recover`], which no driver calls by itself. After an error of
-/// [`Arm::move_tool`] or [`Arm::move_fingers`] other than [`ArmError::Paused`] the arm may still be moving: the caller
-/// must stop it.
-pub trait Arm {
-    /// Returns the time of a monotonic clock, seconds.
-    fn now_s(&self) -> f64;
-
-    /// Waits.
-    fn wait(&mut self, seconds: f64);
-
-    /// Returns the arm's state; fails if its readings are stale.
-    fn state(&mut self) -> Result<ArmState, ArmError>;
-
-    /// Fails if the arm is stopped, or the watch callback ends it. This may take seconds, so it is asked before a motion
-    /// is checked, and not between the check and [`Arm::move_tool`].
-    fn ready(&mut self, watch: &mut Watch<'_>) -> Result<(), ArmError>;
-
-    /// Makes a straight motion of the tool, and verifies that it arrived and is at rest.
-    ///
-    /// One call sends one motion. After [`ArmError::Short`] the caller may check the rest of the way and call again.
-    ///
-    /// - `motion`: from where the arm is; one that was checked from elsewhere is refused. A node that takes no speed is only
-    ///   monitored.
-    fn move_tool(
-        &mut self,
-        motion: &Checked<Motion>,
-        watch: &mut Watch<'_>,
-    ) -> Result<ArmState, ArmError>;
-
-    /// Opens or closes the hand, and returns what is between the fingers.
-    fn move_fingers(
-        &mut self,
-        opening: Opening,
-        watch: &mut Watch<'_>,
-    ) -> Result<HandContents, ArmError>;
-
-    /// Stops the arm and verifies that it refuses motion.
-    fn stop(&mut self) -> Result<(), ArmError>;
-}

@@ -1,21 +1,21 @@
 //! Drives an arm through a port, and verifies each motion by measurement.
 //!
 //! The node reports a goal as reached when the tool is up to 10 mm and 2 degrees off, a cancelled or stalled goal
-//! leaves the arm enabled, and only a refused pose reveals a stop. So each motion starts with a probe (a goal at the
-//! current pose) and ends with measurements of the pose; a stop is requested until a probe is refused. After a stop
+//! leaves the arm enabled, and only a refused goal reveals a stop. So each motion starts with a probe ([`Port::probe`])
+//! and ends with measurements of the pose; a stop is requested until a probe is refused. After a stop
 //! nothing is cancelled and nothing else is sent, because the node takes either as a reason to enable the arm. The
 //! exception is the trajectory controller: it ignores the stop and would resume once the arm is enabled, so its
 //! trajectory is ended.
 //!
-//! An arm that takes goals after a stop ([`AfterStop::Accepts`]) needs no probe: its stop is verified when it was
+//! An arm that takes goals after a stop has no probe: its stop is verified when it was
 //! acknowledged, its trajectory has ended, and the tool is at rest.
 
 use super::goal::{Goal, Outcome};
 use super::readings::{POLL_S, SETTLE_S};
-use super::{Arm, ArmError, ArmState, Deviation, Halt, HandContents, Opening, Watch};
+use super::{ArmError, ArmState, Deviation, Halt, HandContents, Opening, Watch};
 use crate::guard::{Checked, Motion};
 use crate::phase::{Event, Phase};
-use crate::port::{AfterStop, Ending, GoalId, GoalState, Port};
+use crate::port::{Ending, GoalId, GoalState, Port};
 use crate::settings::{FingerSettings, Tolerance};
 
 /// How long a probe may take, seconds, and how often it is sent if its end is not reported.
@@ -44,22 +44,13 @@ pub enum Commands {
     /// By poses of the tool. The node solves the inverse kinematics and chooses speed and joint path, so the path of
     /// elbow and wrist may be another than the one that was checked: a person has to watch them.
     Poses,
-    /// By poses at this speed, m/s, which poses cannot change, and by trajectories at every other speed.
-    PosesAt(f64),
 }
 
-impl Commands {
-    /// Returns whether a motion of this speed is commanded by a pose.
-    fn is_pose_at(self, speed_m_s: f64) -> bool {
-        match self {
-            Commands::Trajectories => false,
-            Commands::Poses => true,
-            Commands::PosesAt(own_m_s) => speed_m_s == own_m_s,
-        }
-    }
-}
-
-/// An arm behind a port.
+/// An arm with a hand, behind a port.
+///
+/// A stopped arm does not move again until [`PortArm::recover`], which nothing here calls by itself. After an error of
+/// [`PortArm::move_tool`] or [`PortArm::move_fingers`] other than [`ArmError::Paused`] the arm may still be moving: the
+/// caller must stop it.
 pub struct PortArm<P: Port + ?Sized> {
     pub(super) port: Box<P>,
     commands: Commands,
@@ -93,9 +84,54 @@ impl<P: Port + ?Sized> PortArm<P> {
         &mut self.port
     }
 
+    /// Returns the time of a monotonic clock, seconds.
+    pub fn now_s(&self) -> f64 {
+        self.port.now_s()
+    }
+
+    /// Waits.
+    pub fn wait(&mut self, seconds: f64) {
+        self.port.wait(seconds);
+    }
+
+    /// Makes a straight motion of the tool, and verifies that it arrived and is at rest.
+    ///
+    /// One call sends one motion. After [`ArmError::Short`] the caller may check the rest of the way and call again.
+    ///
+    /// - `motion`: from where the arm is; one that was checked from elsewhere is refused. A node that takes no speed is only
+    ///   monitored.
+    pub fn move_tool(
+        &mut self,
+        motion: &Checked<Motion>,
+        watch: &mut Watch<'_>,
+    ) -> Result<ArmState, ArmError> {
+        let moved = self.try_move_tool(motion, watch);
+        self.ended(moved)
+    }
+
+    /// Opens or closes the hand, and returns what is between the fingers.
+    pub fn move_fingers(
+        &mut self,
+        opening: Opening,
+        watch: &mut Watch<'_>,
+    ) -> Result<HandContents, ArmError> {
+        let moved = self.try_move_fingers(opening, watch);
+        self.ended(moved)
+    }
+
+    /// Stops the arm and verifies that it refuses motion.
+    pub fn stop(&mut self) -> Result<(), ArmError> {
+        self.phase = self.phase.after(Event::Stop);
+        let mut stopped = self.try_stop();
+        for _ in 1..STOPS {
+            stopped = stopped.or_else(|_| self.try_stop());
+        }
+        stopped
+    }
+
     /// Returns whether the arm is stopped, by whomever.
     pub fn is_stopped(&mut self) -> Result<bool, ArmError> {
-        match self.check_enabled(&mut unwatched) {
+        match self.ready(&mut unwatched) {
             Err(ArmError::Stopped) => Ok(true),
             other => other.map(|()| false),
         }
@@ -114,7 +150,7 @@ impl<P: Port + ?Sized> PortArm<P> {
                 (_, None) => false,
             };
             if !is_accepted {
-                return Err(ArmError::TimedOut { after_s: PROBE_S });
+                return Err(ArmError::timed_out(PROBE_S));
             }
         }
         self.port.start()?;
@@ -125,26 +161,18 @@ impl<P: Port + ?Sized> PortArm<P> {
             ));
         }
         self.phase = self.phase.after(Event::Recover);
-        self.check_enabled(&mut unwatched)
+        self.ready(&mut unwatched)
     }
 
-    /// Re-sends the current pose; a stopped arm aborts it, which reveals the stop.
-    fn probe(&mut self, watch: &mut Watch<'_>) -> Result<Outcome, ArmError> {
-        let here = self.current()?;
-        self.execute(&Goal::Pose(Checked::here(&here)), PROBE_S, watch)
-    }
-
-    /// Fails if the arm is stopped.
-    pub(super) fn check_enabled(&mut self, watch: &mut Watch<'_>) -> Result<(), ArmError> {
+    /// Fails if the arm is stopped, or the watch callback ends it. This may take seconds, so it is asked before a motion
+    /// is checked, and not between the check and [`PortArm::move_tool`].
+    pub fn ready(&mut self, watch: &mut Watch<'_>) -> Result<(), ArmError> {
         if !self.phase.takes_motions() {
             return Err(ArmError::Stopped);
         }
-        if self.port.after_stop() == AfterStop::Accepts {
-            return Ok(());
-        }
         for _ in 0..PROBES {
-            match self.probe(watch)? {
-                Outcome::Ended(Ending::Succeeded) => return Ok(()),
+            match self.execute(&Goal::Probe, PROBE_S, watch)? {
+                Outcome::NotProbed | Outcome::Ended(Ending::Succeeded) => return Ok(()),
                 Outcome::Ended(Ending::Aborted | Ending::Rejected) => {
                     self.phase = self.phase.after(Event::Stop);
                     return Err(ArmError::Stopped);
@@ -154,13 +182,13 @@ impl<P: Port + ?Sized> PortArm<P> {
                 Outcome::Unreported | Outcome::TimedOut => {}
             }
         }
-        Err(ArmError::TimedOut { after_s: PROBE_S })
+        Err(ArmError::timed_out(PROBE_S))
     }
 
     /// Notes how a motion ended. After any other error the arm may still be moving.
     fn ended<T>(&mut self, result: Result<T, ArmError>) -> Result<T, ArmError> {
         let event = match &result {
-            Ok(_) | Err(ArmError::Short { .. }) => Event::Verify,
+            Ok(_) | Err(ArmError::Short(_)) => Event::Verify,
             Err(ArmError::Paused) => Event::Pause,
             Err(ArmError::Stopped) => Event::Stop,
             Err(_) => return result,
@@ -174,12 +202,12 @@ impl<P: Port + ?Sized> PortArm<P> {
         motion: &Checked<Motion>,
         watch: &mut Watch<'_>,
     ) -> Result<ArmState, ArmError> {
-        let by_pose = self.commands.is_pose_at(motion.get().speed_m_s);
+        let by_pose = self.commands == Commands::Poses;
         if !self.phase.takes_motions() {
             return Err(ArmError::Stopped);
         }
         let from = if by_pose {
-            self.current()?
+            self.state()?
         } else {
             self.current_with_joints()?
         };
@@ -224,20 +252,20 @@ impl<P: Port + ?Sized> PortArm<P> {
         // A refused goal may mean that the arm was stopped. A stop does not end a trajectory; a pose in progress would be
         // preempted by the probe.
         if outcome.is_refusal() || outcome == Outcome::TimedOut && !by_pose {
-            self.check_enabled(watch)?;
+            self.ready(watch)?;
         }
         let reported = outcome.name();
+        let why =
+            format!("the arm reported `{reported}`, but its tool is {deviation} from its target");
         Err(match outcome {
-            Outcome::Ended(Ending::Succeeded) | Outcome::Unreported => ArmError::Short {
-                reported,
-                deviation,
-            },
-            Outcome::Ended(Ending::Preempted) => ArmError::Stalled { deviation },
-            Outcome::Ended(Ending::Aborted | Ending::Rejected) => ArmError::NotReached {
-                reported,
-                deviation,
-            },
-            Outcome::TimedOut => ArmError::TimedOut { after_s: limit_s },
+            Outcome::Ended(Ending::Succeeded) | Outcome::Unreported | Outcome::NotProbed => {
+                ArmError::Short(why)
+            }
+            Outcome::Ended(Ending::Preempted) => ArmError::Failed(format!(
+                "the arm stalled {deviation} before its goal: something may be in its way"
+            )),
+            Outcome::Ended(Ending::Aborted | Ending::Rejected) => ArmError::Failed(why),
+            Outcome::TimedOut => ArmError::timed_out(limit_s),
         })
     }
 
@@ -246,10 +274,10 @@ impl<P: Port + ?Sized> PortArm<P> {
         if !self.is_at_rest()? {
             return Ok(false);
         }
-        if self.port.after_stop() == AfterStop::Accepts {
-            return Ok(self.trajectory.is_none());
-        }
-        Ok(self.probe(&mut unwatched)?.is_refusal())
+        Ok(match self.execute(&Goal::Probe, PROBE_S, &mut unwatched)? {
+            Outcome::NotProbed => self.trajectory.is_none(),
+            outcome => outcome.is_refusal(),
+        })
     }
 
     /// Ends the controller's last trajectory, so that it does not resume once the arm is enabled.
@@ -265,7 +293,7 @@ impl<P: Port + ?Sized> PortArm<P> {
             // The server is done with it, but the controller may not be: only another trajectory replaces it.
             GoalState::Ended(Ending::Aborted) => {
                 let here = self.current_with_joints()?;
-                id = self.send(&hold_position(&here))?;
+                id = self.send(&hold_position(&here))?.unwrap_or(id);
             }
             GoalState::Sent | GoalState::Active => self.port.cancel(&id)?,
         }
@@ -279,7 +307,7 @@ impl<P: Port + ?Sized> PortArm<P> {
             GoalState::Ended(_) => self.trajectory = None,
             // The goal never arrived.
             GoalState::Sent => {}
-            GoalState::Active => return Err(ArmError::TimedOut { after_s: CANCEL_S }),
+            GoalState::Active => return Err(ArmError::timed_out(CANCEL_S)),
         }
         Ok(())
     }
@@ -293,67 +321,13 @@ impl<P: Port + ?Sized> PortArm<P> {
             // Some versions of the controller also enable the arm on a cancellation.
             stopped = stopped.and(self.port.stop());
         }
-        stopped.map_err(|error| ArmError::StopNotAcknowledged {
-            why: error.to_string(),
-        })?;
+        stopped.map_err(|error| ArmError::NotStopped(error.to_string()))?;
         let why = match ended.and_then(|()| self.is_stop_verified()) {
             Ok(true) => return Ok(()),
             Ok(false) => "it still takes goals, or moves".to_owned(),
             Err(error) => error.to_string(),
         };
-        Err(ArmError::NotStopped { why })
-    }
-}
-
-impl<P: Port + ?Sized> Arm for PortArm<P> {
-    fn now_s(&self) -> f64 {
-        self.port.now_s()
-    }
-
-    fn wait(&mut self, seconds: f64) {
-        self.port.wait(seconds);
-    }
-
-    fn state(&mut self) -> Result<ArmState, ArmError> {
-        self.current()
-    }
-
-    fn ready(&mut self, watch: &mut Watch<'_>) -> Result<(), ArmError> {
-        let ready = self.check_enabled(watch);
-        if ready == Err(ArmError::Stopped) {
-            self.phase = self.phase.after(Event::Stop);
-        }
-        ready
-    }
-
-    fn move_tool(
-        &mut self,
-        motion: &Checked<Motion>,
-        watch: &mut Watch<'_>,
-    ) -> Result<ArmState, ArmError> {
-        let moved = self.try_move_tool(motion, watch);
-        self.ended(moved)
-    }
-
-    fn move_fingers(
-        &mut self,
-        opening: Opening,
-        watch: &mut Watch<'_>,
-    ) -> Result<HandContents, ArmError> {
-        let moved = self.try_move_fingers(opening, watch);
-        self.ended(moved)
-    }
-
-    fn stop(&mut self) -> Result<(), ArmError> {
-        self.phase = self.phase.after(Event::Stop);
-        let mut stopped = self.try_stop();
-        for _ in 1..STOPS {
-            if stopped.is_ok() {
-                break;
-            }
-            stopped = self.try_stop();
-        }
-        stopped
+        Err(ArmError::NotStopped(why))
     }
 }
 

@@ -27,13 +27,16 @@ impl<P: Port + ?Sized> PortArm<P> {
     ) -> Result<Reading<T>, ArmError> {
         let now_s = self.port.now_s();
         let for_s = heard.as_ref().map_or(now_s, |heard| now_s - heard.at_s);
-        heard
-            .filter(|_| for_s <= self.tolerance.stale_s)
-            .ok_or(ArmError::Silent { what, for_s })
+        let heard = heard.filter(|_| for_s <= self.tolerance.stale_s);
+        heard.ok_or_else(|| {
+            ArmError::Failed(format!(
+                "the arm has not reported for `{for_s:.1}` s where its {what}; its driver or the network may be down"
+            ))
+        })
     }
 
     /// Returns the arm's state. Fails on a stale tool or finger reading; stale joint angles are left empty.
-    pub(super) fn current(&mut self) -> Result<ArmState, ArmError> {
+    pub fn state(&mut self) -> Result<ArmState, ArmError> {
         let readings = self.port.state();
         let tool = self.fresh(readings.tool, "tool is")?;
         let fingers = self.fresh(readings.fingers, "fingers are")?;
@@ -57,7 +60,7 @@ impl<P: Port + ?Sized> PortArm<P> {
         let joints_rad = self.fresh(joints, "joints are")?.value;
         Ok(ArmState {
             joints_rad,
-            ..self.current()?
+            ..self.state()?
         })
     }
 
@@ -69,7 +72,7 @@ impl<P: Port + ?Sized> PortArm<P> {
 
     /// Reads the state and passes it to the watch callback, which may stop the arm; a pause request is ignored.
     pub(super) fn watched(&mut self, watch: &mut Watch<'_>) -> Result<ArmState, ArmError> {
-        let state = self.current()?;
+        let state = self.state()?;
         match watch(&state) {
             Ok(()) | Err(Halt::Pause) => Ok(state),
             Err(Halt::Stop(why)) => Err(why),
@@ -114,9 +117,7 @@ impl<P: Port + ?Sized> PortArm<P> {
                 before = now;
             }
         }
-        Err(ArmError::TimedOut {
-            after_s: self.port.now_s() - begun_s,
-        })
+        Err(ArmError::timed_out(self.port.now_s() - begun_s))
     }
 
     /// Waits until the tool is at rest; fails after [`SETTLE_S`]. A pause request is ignored.
@@ -125,7 +126,7 @@ impl<P: Port + ?Sized> PortArm<P> {
         watch: &mut Watch<'_>,
     ) -> Result<ArmState, ArmError> {
         let read = |arm: &mut Self| {
-            let value = arm.current()?;
+            let value = arm.state()?;
             Ok(Reading {
                 at_s: value.at_s,
                 value,
@@ -136,9 +137,9 @@ impl<P: Port + ?Sized> PortArm<P> {
 
     /// Returns whether the tool stays in place, without a watch.
     pub(super) fn is_at_rest(&mut self) -> Result<bool, ArmError> {
-        let before = self.current()?;
+        let before = self.state()?;
         self.port.wait(2.0 * REST_S);
-        let after = self.current()?;
+        let after = self.state()?;
         Ok(after.at_s > before.at_s && after.rests_at(&before))
     }
 }

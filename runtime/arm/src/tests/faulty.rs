@@ -1,12 +1,14 @@
-//! A simulated arm with which something goes wrong.
+//! A simulated arm behind the vendor's node, with which something goes wrong.
 //!
 //! In: a simulated arm, and faults with their times. Out: the arm as a [`Port`]. Tests of other packages include this
-//! file by its path, with `fault.rs` beside it and the crate as `arm`.
+//! file by its path, with `fault.rs` and `kinova` beside it and the crate as `arm`.
 
 use super::arm::kinematics::chain::Chain;
-use super::arm::port::{AfterStop, Ending, GoalId, GoalState, Port, PortError, Readings, Waypoint};
-use super::arm::simulated::{SimulatedArm, SimulatedTable, Simulation};
+use super::arm::port::{Ending, GoalId, GoalState, Port, PortError, Readings, Waypoint};
+use super::arm::settings::Settings;
+use super::arm::simulated::{SimulatedArm, SimulatedTable};
 use super::fault::FaultKind;
+use super::kinova::KinovaArm;
 use nalgebra::{Isometry3, Translation3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::cell::RefCell;
@@ -40,7 +42,7 @@ pub struct Fault {
 
 /// A simulated arm with faults.
 pub struct Faulty {
-    arm: SimulatedArm,
+    arm: KinovaArm,
     chain: Chain,
     pending: Vec<Fault>,
     lasting: Vec<FaultKind>,
@@ -56,23 +58,26 @@ pub struct Faulty {
 }
 
 impl Faulty {
+    /// - `seed`: determines where within its repeatability the arm comes to rest.
     pub fn new(
-        simulation: Simulation,
+        settings: &Settings,
+        seed: u64,
         table: Option<Rc<RefCell<dyn SimulatedTable>>>,
         faults: Vec<Fault>,
-    ) -> Faulty {
-        let chain = simulation.chain.clone();
-        Faulty::of(SimulatedArm::new(simulation, table), chain, faults)
+    ) -> Result<Faulty, String> {
+        let arm = SimulatedArm::new(settings, table)?;
+        Ok(Faulty::of(arm, settings, seed, faults))
     }
 
-    pub fn of(mut arm: SimulatedArm, chain: Chain, faults: Vec<Fault>) -> Faulty {
+    pub fn of(arm: SimulatedArm, settings: &Settings, seed: u64, faults: Vec<Fault>) -> Faulty {
+        let mut arm = KinovaArm::around(arm, settings, seed);
         let at: [f64; 3] = arm.tool().translation.vector.into();
         Faulty {
             readings: arm.state(),
             since_stop: None,
             extent_m: [at, at],
             arm,
-            chain,
+            chain: settings.chain().clone(),
             pending: faults,
             lasting: Vec::new(),
             goals_to_lose: 0,
@@ -168,7 +173,7 @@ impl Faulty {
     fn send(
         &mut self,
         is_motion: bool,
-        send: impl FnOnce(&mut SimulatedArm) -> Result<GoalId, PortError>,
+        send: impl FnOnce(&mut KinovaArm) -> Result<GoalId, PortError>,
     ) -> Result<GoalId, PortError> {
         let now_s = self.arm.now_s();
         self.goals_to_lose += 3 * u32::from(self.take(FaultKind::LostGoals, now_s));
@@ -233,15 +238,15 @@ impl Faulty {
 }
 
 impl Deref for Faulty {
-    type Target = SimulatedArm;
+    type Target = KinovaArm;
 
-    fn deref(&self) -> &SimulatedArm {
+    fn deref(&self) -> &KinovaArm {
         &self.arm
     }
 }
 
 impl DerefMut for Faulty {
-    fn deref_mut(&mut self) -> &mut SimulatedArm {
+    fn deref_mut(&mut self) -> &mut KinovaArm {
         &mut self.arm
     }
 }
@@ -317,8 +322,9 @@ impl Port for Faulty {
         })
     }
 
-    fn after_stop(&self) -> AfterStop {
-        self.arm.after_stop()
+    fn probe(&mut self) -> Result<Option<GoalId>, PortError> {
+        let here = self.readings.tool;
+        here.map(|here| self.send_pose(&here.value)).transpose()
     }
 
     fn start(&mut self) -> Result<(), PortError> {

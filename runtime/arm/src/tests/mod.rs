@@ -10,22 +10,23 @@ mod faults;
 mod faulty;
 mod journals;
 mod judged;
+mod kinova;
 mod limited;
 mod pauses;
 mod simulations;
 mod timed;
 mod trajectories;
 
-use super::driver::{Arm, ArmError, ArmState, Commands, Halt, PortArm, Watch};
+use super::driver::{ArmError, ArmState, Commands, Halt, PortArm, Watch};
 use super::execute::{CompletedAction, Execution, FailedAction};
 use super::guard::{Guard, Surface};
 use super::journal::Journal;
 use super::kinematics::chain::Chain;
 use super::limits::Limited;
-use super::port::{AfterStop, GoalId, GoalState, Port, PortError, Readings, Waypoint};
+use super::port::{GoalId, GoalState, Port, PortError, Readings, Waypoint};
 use super::route::Route;
 use super::settings::Settings;
-use super::simulated::{SimulatedTable, Simulation};
+use super::simulated::{SimulatedArm, SimulatedTable};
 use super::supervisor::{Supervisor, Watchdog};
 use crate as arm;
 use fab_base::interrupt::Interrupt;
@@ -88,8 +89,6 @@ type Driven = PortArm<Faulty>;
 enum By {
     Poses,
     Trajectories,
-    /// Poses at the settings' speed, trajectories at any other.
-    Either,
 }
 
 impl By {
@@ -99,7 +98,6 @@ impl By {
         let commands = match self {
             By::Poses => Commands::Poses,
             By::Trajectories => Commands::Trajectories,
-            By::Either => Commands::PosesAt(settings.motion.speed_m_s),
         };
         PortArm::new(
             Box::new(port),
@@ -116,18 +114,14 @@ fn faulty(
     faults: &[(FaultKind, f64)],
     table: Option<Rc<RefCell<dyn SimulatedTable>>>,
 ) -> Faulty {
-    let simulation = Simulation {
-        seed,
-        ..Simulation::of(settings).unwrap()
-    };
     let faults = faults.iter().map(|&(kind, from_s)| Fault { kind, from_s });
-    Faulty::new(simulation, table, faults.collect())
+    Faulty::new(settings, seed, table, faults.collect()).unwrap()
 }
 
 /// An arm above a patch of cloth, at rest, with all its surroundings.
 struct Bench {
     settings: Settings,
-    arm: Limited<Driven>,
+    arm: Limited<Faulty>,
     cloth: Rc<RefCell<Patch>>,
     folder: tempfile::TempDir,
     interrupt: Interrupt,
@@ -145,7 +139,7 @@ impl Bench {
         let port = faulty(&settings, seed, faults, Some(cloth.clone()));
         let arm = by.drive(port, &settings);
         Bench {
-            arm: Limited::new(Box::new(arm), guard(&settings)),
+            arm: Limited::new(arm, guard(&settings)),
             settings,
             cloth,
             folder: tempfile::tempdir().unwrap(),
@@ -248,7 +242,8 @@ struct Tapped {
     cancelled_s: Option<f64>,
     /// When the tool first and last moved, by steps of the simulated clock.
     moved_s: Option<[f64; 2]>,
-    after_stop: AfterStop,
+    /// Whether it takes trajectories alone, and its stop is their cancellation.
+    is_generic: bool,
     last: Option<GoalId>,
 }
 
@@ -260,7 +255,7 @@ impl Tapped {
             off_rad: 0.0,
             cancelled_s: None,
             moved_s: None,
-            after_stop: AfterStop::Refuses,
+            is_generic: false,
             last: None,
         }
     }
@@ -268,7 +263,7 @@ impl Tapped {
     /// An arm that takes trajectories alone, and whose stop is their cancellation.
     fn generic(arm: Faulty) -> Tapped {
         Tapped {
-            after_stop: AfterStop::Accepts,
+            is_generic: true,
             ..Tapped::deaf(arm, f64::INFINITY)
         }
     }
@@ -294,10 +289,8 @@ impl Port for Tapped {
         sent
     }
     fn send_pose(&mut self, tool: &Isometry3<f64>) -> Result<GoalId, PortError> {
-        match self.after_stop {
-            AfterStop::Refuses => self.arm.send_pose(tool),
-            AfterStop::Accepts => panic!("it takes no poses"),
-        }
+        assert!(!self.is_generic, "it takes no poses");
+        self.arm.send_pose(tool)
     }
     fn send_fingers(&mut self, positions: &[f64]) -> Result<GoalId, PortError> {
         self.arm.send_fingers(positions)
@@ -310,11 +303,10 @@ impl Port for Tapped {
         self.arm.cancel(goal)
     }
     fn stop(&mut self) -> Result<(), PortError> {
-        let last = match self.after_stop {
-            AfterStop::Refuses => return self.arm.stop(),
-            AfterStop::Accepts => self.last.clone(),
-        };
-        let Some(id) = last else {
+        if !self.is_generic {
+            return self.arm.stop();
+        }
+        let Some(id) = self.last.clone() else {
             return Ok(());
         };
         self.arm.cancel(&id)?;
@@ -327,8 +319,11 @@ impl Port for Tapped {
             }),
         }
     }
-    fn after_stop(&self) -> AfterStop {
-        self.after_stop
+    fn probe(&mut self) -> Result<Option<GoalId>, PortError> {
+        if self.is_generic {
+            return Ok(None);
+        }
+        self.arm.probe()
     }
     fn start(&mut self) -> Result<(), PortError> {
         self.arm.start()
@@ -361,4 +356,13 @@ fn go_to<P: Port>(
 /// Permits every motion.
 fn nobody(_: &ArmState) -> Result<(), Halt> {
     Ok(())
+}
+
+/// Returns why a motion failed.
+#[track_caller]
+fn failure<T: std::fmt::Debug>(moved: Result<T, ArmError>) -> String {
+    match moved {
+        Err(ArmError::Failed(why)) => why,
+        other => panic!("it should have failed: {other:?}"),
+    }
 }

@@ -8,7 +8,10 @@ use crate::port::{Ending, GoalState};
 fn a_trajectory_goes_on_where_an_arm_is_let_go() {
     let settings = settings();
     let mut port = faulty(&settings, 0, &[], None);
-    let mut turned = Simulation::of(&settings).unwrap().joints_rad;
+    let mut turned = SimulatedArm::new(&settings, None)
+        .unwrap()
+        .joints_rad()
+        .to_vec();
     turned[0] += 0.2;
     let at = |at_s, joints_rad: &[f64]| Waypoint::at_rest(joints_rad.to_vec(), at_s);
     let id = port

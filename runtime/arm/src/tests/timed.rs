@@ -127,7 +127,10 @@ fn walked(settings: &Settings, points: [Point3<f64>; 2]) -> usize {
     else {
         return 0;
     };
-    let start = Simulation::of(settings).unwrap().joints_rad;
+    let start = SimulatedArm::new(settings, None)
+        .unwrap()
+        .joints_rad()
+        .to_vec();
     let mut motions = 0;
     let mut walk =
         |from: ArmState, segments: &[Segment], planned: &[crate::plan::PlannedSegment]| {

@@ -7,7 +7,7 @@ use crate::kinematics::tool_down::tool_down;
 /// In the middle of a motion of 1.3 s.
 const ON_THE_WAY_S: f64 = 0.8;
 
-/// Not the speed at which the arm takes poses, m/s.
+/// Slower than the other tests, m/s.
 const SLOWER_M_S: f64 = 0.08;
 
 fn there() -> Isometry3<f64> {
@@ -52,9 +52,8 @@ fn a_stopped_trajectory_is_not_gone_on_with() {
 fn a_trajectory_under_a_pressed_stop_is_not_gone_on_with() {
     // The driver only notices the stop, or stops the arm as well; then the driver or somebody else enables it.
     let cases = [(false, true), (true, true), (true, false)];
-    let all = [By::Trajectories, By::Either].map(|by| cases.map(|case| (by, case)));
-    for (by, (is_stopped, by_driver)) in all.into_iter().flatten() {
-        let mut bench = Bench::driven(by, &[(FaultKind::PressedStop, ON_THE_WAY_S)]);
+    for (is_stopped, by_driver) in cases {
+        let mut bench = Bench::driven(By::Trajectories, &[(FaultKind::PressedStop, ON_THE_WAY_S)]);
         let moved = go_to(
             bench.driver(),
             &settings(),
@@ -86,7 +85,7 @@ fn an_arm_is_not_let_go_while_its_controller_takes_nothing() {
     bench.port().wait(1.0);
     let enabled = bench.driver().recover();
     assert!(
-        matches!(enabled, Err(ArmError::TimedOut { .. })),
+        matches!(&enabled, Err(ArmError::Failed(why)) if why.contains("did not end within")),
         "{enabled:?}"
     );
     bench.stays_stopped();
@@ -98,7 +97,8 @@ fn an_arm_is_not_let_go_while_its_controller_takes_nothing() {
 fn a_trajectory_that_never_arrived_is_no_obstacle_to_a_stop() {
     let mut bench = Bench::driven(By::Trajectories, &[(FaultKind::LostGoals, 0.1)]);
     let late = go(bench.driver());
-    assert!(matches!(late, Err(ArmError::TimedOut { .. })), "{late:?}");
+    let late = failure(late);
+    assert!(late.contains("did not end within"), "{late}");
     bench.driver().stop().unwrap();
     bench.stays_stopped();
 }
@@ -115,7 +115,8 @@ fn joints_that_are_not_heard_are_silent_and_not_stopped() {
             moved.unwrap();
             moved = go(&mut arm);
         }
-        let is_told = matches!(moved, Err(ArmError::Silent { what, .. }) if what == "joints are");
+        let is_told =
+            matches!(&moved, Err(ArmError::Failed(why)) if why.contains("where its joints are"));
         assert!(is_told, "{deaf_s}: {moved:?}");
         // Tool poses do not need joint readings.
         let port = faulty(&settings, 0, &[], None);
@@ -165,7 +166,7 @@ fn an_arm_without_the_vendors_servers_moves_and_is_stopped() {
         let stopped = arm.stop();
         if !is_verified {
             assert!(
-                matches!(stopped, Err(ArmError::StopNotAcknowledged { .. })),
+                matches!(stopped, Err(ArmError::NotStopped(_))),
                 "{stopped:?}"
             );
             continue;

@@ -5,10 +5,11 @@
 
 use super::simulated::table;
 use super::{Acts, ArmWorld, Parts, motion};
-use crate::driver::parked::ParkedArm;
-use crate::kinematics::tool_down::tool_down;
+use crate::driver::{Commands, PortArm};
 use crate::plan::Plan;
+use crate::port::Port;
 use crate::rgbd::RgbdSource;
+use crate::simulated::SimulatedArm;
 use crate::table::TableCamera;
 use fab_base::files;
 use fab_picture::png;
@@ -41,10 +42,10 @@ impl ArmWorld {
         // Without motion there is no journal.
         let folder = parts.folder.take();
         let settings = &parts.files.settings;
-        let turn_rad = settings.motion.hand_turn_deg.to_radians();
-        let at = tool_down(&settings.workspace.rest_m.into(), turn_rad);
-        let arm = ParkedArm::at(at);
-        let world = ArmWorld::new(parts, Box::new(arm), camera)?;
+        let arm = Box::new(SimulatedArm::new(settings, None).map_err(motion)?);
+        let (fingers, tolerance) = (settings.fingers, settings.tolerance);
+        let arm = PortArm::<dyn Port>::new(arm, Commands::Trajectories, fingers, tolerance);
+        let world = ArmWorld::new(parts, arm, camera)?;
         Ok(ArmWorld {
             acts: Acts::PlanIn(folder),
             ..world

@@ -4,7 +4,8 @@ use super::{ArmWorld, Parts, base_from_world, motion};
 use crate::driver::{Commands, PortArm};
 use crate::port::Port;
 use crate::rgbd::RgbdSource;
-use crate::simulated::{SimulatedArm, Simulation};
+use crate::settings::DriverKind;
+use crate::simulated::SimulatedArm;
 use crate::table::{ClothTable, TableCamera};
 use fab_world::WorldError;
 use std::cell::RefCell;
@@ -23,13 +24,16 @@ impl ArmWorld {
     ) -> Result<ArmWorld, WorldError> {
         let table = table(&parts)?;
         let settings = &parts.files.settings;
-        let simulation = Simulation::of(settings).map_err(motion)?;
-        let arm = SimulatedArm::new(simulation, Some(table.clone()));
+        if settings.driver != DriverKind::Simulated {
+            return Err(motion(
+                "its settings name another driver than `simulated`".to_owned(),
+            ));
+        }
+        let arm = SimulatedArm::new(settings, Some(table.clone())).map_err(motion)?;
         let (port, camera) = between(arm, TableCamera(table.clone()));
         let (fingers, tolerance) = (settings.fingers, settings.tolerance);
-        let commands = Commands::PosesAt(settings.motion.speed_m_s);
-        let driver = PortArm::new(port, commands, fingers, tolerance);
-        let mut world = ArmWorld::new(parts, Box::new(driver), camera)?;
+        let driver = PortArm::new(port, Commands::Trajectories, fingers, tolerance);
+        let mut world = ArmWorld::new(parts, driver, camera)?;
         world.table = Some(table);
         Ok(world)
     }

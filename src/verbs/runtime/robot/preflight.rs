@@ -4,7 +4,7 @@
 //! do about it. A simulated arm ends with its program, so it needs no checks.
 
 use crate::io::Io;
-use fab_arm::journal::{self, Left};
+use fab_arm::journal::{self, JournalError, RunState};
 use fab_arm::settings::{DriverKind, Settings};
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
@@ -37,27 +37,39 @@ pub fn claim(robot: &Path) -> Result<(), String> {
 
 /// Reports how a run left the arm, unless it is clear.
 pub fn report_run_state(run: &Path, robot: &Path, settings: &Settings, io: &Io) {
-    let note = match journal::run_state(run) {
-        Ok(state) if state.is_clear() => return,
-        Ok(state) => format!("this is how the arm was left: {state}"),
-        Err(error) => format!("in what state the arm was left is not known: {error}"),
-    };
+    let left = journal::run_state(run);
+    if left.as_ref().is_ok_and(RunState::is_clear) {
+        return;
+    }
     let what_to_do = match settings.driver {
         DriverKind::Simulated => String::new(),
         _ => see_to_it(robot),
     };
-    io.talk(&format!("note: {note}{what_to_do}"));
+    let left = told(&left);
+    io.talk(&format!(
+        "note: this is how the arm was left: {left}{what_to_do}"
+    ));
 }
 
 /// Fails if the arm needs recovery after its last run.
 pub fn check(robot: &Path) -> Result<(), String> {
-    match journal::left(robot).map_err(|error| error.to_string())? {
-        Left::Clear => Ok(()),
-        left => Err(format!(
-            "nothing is moved, because of how the last run with the arm of `{}` ended: {left}{}",
-            robot.display(),
-            see_to_it(robot)
-        )),
+    let left = journal::left(robot);
+    if left.as_ref().is_ok_and(RunState::is_clear) {
+        return Ok(());
+    }
+    Err(format!(
+        "nothing is moved, because of how the last run with the arm of `{}` ended: {}{}",
+        robot.display(),
+        told(&left),
+        see_to_it(robot)
+    ))
+}
+
+/// Says how a run left the arm.
+pub fn told(left: &Result<RunState, JournalError>) -> String {
+    match left {
+        Ok(state) => state.to_string(),
+        Err(error) => format!("its state is unknown: {error}"),
     }
 }
 

@@ -10,7 +10,7 @@ use crate::exit::{Exit, Failure};
 use crate::io::Io;
 use clap::{Args, ValueHint};
 use fab_arm::driver::PortArm;
-use fab_arm::journal::{self, Left};
+use fab_arm::journal::{self, RunState};
 use fab_arm::port::Port;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -37,8 +37,13 @@ What was done, in a few words (empty: change nothing):";
 /// How an arm was left, and what a person did about it.
 #[derive(Serialize)]
 struct Recovery {
+    /// `clear`, `unclear` or `unknown`.
+    left: &'static str,
     #[serde(flatten)]
-    left: Left,
+    state: Option<RunState>,
+    /// Why it is unknown.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    why: Option<String>,
     recovered: Option<String>,
 }
 
@@ -57,10 +62,11 @@ fn recover<P: Port + ?Sized>(
     arguments: &RecoverArguments,
     io: &Io,
 ) -> Result<Exit, Failure> {
-    let left = journal::left(&arguments.robot)?;
-    let is_needed = left != Left::Clear || arm.is_stopped()?;
-    let recovered = if is_needed {
-        io.talk(&left.to_string());
+    let left = journal::left(&arguments.robot);
+    let told = preflight::told(&left);
+    let is_clear = left.as_ref().is_ok_and(RunState::is_clear);
+    let recovered = if !is_clear || arm.is_stopped()? {
+        io.talk(&told);
         io.talk(BY_HAND);
         let how = arguments.how.clone().unwrap_or_else(|| {
             io.talk(QUESTION);
@@ -87,9 +93,18 @@ fn recover<P: Port + ?Sized>(
     } else {
         None
     };
-    let document = Recovery { left, recovered };
+    let document = Recovery {
+        left: match &left {
+            Ok(_) if is_clear => "clear",
+            Ok(_) => "unclear",
+            Err(_) => "unknown",
+        },
+        why: left.as_ref().err().map(ToString::to_string),
+        state: left.ok().filter(|_| !is_clear),
+        recovered,
+    };
     io.either(arguments.json, &document, || match &document.recovered {
-        None => format!("clear: {}", document.left),
+        None => format!("clear: {told}"),
         Some(how) => format!("recovered: {how}; the arm accepts motion again"),
     });
     Ok(Exit::Done)

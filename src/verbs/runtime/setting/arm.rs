@@ -167,7 +167,7 @@ pub fn world(
             parts.watchdog = Box::new(Process::start(robot, watchdog_s).map_err(failed)?);
             let timeout_s = parts.files.settings.camera.timeout_s;
             let camera = camera(&parts.files.settings, PictureSelection::Fresh { timeout_s })?;
-            let arm = Box::new(connect::arm(&parts.files.settings).map_err(failed)?);
+            let arm = connect::arm(&parts.files.settings).map_err(failed)?;
             let world = ArmWorld::new(parts, arm, camera)?;
             if let Some(folder) = folder {
                 // Before the first motion: after a crash in it, the next run must find this one.

@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::kinematics::tool_down::tool_down;
-use crate::port::{AfterStop, GoalId, GoalState, Port, PortError, Reading, Readings, Waypoint};
+use crate::port::{GoalId, GoalState, Port, PortError, Reading, Readings, Waypoint};
 
 const AT_M: [f64; 3] = [0.4, 0.1, 0.02];
 
@@ -45,10 +45,6 @@ impl<F: Fn(f64) -> Isometry3<f64>> Port for Guided<F> {
 
     fn stop(&mut self) -> Result<(), PortError> {
         panic!("the arm is stopped")
-    }
-
-    fn after_stop(&self) -> AfterStop {
-        AfterStop::Refuses
     }
 
     fn start(&mut self) -> Result<(), PortError> {

@@ -3,9 +3,9 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
-use fab_arm::driver::{Arm, ArmError, Commands, Opening};
+use fab_arm::driver::{ArmError, Commands, Opening};
 use fab_arm::settings::Settings;
-use fab_arm::simulated::{SimulatedArm, Simulation};
+use fab_arm::simulated::SimulatedArm;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -17,9 +17,9 @@ const GRASP: &str = "{\"type\":\"begin\",\"action\":2,\"segment\":\"grasp\",\"to
 fn left(how: Option<&str>) -> (tempfile::TempDir, PortArm<SimulatedArm>, RecoverArguments) {
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("tasks/real/simulated.toml");
     let settings = Settings::load(&shipped).unwrap();
-    let port = SimulatedArm::new(Simulation::of(&settings).unwrap(), None);
+    let port = SimulatedArm::new(&settings, None).unwrap();
     let (fingers, tolerance) = (settings.fingers, settings.tolerance);
-    let mut arm = PortArm::new(Box::new(port), Commands::Poses, fingers, tolerance);
+    let mut arm = PortArm::new(Box::new(port), Commands::Trajectories, fingers, tolerance);
     arm.stop().unwrap();
     let folder = tempfile::tempdir().unwrap();
     let (robot, run) = (folder.path().join("robot.toml"), folder.path().join("run"));
@@ -80,7 +80,6 @@ fn an_arm_moves_again_once_it_is_said_what_was_done() {
     assert_eq!(journal_of(&folder), format!("{GRASP}{line}"));
     close(&mut arm).unwrap();
 
-    // It is clear, and somebody presses the stop: then it is asked for again.
     arguments.how = None;
     let io = Io::in_memory();
     assert_eq!(recover(&mut arm, &arguments, &io).unwrap(), Exit::Done);
@@ -89,7 +88,8 @@ fn an_arm_moves_again_once_it_is_said_what_was_done() {
         (&told["left"], &told["recovered"]),
         (&Value::from("clear"), &Value::Null)
     );
-    arm.port().stop().unwrap();
+    // It is clear, and stopped: then it is asked for again.
+    arm.stop().unwrap();
     assert!(recover(&mut arm, &arguments, &Io::in_memory()).is_err());
     arguments.how = Some("the cable hung".to_owned());
     recover(&mut arm, &arguments, &Io::in_memory()).unwrap();
@@ -97,18 +97,13 @@ fn an_arm_moves_again_once_it_is_said_what_was_done() {
 }
 
 #[test]
-fn a_run_that_is_gone_is_recovered_beside_the_settings() {
+fn a_run_that_is_gone_is_forgotten() {
     let (folder, mut arm, arguments) = left(Some("by hand"));
     fs::remove_dir_all(folder.path().join("run")).unwrap();
     let io = Io::in_memory();
     recover(&mut arm, &arguments, &io).unwrap();
     let told: Value = serde_json::from_str(&io.captured().stdout).unwrap();
     assert_eq!(told["left"], "unknown");
-    assert!(
-        told["why"]
-            .as_str()
-            .unwrap()
-            .ends_with("arm.jsonl` is gone")
-    );
-    assert_eq!(journal::left(&arguments.robot).unwrap(), Left::Clear);
+    assert!(io.captured().stderr.contains("arm.jsonl`: it is gone"));
+    assert!(journal::left(&arguments.robot).unwrap().is_clear());
 }

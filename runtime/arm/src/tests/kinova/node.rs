@@ -1,8 +1,8 @@
-//! The node that moves a simulated arm: its action servers, with the behaviour of the real ones.
+//! The node of kinova-ros: its action servers, with the behaviour of the real ones.
 
+use super::super::arm::driver::Deviation;
+use super::super::arm::port::{Ending, GoalId, GoalState, Waypoint};
 use super::body::Body;
-use crate::driver::Deviation;
-use crate::port::{Ending, GoalId, GoalState, Waypoint};
 use nalgebra::Isometry3;
 use std::collections::BTreeMap;
 use std::mem::discriminant;
