@@ -158,7 +158,7 @@ impl SimulatedArm {
         self.end_trajectory(Ending::Succeeded);
     }
 
-    /// Moves the fingers towards their goal; one of which they fall short ends where cloth blocks them.
+    /// Moves the fingers towards their goal; where cloth stops them short of it, the goal is aborted.
     fn advance_fingers(&mut self, tool: &Isometry3<f64>) {
         let Some((_, goal)) = self.finger_goal else {
             return;
