@@ -231,9 +231,13 @@ impl Port for RosPort {
 
     /// Re-sends the arm's pose, which kinova-ros takes at any time and aborts while the arm is stopped.
     fn probe(&mut self) -> Result<Option<GoalId>, PortError> {
-        let Some(here) = self.topics.readings().tool.filter(|_| self.has_stop) else {
+        if !self.has_stop {
             return Ok(None);
-        };
+        }
+        let here = self.topics.readings().tool.ok_or_else(|| PortError {
+            what: "a goal that shows whether the arm is stopped".to_owned(),
+            why: "the arm has not reported where its tool is".to_owned(),
+        })?;
         let message = servers::tool_pose(&here.value, &self.names.base_frame);
         send(&self.servers.pose, message).map(Some)
     }

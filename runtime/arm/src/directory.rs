@@ -57,7 +57,8 @@ impl DirectoryCamera {
         let mut why = "no new picture came".to_owned();
         while begun.elapsed().as_secs_f64() < timeout_s {
             std::thread::sleep(LOOK);
-            let now = self.newest()?.filter(|now| Some(now) != before.as_ref());
+            // If the newest was removed, the one before it is not new.
+            let now = self.newest()?.filter(|now| Some(now) > before.as_ref());
             // A picture that is still being written becomes readable later.
             match now.map(|(_, path, _)| self.read(&path)) {
                 Some(Ok(shot)) => return Ok(shot),

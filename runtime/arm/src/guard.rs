@@ -38,8 +38,9 @@ const EXACT_M: f64 = 1e-5;
 /// How far apart parts of the arm must be along a path, metres: between two points of it they come nearer.
 const APART_M: f64 = STEP_M / 2.0;
 
-/// How far a tool's pose may be from that of the joint angles, metres: they are read one after the other.
+/// How far a tool's pose may be from that of the joint angles, metres and radians: they are read one after the other.
 const ASIDE_M: f64 = 0.02;
+const ASIDE_RAD: f64 = 0.05;
 
 /// How far an arm may be from where a motion begins, metres, and radians of a joint and of the tool: its readings differ by less
 /// while it rests.
@@ -297,7 +298,7 @@ impl Guard {
             let begin = self.chain().base_from_tool(&from.joints_rad)?;
             let aside = Deviation::between(&begin, &from.tool);
             // NaN must be refused.
-            let do_fit = aside.position_m <= ASIDE_M;
+            let do_fit = aside.position_m <= ASIDE_M && aside.angle_rad <= ASIDE_RAD;
             if !do_fit {
                 return Err(format!(
                     "the arm reports joints that bring its tool {aside} away from where it reports the tool: the readings do \

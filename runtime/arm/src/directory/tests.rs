@@ -23,6 +23,17 @@ fn a_picture_of_before_is_never_taken_for_a_new_one() {
     let why = camera.shoot().unwrap_err();
     assert!(why.contains("no new picture came"), "{why}");
 
+    // Where the newest is removed, the one before it does not become new.
+    put("c.png", &encoded(3)).unwrap();
+    let newest = folder.path().join("c.png");
+    let removing = std::thread::spawn(move || {
+        std::thread::sleep(2 * LOOK);
+        std::fs::remove_file(newest).unwrap();
+    });
+    let why = camera.shoot().unwrap_err();
+    removing.join().unwrap();
+    assert!(why.contains("no new picture came"), "{why}");
+
     let long = PictureSelection::Fresh { timeout_s: 60.0 };
     let mut camera = DirectoryCamera::of(folder.path(), None, long);
     let (send, taken) = channel();

@@ -28,6 +28,9 @@ const NEAR_M: f64 = 0.02;
 /// The same for the joints of a trajectory, radians.
 const NEAR_RAD: f64 = 0.04;
 
+/// How far the tool may move during a probe, metres: the accuracy with which the arm's node holds a pose.
+const STAY_M: f64 = 0.010;
+
 /// How long a goal may take to end by itself, seconds: a hand closes in one or two.
 const LET_END_S: f64 = 3.0;
 
@@ -133,6 +136,9 @@ impl<P: Port + ?Sized> PortArm<P> {
                 }
                 Err(Halt::Stop(why)) => return Err(why),
             }
+            if *goal == Goal::Probe {
+                stays(&begun_at, &state)?;
+            }
             match self.port.goal(&id) {
                 GoalState::Ended(ending) => return Ok(Outcome::Ended(ending)),
                 GoalState::Sent if now_s - sent_s > ACCEPT_S => {
@@ -231,6 +237,20 @@ impl Goal {
             }),
         }
     }
+}
+
+/// Fails if a tool that nothing told to move has left its place.
+fn stays(place: &Isometry3<f64>, state: &ArmState) -> Result<(), ArmError> {
+    let moved_m = Deviation::between(place, &state.tool).position_m;
+    // NaN must stop the arm too.
+    let stays = moved_m <= STAY_M;
+    if stays {
+        return Ok(());
+    }
+    Err(ArmError::OutOfLimits(format!(
+        "the tool moved by {:.0} mm while nothing told it to",
+        moved_m * 1000.0
+    )))
 }
 
 /// The last readings of the tool's position during a goal.

@@ -98,7 +98,7 @@ impl<P: Port + ?Sized> PortArm<P> {
     ///
     /// One call sends one motion. After [`ArmError::Short`] the caller may check the rest of the way and call again.
     ///
-    /// - `motion`: from where the arm is; one that was checked from elsewhere is refused. A node that takes no speed is only
+    /// - `motion`: from where the arm is; an arm that has left that place is stopped. A node that takes no speed is only
     ///   monitored.
     pub fn move_tool(
         &mut self,
@@ -221,7 +221,7 @@ impl<P: Port + ?Sized> PortArm<P> {
         let is_where_it_was =
             moved.position_m <= BEGIN_M && moved.angle_rad <= self.tolerance.angle_deg.to_radians();
         if !is_where_it_was {
-            return Err(ArmError::Refused(format!(
+            return Err(ArmError::OutOfLimits(format!(
                 "the tool has moved by {:.1} mm and {:.1} degrees since this motion was checked",
                 moved.position_m * 1000.0,
                 moved.angle_rad.to_degrees()

@@ -39,7 +39,7 @@ fn a_motion_that_was_checked_from_elsewhere_is_not_sent() {
         go(&mut bench).unwrap();
         let moved = bench.driver().move_tool(&motion, &mut nobody);
         assert!(
-            matches!(&moved, Err(ArmError::Refused(why)) if why.contains("since this motion was checked")),
+            matches!(&moved, Err(ArmError::OutOfLimits(why)) if why.contains("since this motion was checked")),
             "{moved:?}"
         );
     }

@@ -198,6 +198,15 @@ fn an_arm_that_runs_away_is_stopped_at_its_limits() {
 }
 
 #[test]
+fn an_arm_that_runs_away_before_its_motion_is_stopped() {
+    let mut bench = Bench::with(&[(FaultKind::Runaway, 0.0)]);
+    let aside = tool_down(&Point3::new(0.45, 0.5, 0.1), 0.0);
+    let moved = bench.arm.move_tool(&aside, SPEED_M_S, &mut nobody);
+    assert!(matches!(moved, Err(ArmError::OutOfLimits(_))), "{moved:?}");
+    assert!(bench.off_m(bench.settings.workspace.rest_m) < 0.1);
+}
+
+#[test]
 fn a_hand_that_is_carried_off_while_its_fingers_move_is_stopped() {
     let mut bench = Bench::with(&[(FaultKind::Runaway, 0.3)]);
     let closed = bench.arm.move_fingers(Opening::Closed, &mut nobody);

@@ -8,7 +8,8 @@ use crate::plan::Plan;
 use crate::route::{Act, Segment, SegmentName};
 use crate::timing::JointLimits;
 use fab_base::chance::Chance;
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
+use std::f64::consts::FRAC_PI_2;
 
 /// How far a limit may be exceeded, as a share of it: rounding.
 const EXACT: f64 = 1e-6;
@@ -284,6 +285,19 @@ fn a_trajectory_begins_where_the_joints_are_or_not_at_all() {
             }
         }
     }
+}
+
+#[test]
+fn a_hand_that_is_turned_against_the_model_is_refused() {
+    let settings = settings();
+    let mut arm = By::Trajectories.drive(faulty(&settings, 0, &[], None), &settings);
+    let mut state = arm.state().unwrap();
+    let there = tool_down(&Point3::new(0.40, -0.25, 0.20), 0.0);
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), FRAC_PI_2);
+    state.tool *= turn;
+    let motion = guard(&settings).motion(&state, &(there * turn), SPEED_M_S);
+    let why = motion.map(drop).unwrap_err();
+    assert!(why.contains("and 90.0 degrees away"), "{why}");
 }
 
 #[test]

@@ -277,11 +277,12 @@ impl Calls for Ledger<'_> {
             number: call.number,
             at_most: call.at_most,
         };
+        // Before anything is written, so that a panic gives back what is reserved.
+        self.open = Some((number, call.at_most));
         let begun = self.write_question().and_then(|()| self.write(line));
         if begun.is_err() {
+            self.open = None;
             self.budget.end(call.at_most, None);
-        } else {
-            self.open = Some((number, call.at_most));
         }
         begun
     }
