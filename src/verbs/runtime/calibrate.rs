@@ -120,7 +120,6 @@ pub fn run(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
     let calibrated = report::Calibrated {
         quality: report::Quality::of(&calibration, corners),
         points: &calibration.pairs,
-        limit_mm: calibration.terms.limit_mm,
         reference: Calibration::picture_beside(&path),
         file: path,
         drawn,

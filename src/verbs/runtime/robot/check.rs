@@ -154,8 +154,8 @@ impl Inspection {
     fn text(&self) -> String {
         let (name, model) = (&self.name, &self.model);
         let mut lines = vec![format!("settings     {name}, {model}: can be used")];
-        let quality = self.calibration.iter().map(Quality::text);
-        lines.extend(quality.map(|text| format!("calibration  {text}")));
+        let made = self.calibration.iter();
+        lines.extend(made.map(|it| format!("calibration  of {}: {}", it.made_on, it.text())));
         lines.extend(self.reach.iter().map(|place| {
             let ([x, y, z], name, why) = (place.at_m, place.name, place.why_not.as_ref());
             let result = why.map_or("reached".to_owned(), |why| format!("out of reach: {why}"));

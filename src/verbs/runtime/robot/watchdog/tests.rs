@@ -168,7 +168,7 @@ fn one_that_hangs_is_noticed_and_blocks_nothing() {
         let mut process = played(script).unwrap();
         let why = process.watch().unwrap_err();
         assert!(
-            why.starts_with("the watchdog does not acknowledge within 2s"),
+            why.starts_with("the watchdog has not acknowledged `beat` within 2s"),
             "{why}"
         );
         let mut process =
@@ -188,20 +188,6 @@ fn one_that_hangs_is_noticed_and_blocks_nothing() {
         assert!(longest < TIMEOUT, "a heartbeat took {longest:?}");
         assert!(begun.elapsed() >= TIMEOUT);
     }
-}
-
-#[test]
-fn a_full_pipe_is_an_error_and_blocks_nothing() {
-    let mut command = Command::new("sh");
-    command.args(["-c", "echo ready; exec sleep 5"]);
-    let mut process = Process::spawn(command, TIMEOUT, Duration::from_secs(600)).unwrap();
-    // More than any pipe holds.
-    let full = (0..1 << 20).find_map(|_| process.beat().err());
-    assert_eq!(
-        full.as_deref(),
-        Some("the watchdog is gone: its reader does not read")
-    );
-    let _ = process.child.kill();
 }
 
 #[test]
