@@ -80,21 +80,19 @@ pub fn camera(
 )]
 pub fn port(settings: &Settings, timeout_s: f64) -> Result<Box<dyn Port>, String> {
     check_built(settings)?;
-    match settings.driver {
-        #[cfg(feature = "ros")]
-        DriverKind::Kinova | DriverKind::Trajectory => {
-            let ros = part(&settings.ros, "ros")?;
-            let port = fab_arm_ros::connect(ros, &settings.model, timeout_s);
-            Ok(Box::new(port.map_err(|error| error.to_string())?))
-        }
-        #[cfg(feature = "ros2")]
-        DriverKind::Ros2 => {
-            let (ros2, chain) = (part(&settings.ros2, "ros2")?, settings.chain());
-            let port = fab_arm_ros2::connect(ros2, chain, settings.fingers.count, timeout_s);
-            Ok(Box::new(port.map_err(|error| error.to_string())?))
-        }
-        _ => Err("an arm that this program simulates has no node".to_owned()),
+    #[cfg(feature = "ros")]
+    if let DriverKind::Kinova | DriverKind::Trajectory = settings.driver {
+        let ros = part(&settings.ros, "ros")?;
+        let port = fab_arm_ros::connect(ros, &settings.model, timeout_s);
+        return Ok(Box::new(port.map_err(|error| error.to_string())?));
     }
+    #[cfg(feature = "ros2")]
+    if settings.driver == DriverKind::Ros2 {
+        let (ros2, chain) = (part(&settings.ros2, "ros2")?, settings.chain());
+        let port = fab_arm_ros2::connect(ros2, chain, settings.fingers.count, timeout_s);
+        return Ok(Box::new(port.map_err(|error| error.to_string())?));
+    }
+    Err("an arm that this program simulates has no node".to_owned())
 }
 
 /// Connects to the node of an arm, and drives it as its settings say.
