@@ -2,14 +2,6 @@
 
 use super::*;
 
-impl Io {
-    /// Returns the same surroundings, writing talk to a stream instead of capturing it.
-    pub(crate) fn with_stderr(self, writer: impl Write + Send + 'static) -> Io {
-        *lock(&self.streams.stderr) = Sink::To(Box::new(writer));
-        self
-    }
-}
-
 #[test]
 fn foreign_words_are_visible_and_a_terminal_does_not_take_their_colours() {
     for is_terminal in [false, true] {

@@ -49,11 +49,10 @@ fn an_arm_that_is_set_up_is_told_what_it_reaches() {
     let settings = fs::read_to_string(folder.path().join("robot.toml")).unwrap();
     let (code, read) = check(folder.path(), &settings);
     assert_eq!(code, 0, "{read}");
-    assert_eq!(read["calibration"]["usable"], true, "{read}");
     assert_eq!(read["calibration"]["made_on"], "2026-11-22");
     let left_out_mm = read["calibration"]["left_out_rms_mm"].as_f64().unwrap();
     assert!((0.1..4.0).contains(&left_out_mm), "{read}");
-    assert!(read["next"][0].as_str().unwrap().contains("--plan-only"));
+    assert_eq!(read["faults"], Value::Array(Vec::new()));
     let reached: Vec<bool> = read["reach"]
         .as_array()
         .unwrap()
@@ -77,9 +76,11 @@ fn an_arm_that_is_set_up_is_told_what_it_reaches() {
 fn an_arm_that_cannot_be_used_is_named_by_what_lacks() {
     let folder = tempfile::tempdir().unwrap();
     let (code, read) = check(folder.path(), ROBOT);
-    assert_eq!(
-        (code, &read["calibration"]["usable"]),
-        (2, &Value::from(false))
+    assert_eq!((code, &read["calibration"]), (2, &Value::Null));
+    let fault = read["faults"][0].as_str().unwrap();
+    assert!(
+        fault.contains("`lab.toml` is not a usable calibration"),
+        "{fault}"
     );
     let far = ROBOT.replace("rest_m = [0.35, -0.25, 0.3]", "rest_m = [0.74, 0.29, 0.3]");
     let (code, read) = check(folder.path(), &far);
@@ -112,7 +113,7 @@ fn simulated(edits: &[(&str, &str)]) -> TempDir {
     folder
 }
 
-/// Edits of the shipped settings; why check refuses them, and what to do next.
+/// Edits of the shipped settings; why check refuses them, and what to do about it.
 type Refused = (
     &'static [(&'static str, &'static str)],
     &'static str,
@@ -132,7 +133,7 @@ const REFUSED: [Refused; 4] = [
             ),
         ],
         "mm from the height in `table.center_m`; at most 10 mm are accepted",
-        "next: correct what is said of it in `robot.toml`",
+        "; correct `robot.toml`, or touch points anew",
     ),
     (
         &[(
@@ -140,12 +141,12 @@ const REFUSED: [Refused; 4] = [
             "center_m = [0.25, 0.0, 0.02]",
         )],
         "mm from `table.center_m`; at most 50 mm are accepted",
-        "next: correct what is said of it in `robot.toml`",
+        "; correct `robot.toml`, or touch points anew",
     ),
     (
         &[("simulated.calibration.toml", "none.toml")],
         "`none.toml` is not a usable calibration",
-        "next: touch points and calibrate: `fabc calibrate --robot robot.toml --pairs FILE`",
+        "touch points anew: `fabc calibrate --robot robot.toml --pairs FILE`",
     ),
     (
         &[(
@@ -153,7 +154,7 @@ const REFUSED: [Refused; 4] = [
             "rest_m = [0.74, -0.50, 0.25]",
         )],
         "the rest (0.740, -0.500, 0.250) is out of reach",
-        "next: state another `workspace.rest_m` in `robot.toml`",
+        "; state another `workspace.rest_m`",
     ),
 ];
 
@@ -171,25 +172,23 @@ fn whatever_check_refuses_is_neither_planned_nor_run() {
         &["check", "--robot", "robot.toml"],
         "",
     );
-    let next = "next         `fabc run TASK --world arm --robot robot.toml --plan-only`\n";
-    assert_eq!(said.code, 0, "{}", said.stderr);
-    assert!(said.stdout.ends_with(next), "{}", said.stdout);
+    let next = "next: `fabc run TASK --world arm --robot robot.toml --plan-only`\n";
+    assert_eq!((said.code, said.stderr.as_str()), (0, next));
 }
 
 fn nothing_moves(cases: &[Refused]) {
     let task = project("tasks/real/double_triangle.fab");
-    for (edits, why, next) in cases {
+    for (edits, why, cure) in cases {
         let folder = simulated(edits);
         let said = robot(folder.path(), &["check", "--robot", "robot.toml"], "");
         assert_eq!(said.code, 2, "{why}: {}", said.stdout);
-        let on_one_line = said.stdout.replace("next         ", "next: ");
-        assert!(on_one_line.contains(next), "{next}: {}", said.stdout);
+        assert!(said.stdout.contains(cure), "{cure}: {}", said.stdout);
         for more in [&["--plan-only"][..], &[]] {
             let mut command = fabc(folder.path());
             command.args(["run", &task, "--world", "jaco", "--robot", "robot.toml"]);
             let said = finish(command.args(["--out", "run"]).args(more));
             assert_eq!(said.code, 2, "{more:?}");
-            for words in ["nothing is planned or moved", why, next] {
+            for words in ["nothing is planned or moved", why, cure] {
                 assert!(said.stderr.contains(words), "{words}: {}", said.stderr);
             }
             assert!(!folder.path().join("run/arm.jsonl").exists());

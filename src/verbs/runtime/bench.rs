@@ -277,9 +277,8 @@ fn check_arm(
         DriverKind::Kinova | DriverKind::Trajectory | DriverKind::Ros2 => Cloths::ByHand,
     };
     cloths.check(suite)?;
-    let settings = setting::arm::check(&arguments.arm, ArmMode::Execute, io)?;
-    let files = fab_arm::world::Files::load(robot).map_err(Failure::environment)?;
-    Ok((cloths, files.about, settings))
+    let files = setting::arm::check(&arguments.arm, ArmMode::Execute, io)?;
+    Ok((cloths, files.about, files.settings))
 }
 
 fn asks_a_provider(deciding: &DecidingBy) -> bool {

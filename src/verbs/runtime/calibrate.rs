@@ -1,7 +1,7 @@
 //! `fabc calibrate`: from points that the arm touched to a file that maps the camera's pixels to the arm's frame.
 //!
 //! In: the arm's settings; points from a file, or touched by an arm that a person guides; the camera's picture. Out: the
-//! calibration file, its picture, a drawing of the errors, and their summary. An existing file is replaced.
+//! calibration file that the settings name, its picture, a drawing of the errors, and their summary. An existing file is replaced.
 
 mod guided;
 pub mod report;
@@ -21,7 +21,7 @@ use fab_arm::settings::{CameraSource, Settings};
 use fab_arm::world;
 use fab_picture::png;
 use image::RgbImage;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 const POINTS: &str = "\
 Points are lines `u,v,x,y,z`: a pixel of the camera's own picture, then the tool's position in metres in the arm's \
@@ -51,9 +51,6 @@ pub struct CalibrateArguments {
     /// the newest of its folder.
     #[arg(long, value_name = "PNG", value_hint = ValueHint::FilePath)]
     pub image: Option<PathBuf>,
-    /// The calibration file to write; default: the one that the settings name.
-    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
-    pub out: Option<PathBuf>,
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,
@@ -79,9 +76,7 @@ pub fn run(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
         .lens()
         .and_then(|_| check_window(settings.camera.window_px, terms.size_px))
         .map_err(Failure::environment)?;
-    let beside = arguments.robot.parent().unwrap_or(Path::new(""));
-    let beside = beside.join(&settings.calibration);
-    let path = arguments.out.clone().unwrap_or(beside);
+    let path = arguments.robot.with_file_name(&settings.calibration);
     let tags = fab_vision::tags(&seen).map_err(|why| why.to_string());
     // It matters only to points that name a tag.
     let tags: SeenTags<'_> = tags.as_deref().map_err(String::as_str);
@@ -105,21 +100,16 @@ pub fn run(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
     draw_errors(&mut picture, &pairs, terms.fit(&pairs).ok().as_ref())?;
     let drawn = path.with_extension("points.png");
     write_file(&drawn, &png::encode(&picture))?;
-    let (day, reference) = (
-        catalogue::today(io).to_string(),
-        image::imageops::grayscale(&seen),
-    );
-    let made = Calibration::make(terms, pairs, &day, Some(reference));
-    let made = made.and_then(|made| {
-        let corners = made.over_table(&settings)?;
-        Ok((made, corners))
-    });
-    let (calibration, corners) = made.map_err(|why| {
+    let refused = |why: String| {
+        let drawn = drawn.display();
         Failure::environment(format!(
-            "the points are refused and no calibration is written\n{why}\n`{}` shows the points",
-            drawn.display()
+            "the points are refused and no calibration is written\n{why}\n`{drawn}` shows the points"
         ))
-    })?;
+    };
+    let (day, reference) = (catalogue::today(io), image::imageops::grayscale(&seen));
+    let calibration = Calibration::make(terms, pairs, &day.to_string(), Some(reference));
+    let calibration = calibration.map_err(refused)?;
+    let corners = calibration.over_table(&settings).map_err(refused)?;
     calibration.save(&path).map_err(Failure::environment)?;
     // A picture in which nothing can be found again would stop every run.
     if let Err(why) = calibration.check_camera(&seen, &SIGHT) {
@@ -127,7 +117,13 @@ pub fn run(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
             "note: a moved camera could not be noticed by this picture: {why}"
         ));
     }
-    let calibrated = report::Calibrated::of(&calibration, corners, path, drawn);
+    let calibrated = report::Calibrated {
+        quality: report::Quality::of(&calibration, corners),
+        points: &calibration.pairs,
+        reference: Calibration::picture_beside(&path),
+        file: path,
+        drawn,
+    };
     io.either(arguments.json, &calibrated, || calibrated.text());
     Ok(Exit::Done)
 }

@@ -4,6 +4,7 @@
 //! stderr, so that stdout stays data; end of input means no answer.
 
 use crate::io::Io;
+use crate::verbs::runtime::robot::hold_key;
 use crate::verbs::runtime::robot::terminal::{self, choose, yes_or_no};
 use fab_agent::judgement::{Cause, Judgement, Operator};
 use fab_agent::record::Report;
@@ -16,7 +17,7 @@ impl Operator for TerminalOperator<'_> {
         let io = self.0;
         io.progress("");
         // A person who held a key while the arm moved may still hold it; from here on answers are lines.
-        terminal::restore();
+        hold_key::restore();
         let (outcome, steps) = (report.outcome.name(), report.steps);
         let why = report.stopped.iter().map(|why| format!(" ({why})"));
         let (why, folder) = (why.collect::<String>(), folder.display());

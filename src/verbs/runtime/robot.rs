@@ -5,7 +5,7 @@
 
 pub mod check;
 pub mod connect;
-mod hold_key;
+pub mod hold_key;
 pub mod preflight;
 mod recover;
 pub mod terminal;
@@ -15,11 +15,8 @@ use crate::exit::{Exit, Failure};
 use crate::io::Io;
 
 const BY_HAND: &str = "\
-Bring the arm to rest by hand or with the vendor's tools, take the cloth out of its fingers, then state what you did, \
-with --how or when asked. Caution: `home` in the vendor's driver opens the hand and drops what it holds.
-
-The arm does not move: fabc lets it move again, and verifies that by re-sending its current pose. A stopped arm stays \
-stopped until then. A simulated arm ends with its program, and needs nothing.
+fabc moves nothing: it lets the arm move again, and verifies that. A stopped arm stays stopped until then. A simulated arm ends \
+with its program, and needs nothing.
 
 Exit codes: 0 the arm is clear and accepts motion, 2 nothing was stated, or that could not be verified.";
 

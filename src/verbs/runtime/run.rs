@@ -25,7 +25,7 @@ use fab_agent::outcome::Outcome;
 use fab_agent::policy::MakePolicy;
 use fab_agent::rollout::{self, Job, RunError};
 use fab_agent::subgoals::{Origin, SubgoalSet};
-use fab_arm::settings::{DriverKind, Settings};
+use fab_arm::settings::Settings;
 use fab_model::calls::ledger;
 use fab_world::film::Recorder;
 use fab_world::{SimulatedWorld, World, WorldError};
@@ -106,7 +106,7 @@ pub fn play(arguments: &RunArguments, resumed: Option<&Path>, io: &Io) -> Result
     let mut arm = None;
     let moving = [ArmMode::Execute, ArmMode::PlanOnly][usize::from(arguments.plan_only)];
     if arguments.world == WorldChoice::Arm {
-        arm = Some(setting::arm::check(&arguments.arm, moving, io)?);
+        arm = Some(setting::arm::check(&arguments.arm, moving, io)?.settings);
     } else if arguments.plan_only {
         return Err(Failure::usage(
             "`--plan-only` plans for an arm: give `--world arm` and its settings, `--robot FILE`",
@@ -123,7 +123,7 @@ pub fn play(arguments: &RunArguments, resumed: Option<&Path>, io: &Io) -> Result
         )));
     }
     let start = match &arm {
-        Some(settings) if settings.driver != DriverKind::Simulated => {
+        Some(settings) if setting::arm::is_real(settings) => {
             setting::arm::start(&program, arguments.start.start.as_ref())?
         }
         _ => {
@@ -256,8 +256,9 @@ pub fn play(arguments: &RunArguments, resumed: Option<&Path>, io: &Io) -> Result
         progress.show(&event);
         events.write(&run, event);
     });
-    if let (Some(settings), Some(run)) = (&arm, journal.get()) {
-        preflight::report_run_state(run, arguments.arm.robot(), settings, io);
+    let may_have_moved = !arguments.plan_only && arm.as_ref().is_some_and(setting::arm::is_real);
+    if may_have_moved && let Err(why) = preflight::check(arguments.arm.robot()) {
+        io.talk(&format!("note: {why}"));
     }
     let video = film.get().map(|recorder| video::finish(recorder, io));
     let report = done.map_err(|error| match error {

@@ -6,11 +6,10 @@
 
 use crate::exit::Failure;
 use crate::io::{Io, write_file};
-use fab_arm::calibration::{MAX_PAIRS, Pair, SeenTags, Terms, csv_line, parse_pixel};
-use std::io::{BufRead, Read};
+use crate::verbs::runtime::robot::terminal::line_of;
+use fab_arm::calibration::{Pair, SeenTags, Terms, csv_line, parse_pixel};
+use std::io::BufRead;
 use std::path::Path;
-
-const MAX_LINE: u64 = 1000;
 
 /// Asks for pixels until `done` or the end of input; returns the points, after the given ones.
 ///
@@ -35,25 +34,23 @@ pub fn points(
         "type `u,v`, or `tag7`, with the fingertips on that point, one point a line; `undo`, `done`",
     );
     let mut pairs = given;
-    loop {
+    while let Some(line) = line_of(lines) {
         let n = pairs.len();
-        let mut line = String::new();
-        if Read::take(&mut *lines, MAX_LINE).read_line(&mut line)? == 0 {
-            break;
-        }
         let said = match line.trim() {
             "" => continue,
             "done" => break,
-            "undo" if pairs.pop().is_some() => format!("point {n} is taken back"),
-            "undo" => "error: there is no point to undo".to_owned(),
-            _ if n >= MAX_PAIRS => format!("error: there are {MAX_PAIRS} points; type `done`"),
+            "undo" => {
+                pairs.pop();
+                format!("{} points are left", pairs.len())
+            }
             typed => {
                 let pixel = parse_pixel(typed, tags);
-                let pair = pixel.and_then(|pixel| {
-                    let base_m = tool()?;
-                    Ok(Pair { pixel, base_m })
-                });
-                match pair {
+                match pixel.and_then(|pixel| {
+                    Ok(Pair {
+                        pixel,
+                        base_m: tool()?,
+                    })
+                }) {
                     Ok(pair) => {
                         let fit = terms.off_mm(&pairs, &pair).map_or(
                             "added; the points before it do not yet tell where it should be".to_owned(),

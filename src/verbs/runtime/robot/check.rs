@@ -5,11 +5,13 @@
 
 use crate::exit::{Exit, Failure};
 use crate::io::Io;
+use crate::verbs::runtime::calibrate::report::Quality;
 use clap::{Args, ValueHint};
-use fab_arm::calibration::{Calibration, Corner};
-use fab_arm::guard::{Guard, Surface};
+use fab_arm::calibration::Calibration;
+use fab_arm::guard::Guard;
 use fab_arm::kinematics::reach::Reach;
 use fab_arm::settings::{CameraSource, Settings};
+use fab_arm::world::Files;
 use nalgebra::Point3;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -41,206 +43,132 @@ struct NamedPose {
 struct Inspection {
     name: String,
     model: String,
-    calibration: CalibrationCheck,
+    /// `None` if it cannot be used.
+    calibration: Option<Quality>,
     reach: Vec<NamedPose>,
     /// Pairs of parts that touch at rest.
     touching: Vec<[String; 2]>,
-    #[serde(skip)]
+    /// Why no run could start, and what to do about it.
     faults: Vec<String>,
-    /// What to do: about each fault, else to plan.
-    next: Vec<String>,
-    exit: u8,
-}
-
-#[derive(Serialize)]
-#[serde(untagged)]
-enum CalibrationCheck {
-    Usable(Box<MadeCalibration>),
-    Unusable { usable: bool, why: String },
-}
-
-#[derive(Serialize)]
-struct MadeCalibration {
-    usable: bool,
-    made_on: String,
-    left_out_mm: Vec<f64>,
-    left_out_rms_mm: f64,
-    corners: [Corner; 4],
 }
 
 pub fn run(arguments: &RobotCheckArguments, io: &Io) -> Result<Exit, Failure> {
-    let inspection = inspect(&arguments.robot, &Settings::load(&arguments.robot)?);
+    let inspection = inspect(&arguments.robot)?;
     io.either(arguments.json, &inspection, || inspection.text());
     if inspection.faults.is_empty() {
+        let robot = arguments.robot.display();
+        io.talk(&format!(
+            "next: `fabc run TASK --world arm --robot {robot} --plan-only`"
+        ));
         return Ok(Exit::Done);
     }
     io.talk("error: this arm cannot be used as it is set up");
     Ok(Exit::Environment)
 }
 
-/// Returns the settings of an arm with which a plan or a run may begin; fails as `robot check` does, with what to do next.
-pub fn usable(robot: &Path) -> Result<Settings, Failure> {
-    let settings = Settings::load(robot)?;
-    let inspection = inspect(robot, &settings);
-    if inspection.faults.is_empty() {
-        return Ok(settings);
+/// Returns the files of an arm with which a plan or a run may begin; fails as `robot check` does, with what to do next.
+pub fn usable(robot: &Path) -> Result<Files, Failure> {
+    let faults = inspect(robot)?.faults;
+    if faults.is_empty() {
+        return Files::load(robot).map_err(Failure::environment);
     }
     Err(Failure::environment(format!(
-        "nothing is planned or moved, because `fabc robot check` refuses the arm of `{}`\n{}\nnext: {}",
+        "nothing is planned or moved, because `fabc robot check` refuses the arm of `{}`\n{}",
         robot.display(),
-        inspection.faults.join("\n"),
-        inspection.next.join("\nnext: ")
+        faults.join("\n")
     )))
 }
 
-fn inspect(robot: &Path, settings: &Settings) -> Inspection {
-    let guard = Guard::new(settings, Surface::level(settings));
-    let (reach, file) = (places(settings, &guard), robot.display());
-    let (mut faults, mut next) = (Vec::new(), Vec::new());
-    let calibration = match calibration(robot, settings) {
-        Ok(made) => CalibrationCheck::Usable(Box::new(made)),
-        Err([why, cure]) => {
-            faults.push(format!("the calibration cannot be used: {why}"));
-            next.push(cure);
-            CalibrationCheck::Unusable { usable: false, why }
-        }
-    };
-    for place in &reach {
+fn inspect(robot: &Path) -> Result<Inspection, Failure> {
+    let settings = Settings::load(robot)?;
+    let guard = Guard::level(&settings);
+    let (reach, calibration) = (places(&settings), calibration(robot, &settings));
+    let faults = reach.iter().filter_map(|place| {
         let ([x, y, z], name) = (place.at_m, place.name);
-        if let (Some(key), Some(why)) = (place.needed, &place.why_not) {
-            faults.push(format!(
-                "the {name} ({x:.3}, {y:.3}, {z:.3}) is out of reach: {why}"
-            ));
-            next.push(format!(
-                "state another `{key}` in `{file}`, or the box of `workspace` around it"
-            ));
-        }
-    }
-    if faults.is_empty() {
-        let plan = format!("`fabc run TASK --world arm --robot {file} --plan-only`");
-        next.push(plan);
-    }
-    let exit = match faults.as_slice() {
-        [] => Exit::Done,
-        _ => Exit::Environment,
-    };
-    Inspection {
-        name: settings.name.clone(),
-        model: settings.model.clone(),
-        calibration,
+        let (key, why) = (place.needed?, place.why_not.as_ref()?);
+        Some(format!(
+            "the {name} ({x:.3}, {y:.3}, {z:.3}) is out of reach: {why}; state another `{key}`, or the box of `workspace` \
+             around it"
+        ))
+    });
+    let useless = calibration.as_ref().err().cloned();
+    Ok(Inspection {
+        faults: useless.into_iter().chain(faults).collect(),
+        calibration: calibration.ok(),
         reach,
         touching: guard.touching().to_vec(),
-        faults,
-        next,
-        exit: exit.code(),
-    }
+        name: settings.name,
+        model: settings.model,
+    })
 }
 
-fn places(settings: &Settings, guard: &Guard) -> Vec<NamedPose> {
-    let turn_rad = settings.motion.hand_turn_deg.to_radians();
-    let reach = Reach::tool_down(settings.chain(), turn_rad);
-    let [x, y, z] = settings.table.center_m;
-    let ([left, low, _], [right, high, _]) = (settings.workspace.min_m, settings.workspace.max_m);
-    let motion = &settings.motion;
-    let over_table = &[
-        motion.pre_pick_m,
-        motion.lift_m,
-        motion.retreat_m,
-        motion.travel_m,
-    ][..];
-    let rest_m = settings.workspace.rest_m;
-    // The corners are those of the workspace, so only the other places are checked against it.
-    let places = [
-        (
+/// Checks the places that a run needs, which the settings' check found within the workspace, and its corners.
+fn places(settings: &Settings) -> Vec<NamedPose> {
+    let (workspace, motion) = (&settings.workspace, &settings.motion);
+    let reach = Reach::tool_down(settings.chain(), motion.hand_turn_deg.to_radians());
+    let place = |name, at_m: [f64; 3], above_m, needed| NamedPose {
+        name,
+        needed,
+        at_m,
+        why_not: reach.check(&Point3::from(at_m), &[above_m]).err(),
+    };
+    let table_m = settings.table.center_m;
+    let corner = |name, x, y| place(name, [x, y, table_m[2]], motion.travel_m, None);
+    let ([left, low, _], [right, high, _]) = (workspace.min_m, workspace.max_m);
+    vec![
+        place(
             "middle of the table",
-            [x, y, z],
-            over_table,
+            table_m,
+            motion.travel_m,
             Some("table.center_m"),
         ),
-        ("rest", rest_m, &[], Some("workspace.rest_m")),
-        ("corner, least x, least y", [left, low, z], over_table, None),
-        ("corner, least x, most y", [left, high, z], over_table, None),
-        ("corner, most x, least y", [right, low, z], over_table, None),
-        ("corner, most x, most y", [right, high, z], over_table, None),
-    ];
-    let checked = places.map(|(name, at_m, above_m, needed)| {
-        let out_of_reach = reach.check(&Point3::from(at_m), above_m).err();
-        let top_m = above_m.iter().copied().fold(0.0, f64::max);
-        let ends = [at_m[2], at_m[2] + top_m].map(|z| Point3::new(at_m[0], at_m[1], z));
-        let mut ends = ends.iter().filter(|_| needed.is_some());
-        let out_of_box = || ends.find_map(|end| guard.goal(end).err());
-        NamedPose {
-            name,
-            needed,
-            at_m,
-            why_not: out_of_reach.or_else(out_of_box),
-        }
-    });
-    checked.into()
+        place("rest", workspace.rest_m, 0.0, Some("workspace.rest_m")),
+        corner("corner, least x, least y", left, low),
+        corner("corner, least x, most y", left, high),
+        corner("corner, most x, least y", right, low),
+        corner("corner, most x, most y", right, high),
+    ]
 }
 
 /// Reads the calibration of the settings, and compares it with them; else returns why it is useless, and what to do.
-fn calibration(robot: &Path, settings: &Settings) -> Result<MadeCalibration, [String; 2]> {
-    let beside = robot.parent().unwrap_or(Path::new(""));
-    let path = beside.join(&settings.calibration);
-    let is_simulated = settings.camera.source == CameraSource::Simulated;
-    let calibrate = format!(
-        "touch points and calibrate: `fabc calibrate --robot {} --pairs FILE`",
-        robot.display()
-    );
-    let made = Calibration::load(&path);
-    let made = made.map_err(|error| [error, calibrate.clone()])?;
-    let corners = made.over_table(settings).map_err(|why| {
-        let file = robot.display();
-        [
-            format!("it does not fit these settings: {why}"),
-            format!("correct what is said of it in `{file}`; else {calibrate}"),
-        ]
-    })?;
+fn calibration(robot: &Path, settings: &Settings) -> Result<Quality, String> {
+    let path = robot.with_file_name(&settings.calibration);
+    let robot = robot.display();
+    let fault = |why: String| {
+        format!(
+            "the calibration cannot be used: {why}; correct `{robot}`, or touch points anew: `fabc calibrate --robot {robot} \
+             --pairs FILE`"
+        )
+    };
+    let made = Calibration::load(&path).map_err(fault)?;
+    let corners = made.over_table(settings).map_err(fault)?;
     // A simulated camera cannot be moved.
-    if made.reference.is_none() && !is_simulated {
+    if made.reference.is_none() && settings.camera.source != CameraSource::Simulated {
         let why = "it has no picture, so that a moved camera could not be noticed";
-        return Err([why.to_owned(), calibrate]);
+        return Err(fault(why.to_owned()));
     }
-    Ok(MadeCalibration {
-        usable: true,
-        left_out_rms_mm: made.left_out_rms_mm(),
-        made_on: made.made_on,
-        left_out_mm: made.left_out_mm,
-        corners,
-    })
+    Ok(Quality::of(&made, corners))
 }
 
 impl Inspection {
     fn text(&self) -> String {
         let (name, model) = (&self.name, &self.model);
         let mut lines = vec![format!("settings     {name}, {model}: can be used")];
-        match &self.calibration {
-            CalibrationCheck::Usable(made) => {
-                let (made_on, left_out_mm) = (&made.made_on, made.left_out_rms_mm);
-                lines.push(format!(
-                    "calibration  of {made_on}: can be used; a point left out is {left_out_mm:.1} mm off"
-                ));
-                lines.extend(made.corners.iter().map(|corner| {
-                    let ([x, y, z], error_mm) = (corner.at_m, corner.error_mm);
-                    format!("corner       ({x:.3}, {y:.3}, {z:.3}): known to {error_mm:.1} mm")
-                }));
-            }
-            CalibrationCheck::Unusable { why, .. } => {
-                lines.push(format!("calibration  cannot be used: {why}"));
-            }
-        }
+        let made = self.calibration.iter();
+        lines.extend(made.map(|it| format!("calibration  of {}: {}", it.made_on, it.text())));
         lines.extend(self.reach.iter().map(|place| {
-            let [x, y, z] = place.at_m;
-            let why = place.why_not.as_ref();
+            let ([x, y, z], name, why) = (place.at_m, place.name, place.why_not.as_ref());
             let result = why.map_or("reached".to_owned(), |why| format!("out of reach: {why}"));
-            let name = place.name;
             format!("reach        {name} ({x:.3}, {y:.3}, {z:.3}): {result}")
         }));
         lines.extend(self.touching.iter().map(|[one, other]| {
             format!("touching     {one} and {other}, at rest: these two are not kept apart")
         }));
-        lines.extend(self.next.iter().map(|next| format!("next         {next}")));
+        lines.extend(
+            self.faults
+                .iter()
+                .map(|fault| format!("fault        {fault}")),
+        );
         lines.join("\n")
     }
 }

@@ -26,18 +26,23 @@ pub fn settings_of_real(robot: &Path, why_real: &str) -> Result<Settings, Failur
 
 /// Fails if this build has no connection to the arm of these settings.
 pub fn check_built(settings: &Settings) -> Result<(), String> {
-    let (ros, feature, is_built) = match settings.driver {
-        DriverKind::Simulated => return Ok(()),
-        DriverKind::Kinova | DriverKind::Trajectory => ("ROS", "ros", cfg!(feature = "ros")),
-        DriverKind::Ros2 => ("ROS 2", "ros2", cfg!(feature = "ros2")),
-    };
-    if is_built {
-        return Ok(());
+    match settings.driver {
+        DriverKind::Kinova | DriverKind::Trajectory if !cfg!(feature = "ros") => Err(lacks("ros")),
+        DriverKind::Ros2 if !cfg!(feature = "ros2") => Err(lacks("ros2")),
+        _ => Ok(()),
     }
-    Err(format!(
-        "the arm `{}` is a real one, and this fabc was built without {ros}: build it with `--features {feature}`",
-        settings.name
-    ))
+}
+
+fn lacks(feature: &str) -> String {
+    format!(
+        "this fabc was built without the connection to a real arm or its camera: build it with `--features {feature}`"
+    )
+}
+
+/// Returns a part that the settings' check requires.
+fn part<'s, T>(part: &'s Option<T>, name: &str) -> Result<&'s T, String> {
+    part.as_ref()
+        .ok_or_else(|| format!("the settings have no `{name}`"))
 }
 
 /// Opens the camera over a real table; `robot` is the settings' file, beside which a folder of pictures lies.
@@ -47,44 +52,26 @@ pub fn camera(
     selection: PictureSelection,
 ) -> Result<Box<dyn RgbdSource>, String> {
     let camera = &settings.camera;
-    let beside = robot.parent().unwrap_or(Path::new("."));
-    match (camera.source, &camera.folder) {
-        (CameraSource::Directory, Some(folder)) => Ok(Box::new(DirectoryCamera::of(
-            &beside.join(folder),
-            camera.intrinsics.clone(),
-            selection,
-        ))),
+    Ok(match camera.source {
+        CameraSource::Directory => {
+            let folder = part(&camera.folder, "camera.folder")?;
+            let folder = robot.parent().unwrap_or(Path::new(".")).join(folder);
+            let intrinsics = camera.intrinsics.clone();
+            Box::new(DirectoryCamera::of(&folder, intrinsics, selection))
+        }
         #[cfg(feature = "ros")]
-        (CameraSource::Ros, _) => {
-            let ros = settings.ros.as_ref().ok_or(NO_ROS)?;
-            let camera = fab_arm_ros::subscribe(ros, camera.timeout_s);
-            Ok(Box::new(camera.map_err(|error| error.to_string())?))
+        CameraSource::Ros => {
+            let camera = fab_arm_ros::subscribe(part(&settings.ros, "ros")?, camera.timeout_s);
+            Box::new(camera.map_err(|error| error.to_string())?)
         }
         #[cfg(feature = "ros2")]
-        (CameraSource::Ros2, _) => {
-            let ros2 = settings.ros2.as_ref().ok_or(NO_ROS2)?;
-            let camera = fab_arm_ros2::subscribe(ros2, camera.timeout_s);
-            Ok(Box::new(camera.map_err(|error| error.to_string())?))
+        CameraSource::Ros2 => {
+            let camera = fab_arm_ros2::subscribe(part(&settings.ros2, "ros2")?, camera.timeout_s);
+            Box::new(camera.map_err(|error| error.to_string())?)
         }
-        #[cfg(not(feature = "ros"))]
-        (CameraSource::Ros, _) => Err(camera_needs("ros")),
-        #[cfg(not(feature = "ros2"))]
-        (CameraSource::Ros2, _) => Err(camera_needs("ros2")),
-        _ => Err(
-            "a real arm needs the camera `ros` or `ros2`, or `directory` with a folder".to_owned(),
-        ),
-    }
+        source => return Err(lacks(source.name())),
+    })
 }
-
-#[cfg(not(all(feature = "ros", feature = "ros2")))]
-fn camera_needs(feature: &str) -> String {
-    format!("`source = \"{feature}\"` needs a fabc that was built with `--features {feature}`")
-}
-
-#[cfg(feature = "ros")]
-const NO_ROS: &str = "the settings have no `[ros]`";
-#[cfg(feature = "ros2")]
-const NO_ROS2: &str = "the settings have no `[ros2]`";
 
 /// Connects to the node of an arm within `timeout_s` seconds.
 #[cfg_attr(
@@ -95,16 +82,15 @@ pub fn port(settings: &Settings, timeout_s: f64) -> Result<Box<dyn Port>, String
     check_built(settings)?;
     #[cfg(feature = "ros")]
     if let DriverKind::Kinova | DriverKind::Trajectory = settings.driver {
-        let ros = settings.ros.as_ref().ok_or(NO_ROS)?;
-        let connected = fab_arm_ros::connect(ros, &settings.model, timeout_s);
-        return Ok(Box::new(connected.map_err(|error| error.to_string())?));
+        let ros = part(&settings.ros, "ros")?;
+        let port = fab_arm_ros::connect(ros, &settings.model, timeout_s);
+        return Ok(Box::new(port.map_err(|error| error.to_string())?));
     }
     #[cfg(feature = "ros2")]
     if settings.driver == DriverKind::Ros2 {
-        let ros2 = settings.ros2.as_ref().ok_or(NO_ROS2)?;
-        let (chain, n_fingers) = (settings.chain(), settings.fingers.count);
-        let connected = fab_arm_ros2::connect(ros2, chain, n_fingers, timeout_s);
-        return Ok(Box::new(connected.map_err(|error| error.to_string())?));
+        let (ros2, chain) = (part(&settings.ros2, "ros2")?, settings.chain());
+        let port = fab_arm_ros2::connect(ros2, chain, settings.fingers.count, timeout_s);
+        return Ok(Box::new(port.map_err(|error| error.to_string())?));
     }
     Err("an arm that this program simulates has no node".to_owned())
 }
@@ -116,10 +102,6 @@ pub fn arm(settings: &Settings) -> Result<PortArm<dyn Port>, String> {
         DriverKind::Kinova => Commands::Poses,
         _ => Commands::Trajectories,
     };
-    Ok(PortArm::new(
-        port,
-        commands,
-        settings.fingers,
-        settings.tolerance,
-    ))
+    let (fingers, tolerance) = (settings.fingers, settings.tolerance);
+    Ok(PortArm::new(port, commands, fingers, tolerance))
 }

@@ -1,9 +1,9 @@
 //! The hold-to-run key: whether the space bar is held on the terminal.
 //!
-//! In: bytes from the terminal, without echo. Out: whether the key is held, was just released, or is up. A terminal sends
-//! repeats of a held key but no event for its release, so a release is noticed only after a while without repeats. Bytes
-//! may have waited in a terminal, a multiplexer or a connection. So after a stall of this program or of the bytes only a
-//! fresh press counts: one byte after a silence, not followed at once by a second, as buffered repeats are.
+//! In: bytes from the terminal, without echo. Out: whether the key is held. A terminal sends repeats of a held key but no
+//! event for its release, so a release is noticed only after a while without repeats. Bytes may have waited in a terminal,
+//! a multiplexer or a connection. So after a stall of this program or of the bytes only a fresh press counts: one byte
+//! after a silence, not followed at once by a second, as buffered repeats are.
 
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::sys::termios::{FlushArg, LocalFlags, SetArg, Termios, tcflush, tcgetattr, tcsetattr};
@@ -21,84 +21,80 @@ const FIRST_TIMEOUT: Duration = Duration::from_millis(750);
 /// How long after a press no repeat of it can come.
 const ALONE: Duration = Duration::from_millis(100);
 
-const SPACE: u8 = b' ';
+/// This program stalled if its last look at the key was longer ago than this: six times the usual.
+const STALE: Duration = Duration::from_millis(300);
 
-/// What is known of the hold-to-run key.
-#[derive(Debug)]
-pub enum HoldKey {
-    /// The key counts as released only after a silence; the last byte, or the stall, was then.
-    Draining(Instant),
-    Up,
+/// What is known of the key.
+#[derive(Clone, Copy, Debug)]
+enum State {
+    /// It counts as released; the last byte, or the stall, was then.
+    Up(Instant),
     /// One byte came then; it may be the first of many that waited.
     Pressed(Instant),
     /// It is held until then, if no repeat comes.
     Held(Instant),
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum KeyState {
-    Held,
-    /// It was held until this update.
-    Released,
-    Up,
+/// The hold-to-run key.
+#[derive(Debug)]
+pub struct HoldKey {
+    state: State,
+    looked: Instant,
+    /// Whether a person must be asked for a fresh press: at first, after a release and after a stall.
+    pub asks: bool,
 }
 
 impl HoldKey {
     /// Tracks the key from now on; only a fresh press counts.
-    pub fn after_stall(now: Instant) -> HoldKey {
-        HoldKey::Draining(now)
+    pub fn up(now: Instant) -> HoldKey {
+        HoldKey {
+            state: State::Up(now),
+            looked: now,
+            asks: true,
+        }
     }
 
-    /// Takes in the bytes that were typed since the last update, and returns the state of the key.
-    pub fn update(&mut self, typed: &[u8], now: Instant) -> KeyState {
-        let n_presses = typed.iter().filter(|byte| **byte == SPACE).count();
-        let was_held = matches!(self, HoldKey::Held(_));
-        *self = match *self {
-            HoldKey::Draining(_) if n_presses > 0 => HoldKey::Draining(now),
-            HoldKey::Draining(since) if now.saturating_duration_since(since) < HOLD_TIMEOUT => {
-                HoldKey::Draining(since)
+    /// Takes in the bytes that were typed since the last look, and returns whether the key is held.
+    pub fn look(&mut self, typed: &[u8], now: Instant) -> bool {
+        let before = std::mem::replace(&mut self.looked, now);
+        let n_presses = typed.iter().filter(|byte| **byte == b' ').count();
+        let since = |at: Instant| now.saturating_duration_since(at);
+        let (was_held, has_stalled) = (self.is_held(), since(before) > STALE);
+        self.state = match self.state {
+            // Bytes from before a stall do not show a key that is held now.
+            _ if has_stalled => State::Up(now),
+            State::Up(at) if n_presses == 0 => State::Up(at),
+            State::Up(at)
+                if n_presses == 1 && before.saturating_duration_since(at) >= HOLD_TIMEOUT =>
+            {
+                State::Pressed(now)
             }
-            HoldKey::Draining(_) => HoldKey::Up,
-            HoldKey::Up if n_presses == 1 => HoldKey::Pressed(now),
-            HoldKey::Up if n_presses == 0 => HoldKey::Up,
-            HoldKey::Pressed(at) if n_presses == 0 => {
-                if now.saturating_duration_since(at) < ALONE {
-                    HoldKey::Pressed(at)
-                } else {
-                    HoldKey::Held(at + FIRST_TIMEOUT)
-                }
-            }
-            HoldKey::Up | HoldKey::Pressed(_) => HoldKey::Draining(now),
-            HoldKey::Held(_) if n_presses > 0 => HoldKey::Held(now + HOLD_TIMEOUT),
-            HoldKey::Held(until) => HoldKey::Held(until),
-        };
-        match *self {
-            HoldKey::Held(until) if now < until => return KeyState::Held,
+            State::Pressed(at) if n_presses == 0 && since(at) < ALONE => State::Pressed(at),
+            State::Pressed(at) if n_presses == 0 => State::Held(at + FIRST_TIMEOUT),
+            State::Held(_) if n_presses > 0 => State::Held(now + HOLD_TIMEOUT),
+            State::Held(until) if now < until => State::Held(until),
             // If the bytes come late rather than not at all, they must not count as a press.
-            HoldKey::Held(_) => *self = HoldKey::Draining(now),
-            _ => {}
-        }
-        if was_held {
-            KeyState::Released
-        } else {
-            KeyState::Up
-        }
+            State::Up(_) | State::Pressed(_) | State::Held(_) => State::Up(now),
+        };
+        self.asks |= has_stalled || was_held && !self.is_held();
+        self.is_held()
+    }
+
+    fn is_held(&self) -> bool {
+        matches!(self.state, State::Held(_))
     }
 }
 
 /// The terminal's settings before keys were watched; `None` while they are not.
 static BEFORE: Mutex<Option<Termios>> = Mutex::new(None);
 
-/// Restores the terminal's settings: for exits that skip destructors.
+/// Returns the terminal to line input, and discards what was typed; also for exits that skip destructors.
 pub fn restore() {
     let before = BEFORE.lock().unwrap_or_else(PoisonError::into_inner).take();
     if let Some(before) = before {
         // If the terminal is gone, there is nothing to restore.
         let _ = tcsetattr(stdin(), SetArg::TCSANOW, &before);
     }
-}
-
-pub fn discard_typed() {
     // If stdin is not a terminal, nobody typed anything.
     let _ = tcflush(stdin(), FlushArg::TCIFLUSH);
 }
@@ -111,7 +107,7 @@ pub fn has_input(most_ms: u8) -> bool {
     poll(&mut polled, PollTimeout::from(most_ms)).is_ok_and(|count| count > 0)
 }
 
-/// The terminal while keys are watched; dropping this restores it.
+/// The terminal while its keys are watched; dropping this restores it.
 pub struct Keys;
 
 impl Keys {

@@ -3,52 +3,22 @@
 //! In: the arm's settings file and the record of its last run beside it. Out: nothing, or what prevents motion and what to
 //! do about it. A simulated arm ends with its program, so it needs no checks.
 
-use crate::io::Io;
 use fab_arm::journal::{self, JournalError, RunState};
-use fab_arm::settings::{DriverKind, Settings};
 use std::fs::{File, TryLockError};
-use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::path::Path;
 
-/// The settings files that this process has locked; the system unlocks them when it ends.
-static CLAIMED: Mutex<Vec<(PathBuf, File)>> = Mutex::new(Vec::new());
-
-/// Locks the arm for this process; fails if another fabc uses it.
+/// Locks the arm until this process ends; fails if another fabc uses it.
 pub fn claim(robot: &Path) -> Result<(), String> {
-    let unreadable = |error: std::io::Error| format!("`{}`: {error}", robot.display());
-    let path = std::fs::canonicalize(robot).map_err(unreadable)?;
-    let mut claimed = CLAIMED.lock().unwrap_or_else(PoisonError::into_inner);
-    if claimed.iter().any(|(other, _)| *other == path) {
-        return Ok(());
+    let name = robot.display();
+    let file = File::open(robot).map_err(|error| format!("`{name}`: {error}"))?;
+    if let Err(TryLockError::WouldBlock) = file.try_lock() {
+        return Err(format!(
+            "another fabc uses the arm of `{name}`: wait until it has ended"
+        ));
     }
-    let file = File::open(&path).map_err(unreadable)?;
-    match file.try_lock() {
-        Err(TryLockError::WouldBlock) => Err(format!(
-            "another fabc uses the arm of `{}`: wait until it has ended",
-            robot.display()
-        )),
-        // Not every file system has locks; without them the user must take care.
-        Ok(()) | Err(TryLockError::Error(_)) => {
-            claimed.push((path, file));
-            Ok(())
-        }
-    }
-}
-
-/// Reports how a run left the arm, unless it is clear.
-pub fn report_run_state(run: &Path, robot: &Path, settings: &Settings, io: &Io) {
-    let left = journal::run_state(run);
-    if left.as_ref().is_ok_and(RunState::is_clear) {
-        return;
-    }
-    let what_to_do = match settings.driver {
-        DriverKind::Simulated => String::new(),
-        _ => see_to_it(robot),
-    };
-    let left = told(&left);
-    io.talk(&format!(
-        "note: this is how the arm was left: {left}{what_to_do}"
-    ));
+    // The system unlocks it. Not every file system has locks; without them the user must take care.
+    std::mem::forget(file);
+    Ok(())
 }
 
 /// Fails if the arm needs recovery after its last run.
@@ -57,11 +27,11 @@ pub fn check(robot: &Path) -> Result<(), String> {
     if left.as_ref().is_ok_and(RunState::is_clear) {
         return Ok(());
     }
+    let robot = robot.display();
     Err(format!(
-        "nothing is moved, because of how the last run with the arm of `{}` ended: {}{}",
-        robot.display(),
-        told(&left),
-        see_to_it(robot)
+        "nothing is moved, because of how the last run with the arm of `{robot}` ended: {}; see to the arm, and say so with \
+         `fabc robot recover --robot {robot}`",
+        told(&left)
     ))
 }
 
@@ -71,9 +41,4 @@ pub fn told(left: &Result<RunState, JournalError>) -> String {
         Ok(state) => state.to_string(),
         Err(error) => format!("its state is unknown: {error}"),
     }
-}
-
-fn see_to_it(robot: &Path) -> String {
-    let robot = robot.display();
-    format!("; see to the arm, and say so with `fabc robot recover --robot {robot}`")
 }

@@ -1,8 +1,7 @@
 //! `fabc robot recover`: reports how the last run left an arm, and lets it move again once a person has seen to it.
 //!
 //! In: the arm's settings, with its last run recorded beside them; a description of what was done. Out: an arm that
-//! accepts motion, verified by re-sending its current pose, and a line in that run's journal, or if it is gone, beside
-//! the settings.
+//! accepts motion, which is verified, and a line in that run's journal.
 
 use super::terminal::line_of;
 use super::{connect, preflight};
@@ -28,11 +27,9 @@ pub struct RecoverArguments {
     pub json: bool,
 }
 
-const BY_HAND: &str = "note: bring the arm to rest by hand, and take the cloth out of its fingers; `home` of the vendor's driver \
-opens the hand";
-
-const QUESTION: &str = "Once let go, it moves on any command: is its way free, and a physical stop in reach? \
-What was done, in a few words (empty: change nothing):";
+const QUESTION: &str = "Bring the arm to rest by hand, and take the cloth out of its fingers; `home` of the vendor's driver \
+opens the hand. Once let go, the arm moves on any command: is its way free, and a physical stop in reach? What was done, in a few \
+words (empty: change nothing):";
 
 /// How an arm was left, and what a person did about it.
 #[derive(Serialize)]
@@ -62,12 +59,17 @@ fn recover<P: Port + ?Sized>(
     arguments: &RecoverArguments,
     io: &Io,
 ) -> Result<Exit, Failure> {
-    let left = journal::left(&arguments.robot);
-    let told = preflight::told(&left);
-    let is_clear = left.as_ref().is_ok_and(RunState::is_clear);
-    let recovered = if !is_clear || arm.is_stopped()? {
+    let run = journal::left(&arguments.robot);
+    let told = preflight::told(&run);
+    let left = match &run {
+        Ok(state) if state.is_clear() => "clear",
+        Ok(_) => "unclear",
+        Err(_) => "unknown",
+    };
+    let recovered = if left == "clear" && !arm.is_stopped()? {
+        None
+    } else {
         io.talk(&told);
-        io.talk(BY_HAND);
         let how = arguments.how.clone().unwrap_or_else(|| {
             io.talk(QUESTION);
             // At the end of input the answer is empty.
@@ -81,26 +83,20 @@ fn recover<P: Port + ?Sized>(
         }
         arm.recover().map_err(|error| {
             Failure::environment(format!(
-                "the arm was asked to accept motion again, and that could not be verified: {error}"
+                "the arm does not verifiably accept motion again: {error}"
             ))
         })?;
         journal::record_recovery(&arguments.robot, &how).map_err(|error| {
             Failure::environment(format!(
-                "the arm accepts motion again, and that could not be noted: {error}"
+                "the arm accepts motion again, which is not noted: {error}"
             ))
         })?;
         Some(how)
-    } else {
-        None
     };
     let document = Recovery {
-        left: match &left {
-            Ok(_) if is_clear => "clear",
-            Ok(_) => "unclear",
-            Err(_) => "unknown",
-        },
-        why: left.as_ref().err().map(ToString::to_string),
-        state: left.ok().filter(|_| !is_clear),
+        left,
+        why: run.as_ref().err().map(ToString::to_string),
+        state: run.ok().filter(|_| left == "unclear"),
         recovered,
     };
     io.either(arguments.json, &document, || match &document.recovered {

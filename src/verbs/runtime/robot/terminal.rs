@@ -4,17 +4,16 @@
 //! stays data. End of input, an unintelligible answer and an interrupt all mean no, and input that was typed before the
 //! question does not count.
 
-use super::hold_key::{self, HoldKey, KeyState, Keys};
+use super::hold_key::{self, HoldKey, Keys};
 use crate::exit::Failure;
 use crate::io::Io;
 use clap::ValueEnum;
 use fab_arm::route::{Act, Segment};
 use fab_arm::supervisor::{MotionRequest, Supervisor};
-use fab_base::outbox::Outbox;
 use fab_world::start::Start;
 use serde::{Deserialize, Serialize};
 use std::io::{BufRead, Read};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 pub const ATTEMPTS: u32 = 10;
 
@@ -22,12 +21,6 @@ pub const MAX_LINE: u64 = 4096;
 
 /// Interval at which an interrupt is checked while waiting for an answer, milliseconds.
 const POLL_MS: u8 = 100;
-
-/// The most notes that wait for a terminal that takes none.
-const MAX_NOTES: usize = 8;
-
-/// This program stalled if its last look at the key was longer ago than this: six times the usual.
-const STALE: Duration = Duration::from_millis(300);
 
 /// What a person is asked before an arm moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
@@ -41,66 +34,43 @@ pub enum Confirm {
     None,
 }
 
+/// A person who is asked on the terminal, and may hold a key.
 pub struct TerminalSupervisor {
     confirm: Confirm,
     /// Whether the arm moves only while the space bar is held.
     holds: bool,
-    keys: Option<Keys>,
-    hold_key: HoldKey,
-    polled: Option<Instant>,
+    /// The key while it is watched.
+    key: Option<(Keys, HoldKey)>,
     io: Io,
-    /// Notes while the arm moves: a terminal that was halted takes none.
-    notes: Outbox<String>,
 }
 
 impl TerminalSupervisor {
     /// Checks that there is a terminal to ask on; a usage error otherwise.
     pub fn new(confirm: Confirm, holds: bool, io: &Io) -> Result<TerminalSupervisor, Failure> {
-        let needs_terminal = holds || confirm != Confirm::None;
-        if needs_terminal && !io.has_terminal_input() {
+        if !io.has_terminal_input() {
             return Err(Failure::usage(
                 "`--confirm` and `--hold-to-run` ask a person before the arm moves, but stdin is not a terminal; use \
                  `--confirm none` without `--hold-to-run`",
             ));
         }
-        let notes = io.clone();
-        let say = move |note: String| {
-            notes.talk(&note);
-            Ok(())
-        };
         Ok(TerminalSupervisor {
             confirm,
             holds,
-            keys: None,
-            hold_key: HoldKey::after_stall(Instant::now()),
-            polled: None,
-            notes: Outbox::new(MAX_NOTES, say),
+            key: None,
             io: io.clone(),
         })
     }
 
-    /// Says something without waiting for a terminal that does not take it.
-    fn note(&mut self, note: &str) {
-        let _ = self.notes.send(note.to_owned());
-    }
-
     fn ask(&mut self, question: &str) -> bool {
         // Line input, until motion needs the key again.
-        self.keys = None;
-        let io = self.io.clone();
+        self.key = None;
+        hold_key::restore();
+        let io = &self.io;
         io.progress("");
-        hold_key::discard_typed();
-        let question = format!("{question} y or n:");
-        let (next, say) = (&mut || typed_line(&io), &mut |text: &str| io.talk(text));
+        let (next, say) = (&mut || typed_line(io), &mut |text: &str| io.talk(text));
         // Silence means no.
-        choose(next, say, &question, yes_or_no).unwrap_or(false)
+        choose(next, say, &format!("{question} y or n:"), yes_or_no).unwrap_or(false)
     }
-}
-
-/// Returns the terminal to line input, and discards what was typed before.
-pub fn restore() {
-    hold_key::restore();
-    hold_key::discard_typed();
 }
 
 impl Supervisor for TerminalSupervisor {
@@ -122,30 +92,23 @@ impl Supervisor for TerminalSupervisor {
             return true;
         }
         let now = Instant::now();
-        let polled = self.polled.replace(now);
-        let is_new = self.keys.is_none();
-        if is_new {
-            self.keys = Keys::watch().ok();
+        if self.key.is_none() {
+            self.key = Keys::watch().ok().map(|keys| (keys, HoldKey::up(now)));
         }
-        // Bytes from before the last look do not show a key that is held now.
-        if is_new || polled.is_none_or(|at| now.duration_since(at) > STALE) {
-            self.note("hold the space bar to move; if you hold it, release it first");
-            hold_key::discard_typed();
-            self.hold_key = HoldKey::after_stall(now);
+        let Some((keys, key)) = &mut self.key else {
+            return false;
+        };
+        let is_held = key.look(&keys.typed(), now);
+        if std::mem::take(&mut key.asks) {
+            // A terminal that takes nothing holds this up, and then the watchdog stops the arm.
+            self.io
+                .talk("hold the space bar to move; if you hold it, release it first");
         }
-        let typed = self.keys.as_mut().map(Keys::typed).unwrap_or_default();
-        match self.hold_key.update(&typed, now) {
-            KeyState::Held => true,
-            KeyState::Released => {
-                self.note("paused: hold the space bar to go on");
-                false
-            }
-            KeyState::Up => {
-                // A simulated arm's clock does not wait, so the caller would poll in a busy loop.
-                hold_key::has_input(20);
-                false
-            }
+        if !is_held {
+            // A simulated arm's clock does not wait, so the caller would poll in a busy loop.
+            hold_key::has_input(20);
         }
+        is_held
     }
 }
 

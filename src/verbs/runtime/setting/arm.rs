@@ -41,18 +41,14 @@ impl ArmArguments {
 
     /// Fails if an option is for an arm and another world was chosen: whoever gave it believes that it applies.
     pub fn check_world(&self, world: &WorldChoice) -> Result<(), Failure> {
-        let given = [
-            self.robot.as_ref().map(|_| "--robot"),
-            self.confirm.map(|_| "--confirm"),
-            self.hold_to_run.then_some("--hold-to-run"),
-        ];
-        match given.into_iter().flatten().next() {
-            Some(option) if *world != WorldChoice::Arm => Err(Failure::usage(format!(
-                "`{option}` is for an arm, and nothing is moved by one with `--world {world}`: add `--world arm`, or leave \
-                 `{option}` out"
-            ))),
-            _ => Ok(()),
+        let is_given = self.robot.is_some() || self.confirm.is_some() || self.hold_to_run;
+        if is_given && *world != WorldChoice::Arm {
+            return Err(Failure::usage(format!(
+                "`--robot`, `--confirm` and `--hold-to-run` are for an arm, and nothing is moved by one with `--world {world}`: \
+                 add `--world arm`, or leave them out"
+            )));
         }
+        Ok(())
     }
 }
 
@@ -66,38 +62,35 @@ pub enum ArmMode {
 
 /// What the driver `kinova` cannot hold.
 const POSES_ALONE: &str = "\
-note: the driver `kinova` sends pose by pose to a node that takes nothing else and chooses speed, acceleration and joint \
-path itself: `motion.speed_m_s`, the limits of the joints, a straight way and the clearance of the links are not held; \
-the arm is stopped when its measured place, joint angles or speed are out of their limits";
+note: with the driver `kinova` the vendor's node chooses speed and joint path: the arm is stopped when its measured place, joint \
+angles or speed leave their limits";
 
 /// Checks first of all that the settings are usable and that a supervisor can be asked.
-pub fn check(arguments: &ArmArguments, mode: ArmMode, io: &Io) -> Result<Settings, Failure> {
+pub fn check(arguments: &ArmArguments, mode: ArmMode, io: &Io) -> Result<Files, Failure> {
     let robot = arguments.robot();
-    let settings = Settings::load(robot)?;
-    let moves_real = mode == ArmMode::Execute && settings.driver != DriverKind::Simulated;
-    if moves_real {
+    if mode == ArmMode::Execute && is_real(&Settings::load(robot)?) {
         // The state of the arm comes first: it does not depend on anything else.
         preflight::claim(robot).map_err(Failure::environment)?;
         preflight::check(robot).map_err(Failure::environment)?;
     }
-    usable(robot)?;
-    let settings = Files::load(robot).map_err(Failure::environment)?.settings;
+    let files = usable(robot)?;
+    let settings = &files.settings;
     if settings.driver == DriverKind::Kinova {
         io.talk(POSES_ALONE);
     }
     if mode == ArmMode::PlanOnly {
-        return Ok(settings);
+        return Ok(files);
     }
-    if settings.driver == DriverKind::Simulated && !has_simulated_camera(&settings) {
+    if !is_real(settings) && settings.camera.source != CameraSource::Simulated {
         return Err(Failure::environment(format!(
             "the arm of `{}` is simulated and would move a simulated cloth, and its `camera.source` shows another table: \
              state `camera.source = \"simulated\"`, or plan for the camera's picture with `--plan-only`",
             robot.display()
         )));
     }
-    connect::check_built(&settings).map_err(Failure::environment)?;
-    supervisor(arguments, &settings, io)?;
-    Ok(settings)
+    connect::check_built(settings).map_err(Failure::environment)?;
+    supervisor(arguments, settings, io)?;
+    Ok(files)
 }
 
 /// Returns the start for a cloth that a person lays.
@@ -125,79 +118,71 @@ pub fn world(
     folder: Option<&PathBuf>,
     io: &Io,
 ) -> Result<Box<dyn World>, WorldError> {
+    let robot = arguments.robot();
     // Again, because the files may have changed since.
-    usable(arguments.robot()).map_err(|failure| failed(failure.to_string()))?;
-    let files = Files::load(arguments.robot()).map_err(failed)?;
-    let settings = &files.settings;
+    let files = usable(robot).map_err(failed)?;
+    let settings = files.settings.clone();
     let supervisor = match mode {
-        ArmMode::Execute => supervisor(arguments, settings, io),
-        ArmMode::PlanOnly => Ok(Box::new(Unattended) as Box<dyn Supervisor>),
+        ArmMode::Execute => supervisor(arguments, &settings, io).map_err(failed)?,
+        ArmMode::PlanOnly => Box::new(Unattended),
     };
-    let supervisor = supervisor.map_err(|error| failed(error.to_string()))?;
-    let is_simulated = settings.driver == DriverKind::Simulated;
-    let has_simulated_camera = has_simulated_camera(settings);
-    let watchdog_s = settings.tolerance.watchdog_s;
     let mut parts = Parts {
         files,
         sight: SIGHT,
         image_px: program.camera.image_px,
         // A real cloth is what it is.
-        material: program.cloth.material.clone().filter(|_| is_simulated),
+        material: program
+            .cloth
+            .material
+            .clone()
+            .filter(|_| !is_real(&settings)),
         supervisor,
         // A simulated arm ends with this program; a real one gets a watchdog below.
         watchdog: Box::new(NoWatchdog),
         folder: folder.cloned(),
     };
-    let robot = arguments.robot();
-    let camera = |settings: &Settings, selection: PictureSelection| {
-        let camera = connect::camera(settings, robot, selection);
+    let camera = |selection: PictureSelection| {
+        let camera = connect::camera(&settings, robot, selection);
         camera.map_err(|why| WorldError::Camera { why })
     };
-    Ok(match (mode, is_simulated) {
-        (ArmMode::PlanOnly, _) if has_simulated_camera => {
-            Box::new(ArmWorld::planning_simulated(parts)?)
+    Ok(Box::new(match mode {
+        ArmMode::PlanOnly if settings.camera.source == CameraSource::Simulated => {
+            ArmWorld::planning_simulated(parts)?
         }
-        (ArmMode::Execute, true) => Box::new(ArmWorld::simulated(parts)?),
-        (ArmMode::PlanOnly, _) => {
-            let camera = camera(&parts.files.settings, PictureSelection::Newest)?;
-            Box::new(ArmWorld::planning(parts, camera)?)
-        }
-        (ArmMode::Execute, false) => {
+        ArmMode::PlanOnly => ArmWorld::planning(parts, camera(PictureSelection::Newest)?)?,
+        ArmMode::Execute if !is_real(&settings) => ArmWorld::simulated(parts)?,
+        ArmMode::Execute => {
             preflight::check(robot).map_err(failed)?;
-            parts.watchdog = Box::new(Process::start(robot, watchdog_s).map_err(failed)?);
-            let timeout_s = parts.files.settings.camera.timeout_s;
-            let camera = camera(&parts.files.settings, PictureSelection::Fresh { timeout_s })?;
-            let arm = connect::arm(&parts.files.settings).map_err(failed)?;
-            let world = ArmWorld::new(parts, arm, camera)?;
+            let process = Process::start(robot, settings.tolerance.watchdog_s);
+            parts.watchdog = Box::new(process.map_err(failed)?);
+            let timeout_s = settings.camera.timeout_s;
+            let camera = camera(PictureSelection::Fresh { timeout_s })?;
+            let world = ArmWorld::new(parts, connect::arm(&settings).map_err(failed)?, camera)?;
             if let Some(folder) = folder {
                 // Before the first motion: after a crash in it, the next run must find this one.
-                journal::record_run(robot, folder).map_err(|error| failed(error.to_string()))?;
+                journal::record_run(robot, folder).map_err(failed)?;
             }
-            Box::new(world)
+            world
         }
-    })
+    }))
 }
 
 /// Makes a simulated world that refuses points out of the arm's reach: nobody is asked, and nothing moves.
 pub fn look(program: &Program, arguments: &ArmArguments) -> Result<Box<dyn World>, WorldError> {
-    let Files {
-        settings,
-        calibration,
-        ..
-    } = Files::load(arguments.robot()).map_err(failed)?;
+    let files = Files::load(arguments.robot()).map_err(failed)?;
     let world = super::world(program)?;
-    Ok(Box::new(WithinReach::new(world, settings, &calibration)))
+    let reach = WithinReach::new(world, files.settings, &files.calibration);
+    Ok(Box::new(reach))
 }
 
-fn has_simulated_camera(settings: &Settings) -> bool {
-    settings.camera.source == CameraSource::Simulated
+/// Returns whether the arm is a real one, beside which a person must stand.
+pub fn is_real(settings: &Settings) -> bool {
+    settings.driver != DriverKind::Simulated
 }
 
 /// Returns whether a person beside the arm judges the result, if the command line does not say.
 pub fn has_operator(arguments: &ArmArguments, settings: &Settings, io: &Io) -> bool {
-    settings.driver != DriverKind::Simulated
-        && arguments.confirm != Some(Confirm::None)
-        && io.has_terminal_input()
+    is_real(settings) && arguments.confirm != Some(Confirm::None) && io.has_terminal_input()
 }
 
 /// Returns the supervisor: for a real arm a person, unless the command line says otherwise.
@@ -206,16 +191,17 @@ fn supervisor(
     settings: &Settings,
     io: &Io,
 ) -> Result<Box<dyn Supervisor>, Failure> {
-    let is_simulated = settings.driver == DriverKind::Simulated;
-    if is_simulated && arguments.confirm.is_none() && !arguments.hold_to_run {
+    let usual = [Confirm::None, Confirm::Each][usize::from(is_real(settings))];
+    let confirm = arguments.confirm.unwrap_or(usual);
+    if confirm == Confirm::None && !arguments.hold_to_run {
         return Ok(Box::new(Unattended));
     }
-    let usual = [Confirm::Each, Confirm::None][usize::from(is_simulated)];
-    let confirm = arguments.confirm.unwrap_or(usual);
     let supervisor = TerminalSupervisor::new(confirm, arguments.hold_to_run, io)?;
     Ok(Box::new(supervisor))
 }
 
-fn failed(why: String) -> WorldError {
-    WorldError::Motion { why }
+fn failed(why: impl ToString) -> WorldError {
+    WorldError::Motion {
+        why: why.to_string(),
+    }
 }

@@ -2,19 +2,26 @@
 
 use super::*;
 
-/// The states of the key after bytes that came at these times, milliseconds after a stall.
-fn states(typed: &[(u64, &str)]) -> Vec<KeyState> {
-    let stall = Instant::now();
-    let mut key = HoldKey::after_stall(stall);
-    let update = |(after_ms, bytes): &(u64, &str)| {
-        key.update(bytes.as_bytes(), stall + Duration::from_millis(*after_ms))
-    };
-    typed.iter().map(update).collect()
+/// Whether the key is held after bytes that came at these times, milliseconds after it was first watched. In between, the
+/// program looks every 50 ms.
+fn held(typed: &[(u64, &str)]) -> Vec<bool> {
+    let begun = Instant::now();
+    let (mut key, mut looked) = (HoldKey::up(begun), 0);
+    let mut look =
+        |at_ms: u64, bytes: &str| key.look(bytes.as_bytes(), begun + Duration::from_millis(at_ms));
+    let states = typed.iter().map(|(at_ms, bytes)| {
+        while looked + 50 < *at_ms {
+            looked += 50;
+            look(looked, "");
+        }
+        looked = *at_ms;
+        look(*at_ms, bytes)
+    });
+    states.collect()
 }
 
 #[test]
 fn only_a_fresh_press_holds_the_key() {
-    use KeyState::{Held, Released, Up};
     for (told, typed, expected) in [
         (
             "a press after a silence",
@@ -26,7 +33,7 @@ fn only_a_fresh_press_holds_the_key() {
                 (1449, ""),
                 (1450, ""),
             ][..],
-            &[Up, Up, Up, Held, Held, Released][..],
+            &[false, false, false, true, true, false][..],
         ),
         (
             "repeats of a press",
@@ -39,22 +46,22 @@ fn only_a_fresh_press_holds_the_key() {
                 (1999, ""),
                 (2000, ""),
             ],
-            &[Up, Up, Held, Held, Held, Held, Released],
+            &[false, false, true, true, true, true, false],
         ),
         (
             "a key that is held all through a stall",
             &[(10, " "), (60, " "), (600, " "), (1100, " "), (1600, " ")],
-            &[Up, Up, Up, Up, Up],
+            &[false, false, false, false, false],
         ),
         (
             "repeats that waited, all at once",
             &[(600, ""), (700, "    "), (850, ""), (1000, "")],
-            &[Up, Up, Up, Up],
+            &[false, false, false, false],
         ),
         (
             "repeats that waited, one after the other",
             &[(600, ""), (700, " "), (705, " "), (710, " "), (900, "")],
-            &[Up, Up, Up, Up, Up],
+            &[false, false, false, false, false],
         ),
         (
             "repeats that come after the key was taken for released",
@@ -67,7 +74,7 @@ fn only_a_fresh_press_holds_the_key() {
                 (1600, " "),
                 (1700, ""),
             ],
-            &[Up, Up, Held, Released, Up, Up, Up],
+            &[false, false, true, false, false, false, false],
         ),
         (
             "a second press",
@@ -80,14 +87,37 @@ fn only_a_fresh_press_holds_the_key() {
                 (2200, " "),
                 (2300, ""),
             ],
-            &[Up, Up, Held, Released, Up, Up, Held],
+            &[false, false, true, false, false, false, true],
         ),
         (
             "other keys",
             &[(600, ""), (700, "yx\n"), (900, "")],
-            &[Up, Up, Up],
+            &[false, false, false],
         ),
     ] {
-        assert_eq!(states(typed), expected, "{told}");
+        assert_eq!(held(typed), expected, "{told}");
     }
+}
+
+#[test]
+fn bytes_of_a_stall_do_not_hold_the_key() {
+    let (before, after) = ([(700, " "), (850, "")], [(2000, "  "), (2050, " ")]);
+    let mut key = HoldKey::up(Instant::now());
+    let begun = key.looked;
+    let mut look = |at_ms: u64, bytes: &str| {
+        let held = key.look(bytes.as_bytes(), begun + Duration::from_millis(at_ms));
+        (held, std::mem::take(&mut key.asks))
+    };
+    assert_eq!(look(0, ""), (false, true), "it is asked for at first");
+    for at_ms in (50..=650).step_by(50) {
+        assert_eq!(look(at_ms, ""), (false, false));
+    }
+    assert_eq!(
+        before.map(|(at_ms, bytes)| look(at_ms, bytes)),
+        [(false, false), (true, false)]
+    );
+    assert_eq!(
+        after.map(|(at_ms, bytes)| look(at_ms, bytes)),
+        [(false, true), (false, false)]
+    );
 }
