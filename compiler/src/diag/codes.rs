@@ -193,6 +193,7 @@ codes! {
     "F0510" StepFoldsNothing Warning
     "F0511" MaterialIncomplete Error
     "F0512" ClothTooStiff Warning
+    "F0513" StepNotOffered Warning
 
     "F0601" SaidNowhere Warning
     "F0602" StageIncomplete Error

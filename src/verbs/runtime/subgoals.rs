@@ -45,8 +45,8 @@ pub fn run(arguments: &SubgoalsArguments, io: &Io) -> Result<Exit, Failure> {
     if set.trial.is_some() {
         // What the steps do to the cloth is pinned beside the pictures.
         let mut found = sources::compile_looking(&arguments.task.file)?;
-        let is_of_steps = |code| code == diag::Code::StepFoldsNothing;
-        found.diagnostics.retain(|it| is_of_steps(it.code));
+        let of_steps = [diag::Code::StepFoldsNothing, diag::Code::StepNotOffered];
+        found.diagnostics.retain(|it| of_steps.contains(&it.code));
         found.left_out = 0;
         if !found.diagnostics.is_empty() {
             io.painted_talk(&sources::findings(&found, io.talk_color()));
