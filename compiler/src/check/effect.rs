@@ -67,10 +67,7 @@ fn not_offered(program: &Program, ends: &[Unoffered]) -> (String, String) {
 
 /// Writes a field's choices with one more keypoint; any pixel of a mask includes what the field offers now.
 fn choices_with(program: &Program, field: &ActionField, more: Option<&str>) -> String {
-    let shape_of = |name: &str| {
-        let keypoint = program.keypoints.iter().find(|it| it.name == name);
-        keypoint.map(|it| it.extractor.shape())
-    };
+    let shape_of = |name: &str| program.keypoint(name).map(|it| it.extractor.shape());
     match (&field.choices, more) {
         (_, Some(mask)) if shape_of(mask) == Some(KeypointShape::Mask) => format!("any of {mask}"),
         (Choices::Region { .. }, Some(keypoint)) => format!("one of {keypoint}"),

@@ -214,6 +214,7 @@ codes! {
     "F0618" TwinOfOwnMaterial Warning
     "F0621" TwinIsJudgedCloth Error
     "F0622" FoldChosenByCoverage Warning
+    "F0624" PointsNeverOffered Warning
 
     "F0701" MissingField Error
     "F0702" UnknownField Error
