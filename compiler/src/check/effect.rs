@@ -25,7 +25,11 @@ pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Contex
     let moves: Vec<Move<'_>> = part.demonstrations().flat_map(FoldBlock::moves).collect();
     let is_of_these_points = trial.offers == Some(program.offers_hash());
     for ((part, fold), step) in moves.iter().zip(folds).zip(&trial.steps) {
-        if let Some((why, help)) = finding(fold, step) {
+        if let Some((why, mut help)) = finding(fold, step) {
+            let springs_back = matches!(step.effect, Effect::WentBack { .. });
+            if springs_back && step.planned_mm >= 1.0 && program.cloth.material.is_none() {
+                help.push_str(RECORDED_UNROLLS);
+            }
             let message = format!("this step folds nothing: {why}");
             context.warn(Code::StepFoldsNothing, part.span(), message, help);
         }
@@ -36,6 +40,9 @@ pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Contex
         }
     }
 }
+
+/// What else may keep a fold of a cloth without a material.
+const RECORDED_UNROLLS: &str = "; the recorded cloth unrolls, and one of a material may not: `fabc subgoals --materials` tries the shipped ones";
 
 /// Returns how far the nearest answer is from a step, and the lines that offer the step.
 fn not_offered(program: &Program, ends: &[Unoffered]) -> (String, String) {

@@ -194,6 +194,7 @@ codes! {
     "F0511" MaterialIncomplete Error
     "F0512" ClothTooStiff Warning
     "F0513" StepNotOffered Warning
+    "F0514" FoldOfCrumpledCloth Warning
 
     "F0601" SaidNowhere Warning
     "F0602" StageIncomplete Error

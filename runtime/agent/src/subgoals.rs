@@ -120,6 +120,20 @@ impl SubgoalSet {
         Ok(SubgoalSet { trial, ..set })
     }
 
+    /// Executes the demonstration; returns for each step whether it changed the cloth. Empty without one.
+    pub fn steps_that_stay(
+        program: &Program,
+        world: &mut dyn World,
+        interrupt: &Interrupt,
+    ) -> Result<Vec<bool>, RunError> {
+        let Some(Subgoals::Demonstrate { folds }) = &program.subgoals else {
+            return Ok(Vec::new());
+        };
+        let (_, steps) = demonstrate(program, folds, world, interrupt)?;
+        let stays = |step: &DoneStep| step.moved.held.is_some_and(|held| !held.went_back);
+        Ok(steps.iter().map(stays).collect())
+    }
+
     /// Returns the pictures around step `number`, from 0; the last step's if there are fewer, `None` if there are none
     /// at all.
     ///
