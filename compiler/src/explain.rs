@@ -5,6 +5,7 @@
 use crate::diag::{self, CODES, Code, CodeEntry, Color};
 use crate::{Listed, LoadError, Loader, Wanted};
 use fab_program::{Material, Trial};
+use std::collections::BTreeMap;
 
 /// The name of an example's file.
 const FILE: &str = "example.fab";
@@ -112,10 +113,10 @@ impl Loader for Files<'_> {
         }
     }
 
-    /// Returns what the demonstration of an example with a wrong step did, as `fabc subgoals` found it.
+    /// Returns what the demonstration of an example did, as `fabc subgoals` found it.
     fn trial(&self, title: &str) -> Option<Trial> {
-        let found = serde_json::from_str(include_str!("diag/examples/F0510.json")).ok();
-        found.filter(|_| title == "example")
+        let found = serde_json::from_str(include_str!("diag/examples/trials.json")).ok();
+        found.and_then(|mut found: BTreeMap<String, Trial>| found.remove(title))
     }
 
     /// Returns what the simulator says of the example of a cloth that is too stiff for its spacing.

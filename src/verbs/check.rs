@@ -224,10 +224,14 @@ fn unjudged(program: &Program, beside: &Path) -> Option<&'static str> {
     let titles = [program.title(), program.task.clone()];
     let tried = titles.map(|title| sources::pinned_trial(beside, &title));
     let tried: Vec<_> = tried.iter().flatten().collect();
-    if tried.iter().any(|it| it.of == wanted) {
+    let offers = Some(program.offers_hash());
+    let of_these_folds: Vec<_> = tried.iter().filter(|it| it.of == wanted).collect();
+    if of_these_folds.iter().any(|it| it.offers == offers) {
         return None;
     }
-    Some(if tried.is_empty() {
+    Some(if !of_these_folds.is_empty() {
+        "its camera, keypoints or actions have changed: `fabc subgoals` tells whether they offer the points of its demonstration"
+    } else if tried.is_empty() {
         "its demonstration was never tried: `fabc subgoals` draws its pictures, and tells whether each step changes the cloth"
     } else {
         "its pictures are of another cloth, picker or demonstration: `fabc subgoals` draws them anew, and tells whether each step changes the cloth"

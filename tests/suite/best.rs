@@ -87,7 +87,7 @@ task twice {
     stage act {
         model vision
         show  scene
-        say   "Carry one of {{ pick.choices }} to one of {{ place.choices }}. {{ actions.format }}"
+        say   "Carry one of {{ left }}, {{ right }} to one of {{ left }}, {{ middle }}. {{ actions.format }}"
         read  action
     }
     verify {

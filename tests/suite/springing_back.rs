@@ -1,4 +1,5 @@
-//! Steps after which the cloth springs back: what a run says, and what `subgoals` and `check` warn of.
+//! Steps after which the cloth springs back, and steps that no answer can make: what a run says, and what `subgoals` and
+//! `check` warn of.
 
 use super::support::{Captured, fabc, finish, root};
 use serde_json::Value;
@@ -44,10 +45,14 @@ fn json(said: &Captured) -> Value {
     serde_json::from_str(&said.stdout).unwrap_or_else(|_| panic!("{said:?}"))
 }
 
-/// The messages and helps of warnings about steps.
+/// The messages and helps of warnings about steps that fold nothing.
 fn warned(document: &Value) -> Vec<[String; 2]> {
+    warned_of("F0510", document)
+}
+
+fn warned_of(code: &str, document: &Value) -> Vec<[String; 2]> {
     let all = document["diagnostics"].as_array().unwrap().iter();
-    let warned = all.filter(|it| it["code"] == "F0510");
+    let warned = all.filter(|it| it["code"] == code);
     warned
         .map(|it| [it["message"].to_string(), it["help"].to_string()])
         .collect()
@@ -94,6 +99,65 @@ fn a_step_that_springs_back_is_warned_of_with_the_smallest_fold_that_stays() {
     let drawn = json(&said(folder.path(), &["subgoals", "pocket.fab", "--json"]));
     assert!(warned(&drawn).is_empty(), "{drawn}");
     assert_eq!(unjudged(), None);
+}
+
+/// A cloth folded in thirds, of which half the points are no corners; `place` is what may be answered.
+fn thirds(place: &str) -> String {
+    format!(
+        "use \"half.fab\"
+
+task thirds extends half {{
+    actions {{
+        pick:  one of corners
+        place: {place}
+    }}
+    subgoals {{
+        demonstrate {{
+            fold corner(back_left)  -> point(0.67, 0)
+            fold corner(front_left) -> point(0.67, 1)
+        }}
+    }}
+}}
+"
+    )
+}
+
+#[test]
+fn a_step_that_no_answer_can_make_is_warned_of_with_the_line_that_offers_it() {
+    let folder = folder_with("0.3");
+    let write = |place: &str| fs::write(folder.path().join("thirds.fab"), thirds(place)).unwrap();
+    let check = || json(&said(folder.path(), &["check", "thirds.fab", "--json"]));
+    let subgoals = || json(&said(folder.path(), &["subgoals", "thirds.fab", "--json"]));
+    write("one of corners, center");
+    let found = warned_of("F0513", &subgoals());
+    assert_eq!(found.len(), 2, "{found:?}");
+    let line = "any of cloth";
+    for [message, help] in &found {
+        assert!(
+            message.contains("the nearest place offered is "),
+            "{message}"
+        );
+        assert!(
+            help.contains(&format!(
+                "write `pick: one of corners` and `place: {line}` in `actions`"
+            )),
+            "{help}"
+        );
+    }
+    assert_eq!(warned_of("F0513", &check()), found);
+    let denied = said(folder.path(), &["check", "thirds.fab", "--deny-warnings"]);
+    assert_eq!(denied.code, 1, "{denied:?}");
+    // What was found of other actions is not used, and `check` says so.
+    write(line);
+    let unjudged = check();
+    assert!(warned_of("F0513", &unjudged).is_empty(), "{unjudged}");
+    let note = unjudged["tasks"][0]["demonstration"].as_str().unwrap();
+    assert!(
+        note.starts_with("its camera, keypoints or actions have changed"),
+        "{note}"
+    );
+    assert!(warned_of("F0513", &subgoals()).is_empty());
+    assert!(check()["tasks"][0]["demonstration"].is_null());
 }
 
 /// Returns the record of a run's first step.

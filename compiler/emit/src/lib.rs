@@ -25,7 +25,7 @@
 //!                 actions { pick: one of corners  place: one of corners }
 //!                 stage plan {
 //!                     model text
-//!                     say "Choose from {{ pick.choices }}. {{ actions.format }}"
+//!                     say "Choose from {{ corners }}. {{ actions.format }}"
 //!                     read action
 //!                 }
 //!                 verify { check moves { distance(pick, place) > 10px } else "They are too near." }

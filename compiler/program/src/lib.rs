@@ -121,7 +121,7 @@ pub use data::stage::{
 pub use data::subgoals::{SubgoalImage, Subgoals};
 pub use data::test::{Expect, Given, Test};
 pub use data::trial::{
-    Effect, LEAST_SLIDE_MM, PINS_FILE, SmallestFold, StepTrial, Trial, pins_folder,
+    Effect, LEAST_SLIDE_MM, PINS_FILE, SmallestFold, StepTrial, Trial, Unoffered, pins_folder,
 };
 pub use data::uses::{Depends, Uses};
 pub use data::values::{Comparison, Condition};

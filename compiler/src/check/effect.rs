@@ -1,4 +1,4 @@
-//! Warns of demonstrated steps that fold nothing.
+//! Warns of demonstrated steps that fold nothing, or that no answer can make.
 //!
 //! The compiler has no simulator: `fabc subgoals` executes a demonstration, and the loader gives what it found
 //! ([`Trial`]). A result of another cloth, picker or list of folds is not used.
@@ -8,10 +8,11 @@ use crate::diag::Code;
 use crate::merge::Merged;
 use fab_grammar::ast::{FoldBlock, Move};
 use fab_program::{
-    Effect, Fold, LEAST_SLIDE_MM, Program, SmallestFold, StepTrial, Subgoals, Trial, exact,
+    ActionField, Choices, Effect, Fold, KeypointShape, LEAST_SLIDE_MM, Program, SmallestFold,
+    StepTrial, Subgoals, Trial, Unoffered, exact,
 };
 
-/// Warns of each step of the task's demonstration that folds nothing, if that was found out.
+/// Warns of each step of the task's demonstration that folds nothing or that no answer can make, if that was found out.
 pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Context<'_>) {
     let (Some(Subgoals::Demonstrate { folds }), Some(part)) =
         (&program.subgoals, merged.subgoals())
@@ -22,12 +23,67 @@ pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Contex
         return;
     };
     let moves: Vec<Move<'_>> = part.demonstrations().flat_map(FoldBlock::moves).collect();
+    let is_of_these_points = trial.offers == Some(program.offers_hash());
     for ((part, fold), step) in moves.iter().zip(folds).zip(&trial.steps) {
-        let Some((why, help)) = finding(fold, step) else {
-            continue;
-        };
-        let message = format!("this step folds nothing: {why}");
-        context.warn(Code::StepFoldsNothing, part.span(), message, help);
+        if let Some((why, mut help)) = finding(fold, step) {
+            let springs_back = matches!(step.effect, Effect::WentBack { .. });
+            if springs_back && step.planned_mm >= 1.0 && program.cloth.material.is_none() {
+                help.push_str(RECORDED_UNROLLS);
+            }
+            let message = format!("this step folds nothing: {why}");
+            context.warn(Code::StepFoldsNothing, part.span(), message, help);
+        }
+        if is_of_these_points && !step.unoffered.is_empty() {
+            let (why, help) = not_offered(program, &step.unoffered);
+            let message = format!("no answer can make this step: {why}");
+            context.warn(Code::StepNotOffered, part.span(), message, help);
+        }
+    }
+}
+
+/// What else may keep a fold of a cloth without a material.
+const RECORDED_UNROLLS: &str = "; the recorded cloth unrolls, and one of a material may not: `fabc subgoals --materials` tries the shipped ones";
+
+/// Returns how far the nearest answer is from a step, and the lines that offer the step.
+fn not_offered(program: &Program, ends: &[Unoffered]) -> (String, String) {
+    let nearest = ends.iter().map(|it| {
+        let away_mm = exact::written(it.away_mm, 0);
+        format!(
+            "the nearest {} offered is {away_mm} mm away, at {}",
+            it.end, it.nearest
+        )
+    });
+    let why = nearest.collect::<Vec<_>>().join(", and ");
+    let keypoint = |field: &ActionField| {
+        let end = ends.iter().find(|it| it.end == field.name)?;
+        end.keypoint.as_deref()
+    };
+    let fields = program.actions.iter().filter(|field| field.is_point());
+    if fields.clone().filter_map(keypoint).count() < ends.len() {
+        let help = "no field can offer it yet: declare a keypoint that has this point, and name it in `actions`";
+        return (why, help.to_owned());
+    }
+    // The task may inherit its fields, and a block of its own replaces them all.
+    let lines = fields.map(|field| {
+        let choices = choices_with(program, field, keypoint(field));
+        format!("`{}: {choices}`", field.name)
+    });
+    let lines = lines.collect::<Vec<_>>().join(" and ");
+    (why, format!("write {lines} in `actions`"))
+}
+
+/// Writes a field's choices with one more keypoint; any pixel of a mask includes what the field offers now.
+fn choices_with(program: &Program, field: &ActionField, more: Option<&str>) -> String {
+    let shape_of = |name: &str| program.keypoint(name).map(|it| it.extractor.shape());
+    match (&field.choices, more) {
+        (_, Some(mask)) if shape_of(mask) == Some(KeypointShape::Mask) => format!("any of {mask}"),
+        (Choices::Region { .. }, Some(keypoint)) => format!("one of {keypoint}"),
+        (Choices::Region { mask }, None) => format!("any of {mask}"),
+        (Choices::Points { keypoints }, more) => {
+            let names = keypoints.iter().map(String::as_str).chain(more);
+            format!("one of {}", names.collect::<Vec<_>>().join(", "))
+        }
+        _ => String::new(),
     }
 }
 

@@ -255,13 +255,11 @@ fn dotted(path: Path<'_>, scope: TextScope<'_>, context: &mut Context<'_>) -> Re
     {
         match (context.actions.get(name)?, of_choices) {
             (Some(field), Some(_)) => {
-                return Ok(match &field.choices {
-                    Choices::Points { .. } => later(Placeholder::Choices {
-                        field: name.to_owned(),
-                    }),
-                    Choices::Region { mask } => Resolved::Words(space::any_of(mask)),
-                    _ => Resolved::Words(space::listed(field, &space::declared(field))),
-                });
+                return Ok(Resolved::Words(match &field.choices {
+                    Choices::Points { keypoints } => points_in_words(keypoints, context),
+                    Choices::Region { mask } => space::any_of(mask),
+                    _ => space::listed(field, &space::declared(field)),
+                }));
             }
             (Some(_), None) => {
                 return Ok(later(Placeholder::LastField {
@@ -279,6 +277,23 @@ fn dotted(path: Path<'_>, scope: TextScope<'_>, context: &mut Context<'_>) -> Re
     let candidates = candidates.chain(FACES.map(|(name, _)| name));
     let candidates = candidates.chain(choices.iter().map(String::as_str));
     Err(context.unknown_at("value", text, path.span(), candidates))
+}
+
+/// Names the keypoints that a field offers, such as `the listed corners, the listed side points or the center`.
+fn points_in_words(keypoints: &[String], context: &Context<'_>) -> String {
+    let words = keypoints.iter().map(|name| {
+        let is_one = matches!(
+            context.names.get(name),
+            Ok(Some(Meaning::Keypoint(Some(KeypointShape::Point), _)))
+        );
+        let listed = if is_one { "" } else { "listed " };
+        format!("the {listed}{}", name.replace('_', " "))
+    });
+    let words: Vec<String> = words.collect();
+    match words.split_last() {
+        Some((last, first)) if !first.is_empty() => format!("{} or {last}", first.join(", ")),
+        _ => words.concat(),
+    }
 }
 
 // ---- how values are written ----------------------------------------------------------------------

@@ -5,9 +5,9 @@ use super::expressions::pixel_of;
 use super::{files, folds};
 use crate::diag::{Code, Diagnostic, every};
 use crate::loader::Wanted;
-use crate::merge::once;
+use crate::merge::{Merged, once};
 use fab_grammar::ast::{FoldBlock, Image};
-use fab_program::{SubgoalImage, Subgoals};
+use fab_program::{ClothStart, SubgoalImage, Subgoals};
 
 /// The most subgoal pictures of a task.
 const MAX_IMAGES: usize = 101;
@@ -36,6 +36,21 @@ pub(crate) fn check(
             let message = "there are no subgoals here";
             Err(context.refuse(Code::NoFolds, part.head_span(), message, help))
         }
+    }
+}
+
+/// Warns of a crumpled cloth: subgoals are drawn of a flat one, and a step's result is compared with them.
+pub(crate) fn begin_flat(merged: &Merged<'_>, context: &mut Context<'_>) {
+    if let (Ok(Some(cloth)), Some(laid), Some(part)) =
+        (&context.cloth, merged.statement("cloth"), merged.subgoals())
+        && cloth.start == ClothStart::Crumpled
+    {
+        let message = "the cloth starts crumpled, and the subgoals show the folds of a flat one";
+        let help = "leave `start: crumpled` out; a task without subgoals, such as `smoothing`, spreads a crumpled cloth";
+        let diagnostic = Diagnostic::new(Code::FoldOfCrumpledCloth, laid.span(), message)
+            .also(part.head_span(), "the subgoals")
+            .help(help);
+        context.remark(diagnostic);
     }
 }
 

@@ -53,6 +53,7 @@ pub(super) fn check<'a>(
     }
     annotate::check(merged, context);
     context.subgoals = declared(merged.subgoals(), |it| subgoals::check(it, context));
+    subgoals::begin_flat(merged, context);
     let experts = experts::sequences(merged, context);
     context.horizon = horizon::check(merged, context);
     let goal = declared(statement("goal"), |it| {

@@ -1,4 +1,4 @@
-//! Warns if no prompt states what a model must know, and if nothing uses an answer.
+//! Warns if no prompt states what a model must know, if one shows what it may not answer, and if nothing uses an answer.
 //!
 //! In: a program without errors. Texts, examples and layers count as prompts; a plain picture does not, because a
 //! model cannot read points or a format from it.
@@ -8,7 +8,10 @@ use crate::diag::Code;
 use crate::merge::Merged;
 use fab_grammar::ast;
 use fab_program::space;
-use fab_program::{Choices, Depends, Layers, Picture, Placeholder, Program, Read, Stage, Template};
+use fab_program::{
+    ActionField, Choices, Depends, Layers, Picture, Placeholder, Point, Program, Read, Stage,
+    Template,
+};
 use std::collections::BTreeSet;
 
 /// Warns of everything that the prompts of a task leave unspoken.
@@ -21,7 +24,10 @@ pub(crate) fn check(program: &Program, merged: &Merged<'_>, context: &mut Contex
             continue;
         };
         match &stage.read {
-            Read::Action => format(program, stage, line, context),
+            Read::Action => {
+                format(program, stage, line, context);
+                unoffered(program, stage, merged, context);
+            }
             Read::Text { name, before, .. } => {
                 instruction(program, name, line, context);
                 prefix(program, stage, before, line, context);
@@ -135,17 +141,56 @@ fn plain(text: &str) -> String {
 
 // ---- points --------------------------------------------------------------------------------------
 
+/// Warns of keypoints that the texts of a stage show as if they could be answered, and that no field offers.
+///
+/// A point that a check reads is shown because of that check. Where any pixel is offered, or a place follows from a
+/// direction, points are shown to compare with.
+fn unoffered(program: &Program, stage: &Stage, merged: &Merged<'_>, context: &mut Context<'_>) {
+    let points = program.actions.iter().filter(|field| field.is_point());
+    let keypoints_of = |field: &ActionField| match &field.choices {
+        Choices::Points { keypoints } => Some(keypoints.clone()),
+        _ => None,
+    };
+    let Some(offered) = points.clone().map(keypoints_of).collect::<Option<Vec<_>>>() else {
+        return;
+    };
+    let fields = merged.actions().into_iter().flat_map(|part| part.fields());
+    let last = fields.filter(|it| {
+        program
+            .field(it.name().text())
+            .is_some_and(ActionField::is_point)
+    });
+    let (Some(line), true) = (last.last(), points.count() > 1) else {
+        return;
+    };
+    let mut known: BTreeSet<String> = offered.into_iter().flatten().collect();
+    for check in &program.verify.checks {
+        known.extend(check.holds.uses().keypoints);
+    }
+    for variable in texts(program, stage).flat_map(|text| &text.variables) {
+        let shown = match &variable.value {
+            Placeholder::Points { keypoint } => keypoint,
+            Placeholder::Point {
+                point: Point::Keypoint { name },
+            } => name,
+            _ => continue,
+        };
+        if known.insert(shown.clone()) {
+            let (stage, field) = (&stage.name, line.name().text());
+            let message = format!("the stage `{stage}` shows `{shown}`, and no field offers it");
+            let help = format!(
+                "add `{shown}` to the choices of `{field}`, or say the stage's texts without it"
+            );
+            context.warn(Code::PointsNeverOffered, line.span(), message, help);
+        }
+    }
+}
+
 /// Warns of keypoints that a field offers and that no text and no picture shows.
 fn points(program: &Program, merged: &Merged<'_>, context: &mut Context<'_>) {
     let mut known = BTreeSet::new();
     for value in shown(program) {
         known.extend(value.uses().keypoints);
-        if let Placeholder::Choices { field } = value
-            && let Some(Choices::Points { keypoints }) =
-                program.field(field).map(|field| &field.choices)
-        {
-            known.extend(keypoints.iter().cloned());
-        }
     }
     let drawn = Picture::Scene {
         layers: Layers::Drawn,

@@ -193,6 +193,8 @@ codes! {
     "F0510" StepFoldsNothing Warning
     "F0511" MaterialIncomplete Error
     "F0512" ClothTooStiff Warning
+    "F0513" StepNotOffered Warning
+    "F0514" FoldOfCrumpledCloth Warning
 
     "F0601" SaidNowhere Warning
     "F0602" StageIncomplete Error
@@ -213,6 +215,7 @@ codes! {
     "F0618" TwinOfOwnMaterial Warning
     "F0621" TwinIsJudgedCloth Error
     "F0622" FoldChosenByCoverage Warning
+    "F0624" PointsNeverOffered Warning
 
     "F0701" MissingField Error
     "F0702" UnknownField Error

@@ -89,6 +89,8 @@ mistakes! {
     // Signs and words of other languages.
     ["&&"] Anywhere, Write("and"), "write `and`", "`{}` is written `and` here";
     ["||"] Anywhere, Write("or"), "write `or`", "`{}` is written `or` here";
+    ["and" "with" "&" "+"] In("fold"), Nothing,
+        "a step has one pick and one place; write `,` before the next step: `fold A -> B, C -> D`";
     ["!="] Anywhere, Nothing, "a value stands on both sides of it";
     ["!"] Anywhere, Write("not"), "write `not`", "`{}` is written `not` here";
     ["//"] AtStart, Write("#"), "write `#`", "`{}` is written `#` here";

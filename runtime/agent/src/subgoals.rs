@@ -6,10 +6,15 @@
 mod pins;
 
 use crate::error::RunError;
+use crate::policy::{Aim, Ground};
+use crate::scene::Scene;
 use crate::task_files;
 use fab_base::interrupt::Interrupt;
+use fab_picture::observation::Observation;
 use fab_picture::png;
-use fab_program::{Arrow, Effect, Fold, Program, StepTrial, SubgoalStep, Subgoals, Trial};
+use fab_program::{
+    Arrow, Effect, Fold, Program, StepTrial, SubgoalStep, Subgoals, Trial, Unoffered,
+};
 use fab_vision::VisionError;
 use fab_world::metrics::{ClothMoved, cloth_moved};
 use fab_world::start::Start;
@@ -115,6 +120,20 @@ impl SubgoalSet {
         Ok(SubgoalSet { trial, ..set })
     }
 
+    /// Executes the demonstration; returns for each step whether it changed the cloth. Empty without one.
+    pub fn steps_that_stay(
+        program: &Program,
+        world: &mut dyn World,
+        interrupt: &Interrupt,
+    ) -> Result<Vec<bool>, RunError> {
+        let Some(Subgoals::Demonstrate { folds }) = &program.subgoals else {
+            return Ok(Vec::new());
+        };
+        let (_, steps) = demonstrate(program, folds, world, interrupt)?;
+        let stays = |step: &DoneStep| step.moved.held.is_some_and(|held| !held.went_back);
+        Ok(steps.iter().map(stays).collect())
+    }
+
     /// Returns the pictures around step `number`, from 0; the last step's if there are fewer, `None` if there are none
     /// at all.
     ///
@@ -169,6 +188,8 @@ fn load_images(program: &Program, folder: &Path) -> Result<SubgoalSet, RunError>
 struct DoneStep {
     /// The particles before it.
     before: Vec<[f32; 3]>,
+    /// What the camera saw before it.
+    seen: Observation,
     grip: Grip,
     moved: ClothMoved,
 }
@@ -183,8 +204,9 @@ fn tried(
     let Some(of) = program.demonstration_hash() else {
         return Ok(None);
     };
-    let tenths = |mm: f64| (mm * 10.0).round() / 10.0;
+    let mut first = None;
     let judged = |step: DoneStep| {
+        let unoffered = unoffered(program, &step, &mut first).unwrap_or_default();
         let effect = match step.moved.held {
             None => Effect::Missed,
             Some(held) if held.went_back => {
@@ -206,11 +228,47 @@ fn tried(
         Ok(StepTrial {
             planned_mm: tenths(way.x.hypot(way.y) * 1000.0),
             effect,
+            unoffered,
         })
     };
     let steps = steps.into_iter().map(judged);
     let steps = steps.collect::<Result<_, WorldError>>()?;
-    Ok(Some(Trial { of, steps }))
+    let offers = Some(program.offers_hash());
+    Ok(Some(Trial { of, offers, steps }))
+}
+
+/// Returns the ends of a step for which no offered point stands; `None` if nothing is found in its picture, which ends a run.
+///
+/// - `first`: the scene of the first step, which is set by it.
+fn unoffered(
+    program: &Program,
+    step: &DoneStep,
+    first: &mut Option<Scene>,
+) -> Option<Vec<Unoffered>> {
+    let scene = Scene::of(program, &step.seen, first.as_ref()).ok()?;
+    let ground = Ground::of(program, &scene, &step.seen);
+    let aim = Aim::of(step.grip, &step.seen).ok()?;
+    let (_, action) = aim.nearest(ground, &[])?;
+    let far_ends = aim.far_ends(program, &action).into_iter().map(|end| {
+        let (nearest, offered, wanted) = match end {
+            "pick" => (action.pick_px, action.grip.pick, step.grip.pick),
+            _ => (action.place_px, action.grip.place, step.grip.place),
+        };
+        let away = offered - wanted;
+        Unoffered {
+            end: end.to_owned(),
+            nearest,
+            away_mm: tenths(away.x.hypot(away.y) * 1000.0),
+            keypoint: aim.keypoint_at(end, ground),
+        }
+    });
+    let far_ends = far_ends.collect();
+    first.get_or_insert(scene);
+    Some(far_ends)
+}
+
+fn tenths(mm: f64) -> f64 {
+    (mm * 10.0).round() / 10.0
 }
 
 /// Draws the pictures and the arrows between them; also returns what was executed.
@@ -242,13 +300,14 @@ fn demonstrate(
         let after = world.particles().unwrap_or_default();
         // Folds are executed only where particles are known.
         let moved = cloth_moved(&before, &after, &executed);
+        let seen = std::mem::replace(&mut observation, world.observe()?);
+        set.pictures.push(observation.rgb.clone());
         steps.extend(moved.map(|moved| DoneStep {
             before,
+            seen,
             grip,
             moved,
         }));
-        observation = world.observe()?;
-        set.pictures.push(observation.rgb.clone());
     }
     Ok((set, steps))
 }

@@ -62,11 +62,6 @@ pub enum Placeholder {
         /// The field.
         field: String,
     },
-    /// The choices of a field, in order, separated by commas.
-    Choices {
-        /// The field.
-        field: String,
-    },
     /// The unreachable candidate points, each with a reason, `(x, y): why; (x, y): why`; `none` if there are none.
     Unreachable,
     /// The choice of a direction field nearest to a direction; the first of equally near ones.
@@ -107,10 +102,7 @@ impl NumberFormat {
 impl Depends for Placeholder {
     fn add_uses(&self, uses: &mut Uses) {
         match self {
-            Placeholder::Text { .. }
-            | Placeholder::Format
-            | Placeholder::PointForm
-            | Placeholder::Choices { .. } => {}
+            Placeholder::Text { .. } | Placeholder::Format | Placeholder::PointForm => {}
             Placeholder::Points { keypoint } => {
                 uses.keypoints.insert(keypoint.clone());
             }

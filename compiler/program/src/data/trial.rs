@@ -1,8 +1,11 @@
-//! What the steps of a demonstration did to the cloth when they were last executed.
+//! What the steps of a demonstration did to the cloth when they were last executed, and whether an answer can make them.
 //!
 //! `fabc subgoals` finds it out and keeps it beside the pictures, so that `fabc check` needs no simulator.
 
+use crate::data::actions::{ActionField, Choices};
+use crate::data::camera::PixelPoint;
 use crate::data::cloth::{Cloth, ClothStart};
+use crate::data::manner::MANNERS;
 use crate::data::program::{Program, hex};
 use crate::data::subgoals::Subgoals;
 use serde::{Deserialize, Serialize};
@@ -23,6 +26,9 @@ pub fn pins_folder(title: &str) -> String {
 pub struct Trial {
     /// What was executed, as [`Program::demonstration_hash`] says it.
     pub of: String,
+    /// What its points were compared with, as [`Program::offers_hash`] says it; older files lack it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub offers: Option<String>,
     /// The result of each step.
     pub steps: Vec<StepTrial>,
 }
@@ -31,12 +37,29 @@ pub struct Trial {
 pub const LEAST_SLIDE_MM: f64 = 1.0;
 
 /// The result of one step; distances are along the table.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StepTrial {
     /// From pick to place, millimetres.
     pub planned_mm: f64,
     /// What became of the cloth.
     pub effect: Effect,
+    /// Its ends for which no offered point stands.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unoffered: Vec<Unoffered>,
+}
+
+/// An end of a step for which no offered point stands.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Unoffered {
+    /// `pick` or `place`.
+    pub end: String,
+    /// The nearest offered point, `[column, row]`.
+    pub nearest: PixelPoint,
+    /// How far that is from the demonstrated one, millimetres.
+    pub away_mm: f64,
+    /// A declared keypoint that has such a point, or a mask that reaches it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub keypoint: Option<String>,
 }
 
 /// What a step did to the cloth.
@@ -96,5 +119,19 @@ impl Program {
         };
         let bytes = bytes.expect("a demonstration has string keys and finite numbers");
         Some(hex(&Sha256::digest(bytes)))
+    }
+
+    /// Returns the identity of what the task's points follow from: SHA-256 of camera, keypoints and the fields that say
+    /// where the cloth is picked and placed, hex.
+    pub fn offers_hash(&self) -> String {
+        let is_where = |field: &&ActionField| {
+            let is_manner = MANNERS.iter().any(|it| it.name == field.name);
+            !is_manner && !matches!(field.choices, Choices::Words { .. })
+        };
+        let fields: Vec<&ActionField> = self.actions.iter().filter(is_where).collect();
+        let bytes = serde_json::to_vec(&(&self.camera, &self.keypoints, fields));
+        hex(&Sha256::digest(
+            bytes.expect("a program has string keys and finite numbers"),
+        ))
     }
 }

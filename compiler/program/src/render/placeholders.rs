@@ -1,6 +1,6 @@
 //! Writes the value of each placeholder as text.
 
-use crate::data::actions::{ActionField, Choices, Value};
+use crate::data::actions::{ActionField, Value};
 use crate::data::placeholders::{NumberFormat, Placeholder};
 use crate::data::program::Program;
 use crate::data::stage::Read;
@@ -60,13 +60,6 @@ pub(super) fn known(
             let last = facts.last.ok_or_else(|| Missing::of("last"))?;
             of_field(field, last.proposal.get(field))
         }
-        Placeholder::Choices { field } => {
-            let field = program.field(field).ok_or_else(|| Missing::of(field))?;
-            Ok(match &field.choices {
-                Choices::Region { mask } => space::any_of(mask),
-                _ => notation.listed(field, &space::choices(field, facts.scene)),
-            })
-        }
         Placeholder::Nearest { field, to } => {
             let deg = eval.nearest_deg(field, to)?;
             of_field(field, Some(&Value::Direction { deg }))
@@ -112,9 +105,9 @@ pub(super) fn has_points(program: &Program, shown: &Placeholder) -> bool {
         | Placeholder::Point { .. }
         | Placeholder::Format
         | Placeholder::Unreachable => true,
-        Placeholder::Field { field }
-        | Placeholder::LastField { field }
-        | Placeholder::Choices { field } => program.field(field).is_some_and(ActionField::is_point),
+        Placeholder::Field { field } | Placeholder::LastField { field } => {
+            program.field(field).is_some_and(ActionField::is_point)
+        }
         _ => false,
     }
 }
@@ -143,7 +136,6 @@ pub(super) fn typed(program: &Program, name: &str, shown: &Placeholder) -> Strin
         Placeholder::Number { .. } => "a number".to_owned(),
         Placeholder::Field { .. } => "the proposed value".to_owned(),
         Placeholder::LastField { .. } => "the value in the action before".to_owned(),
-        Placeholder::Choices { .. } => "what it may be".to_owned(),
         Placeholder::Nearest { .. } => "the nearest choice".to_owned(),
         Placeholder::Quadrant { .. } => "upper or lower, and left or right".to_owned(),
         Placeholder::Unreachable => "points out of reach, each with why".to_owned(),

@@ -200,7 +200,7 @@ fn a_stage_that_reads_a_text_leaves_the_frame_open_if_it_shows_points() {
         ("{{ center }}", true),
         ("{{ actions.format }}", true),
         ("{{ unreachable }}", true),
-        ("{{ pick.choices }}", true),
+        ("{{ pick.choices }}", false),
         ("{{ count(corners) }}", false),
         ("{{ corners }}, {{ actions.points }}", false),
     ] {

@@ -31,9 +31,6 @@ const TRIES: u32 = 10;
 /// picture when turned.
 const SIDES: std::ops::RangeInclusive<u32> = 44..=59;
 
-/// An offered point stands for the expert's point if closer than this share of the picture's side.
-const NEAR: f64 = 0.05;
-
 /// What to make.
 pub struct DemoRequest<'a> {
     /// The task; it names the stage that shows the demonstrations.
@@ -183,12 +180,9 @@ fn demonstrate(
         let aim = Aim::of(grip, &observation).map_err(|why| in_step(&why))?;
         let nearest = aim.nearest(ground, &[]);
         let (proposal, action) = nearest.ok_or_else(|| in_step("no action is offered"))?;
-        let limit_px = NEAR * f64::from(program.camera.image_px);
-        for (name, off_px) in ["pick", "place"].into_iter().zip(aim.off_px(&action)) {
-            if off_px > limit_px {
-                let why = format!("no offered point is near the expert's {name} point");
-                return Err(in_step(&why));
-            }
+        if let Some(end) = aim.far_ends(program, &action).first() {
+            let why = format!("no offered point is near the expert's {end} point");
+            return Err(in_step(&why));
         }
         let named = |point, at| NamedPoint { point, at };
         let pick = named(&fold.pick, action.pick_px);

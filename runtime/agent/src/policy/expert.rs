@@ -10,6 +10,7 @@ use crate::action::{Action, combinations};
 use crate::outcome::Outcome;
 use fab_picture::SubpixelPoint;
 use fab_picture::observation::Observation;
+use fab_program::scene::SceneView;
 use fab_program::space;
 use fab_program::{ActionField, Choices, Fold, PixelPoint, Program, Proposal, Subgoals, Value};
 use fab_world::{Grip, WorldPoint, expert};
@@ -19,6 +20,9 @@ const MOVING: [&str; 2] = ["direction", "distance"];
 
 /// How many points of a field are tried, nearest first.
 const NEAREST: usize = 12;
+
+/// An offered point stands for the expert's point if closer than this share of the picture's side.
+const NEAR: f64 = 0.05;
 
 /// Follows the demonstration.
 #[derive(Clone, Copy, Debug)]
@@ -114,6 +118,37 @@ impl Aim {
         ]
     }
 
+    /// Returns which ends of the nearest action are too far away to stand for its own: `pick`, `place`.
+    pub(crate) fn far_ends(self, program: &Program, action: &Action) -> Vec<&'static str> {
+        let limit_px = NEAR * f64::from(program.camera.image_px);
+        let ends = ["pick", "place"].into_iter().zip(self.off_px(action));
+        let far = ends.filter(|(_, off_px)| *off_px > limit_px);
+        far.map(|(end, _)| end).collect()
+    }
+
+    /// Returns a keypoint with a point that stands for an end, `pick` or `place`; else a mask that reaches it.
+    pub(crate) fn keypoint_at(self, end: &str, at: Ground<'_>) -> Option<String> {
+        let target = self.end(end);
+        let limit_px = NEAR * f64::from(at.program.camera.image_px);
+        let pixel = SubpixelPoint::at(target).pixel;
+        let names = || at.program.keypoints.iter().map(|it| it.name.as_str());
+        let is_near = |name: &&str| {
+            let points = at.scene.points(name).unwrap_or_default();
+            points.iter().any(|it| away_px(target, *it) <= limit_px)
+        };
+        let reaches = |name: &&str| {
+            let away_px = at.scene.distance_px(name, pixel);
+            away_px.is_some_and(|it| it <= limit_px)
+        };
+        let found = names().find(is_near).or_else(|| names().find(reaches));
+        found.map(str::to_owned)
+    }
+
+    fn end(self, name: &str) -> [f64; 2] {
+        let Aim([pick, place]) = self;
+        if name == "place" { place } else { pick }
+    }
+
     /// Returns the offered action closest to it that was not refused yet.
     ///
     /// It looks at the nearest points, and at all directions and distances; any other field has the value that was refused
@@ -142,8 +177,7 @@ impl Aim {
     }
 
     fn candidates(self, at: Ground<'_>, field: &ActionField) -> Vec<Value> {
-        let Aim([pick, place]) = self;
-        let target = if field.name == "place" { place } else { pick };
+        let target = self.end(&field.name);
         if let Choices::Region { mask } = &field.choices {
             let nearest = at.scene.nearest_in(mask, SubpixelPoint::at(target).pixel);
             return nearest.map(Value::Point).into_iter().collect();

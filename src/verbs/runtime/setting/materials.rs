@@ -35,6 +35,12 @@ impl MaterialArguments {
 /// The shipped materials, relative to the tasks folder.
 const SHIPPED: &str = "lib/materials.fab";
 
+/// Returns the shipped materials.
+pub fn shipped() -> Result<Vec<Material>, Failure> {
+    let texts = Texts(BTreeMap::from([(SHIPPED, shipped::text(SHIPPED))]));
+    Ok(fab_compiler::compile(SHIPPED, &texts)?.materials)
+}
+
 /// Returns the material that a word names: a shipped one, or as `FILE.fab:NAME` one that a file declares or uses.
 pub fn find(word: &str, io: &Io) -> Result<Material, Failure> {
     let (file, name) = match word.rsplit_once(':') {
@@ -46,11 +52,7 @@ pub fn find(word: &str, io: &Io) -> Result<Material, Failure> {
             format!("`{file}` declares"),
             sources::compile(file)?.materials,
         ),
-        None => {
-            let texts = Texts(BTreeMap::from([(SHIPPED, shipped::text(SHIPPED))]));
-            let compiled = fab_compiler::compile(SHIPPED, &texts)?;
-            ("fabc ships".to_owned(), compiled.materials)
-        }
+        None => ("fabc ships".to_owned(), shipped()?),
     };
     if let Some(found) = materials.iter().find(|it| it.name == name) {
         return Ok(found.clone());
