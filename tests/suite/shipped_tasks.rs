@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-const NAMES: [&str; 12] = [
+const NAMES: [&str; 14] = [
     "all_corners_inward",
     "corners_edges_inward",
     "cupboard",
@@ -18,7 +18,9 @@ const NAMES: [&str; 12] = [
     "paper_plane",
     "pocket_envelope",
     "sash",
+    "shop_fold",
     "smoothing",
+    "thirds",
 ];
 
 /// Folds of small flaps of a material.

@@ -7,7 +7,7 @@ use fab_picture::depth_mask;
 use fab_picture::observation::Observation;
 use fab_picture::{Mask, SubpixelPoint};
 use fab_program::data::keypoints::PictureSide;
-use fab_program::{Extractor, Inside, PixelPoint};
+use fab_program::{ClothPoint, Extractor, Inside, PixelPoint};
 use fab_vision::CornerSearch;
 use std::borrow::Cow;
 
@@ -123,6 +123,13 @@ impl Scene {
             }
             Extractor::EdgeMiddles { outline } => {
                 Extracted::Points(fab_vision::edge_middles(self.outline(outline)?))
+            }
+            Extractor::PointsOf { outline, points } => {
+                let shares = points.iter().map(|point| match *point {
+                    ClothPoint::Particle { right, front } => [right, front],
+                    ClothPoint::Center => [0.5, 0.5],
+                });
+                Extracted::Points(fab_vision::points_of(self.outline(outline)?, shares))
             }
             Extractor::Along { outline, count } => {
                 Extracted::Points(fab_vision::along(self.outline(outline)?, *count))
