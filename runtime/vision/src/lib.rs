@@ -38,7 +38,7 @@ pub use draw::{draw_action, draw_arrow, draw_label};
 pub use layers::{DrawnLayer, DrawnShape, draw_layers};
 pub use marks::{find_again, marks};
 pub use numbers::draw_numbers;
-pub use outline::{MAX_ALONG, along, contour, edge_middles, largest, points_of};
+pub use outline::{MAX_ALONG, along, contour, edge_middles, largest};
 pub use rectangle::{Rectangle, rectangle_around};
 pub use residuals::draw_residuals;
 pub use split::{closed, contrast_of, split_mask};

@@ -5,7 +5,6 @@
 use super::corners::within;
 use super::primitives::chosen;
 use super::{VisionError, check_size};
-use fab_picture::camera::center_of;
 use fab_picture::regions;
 use fab_picture::{Mask, SubpixelPoint};
 use fab_program::PixelPoint;
@@ -86,34 +85,6 @@ pub fn edge_middles(outline: &[PixelPoint]) -> Vec<SubpixelPoint> {
             at: [at(a.u, b.u), at(a.v, b.v)],
         })
         .collect()
-}
-
-/// Returns points of a cloth that lies with its back up in the picture, by their fractions from its left to its right and
-/// from its back to its front, each 0 to 1.
-///
-/// Its corners are the vertices farthest towards the picture's corners, of equally far ones the first; between them it
-/// is divided evenly. An empty outline has no points.
-pub fn points_of(
-    outline: &[PixelPoint],
-    shares: impl IntoIterator<Item = [f64; 2]>,
-) -> Vec<SubpixelPoint> {
-    let farthest = |[right, down]: [f64; 2]| {
-        let inward = |at: &PixelPoint| -(right * f64::from(at.u) + down * f64::from(at.v));
-        let corner = outline.iter().min_by(|a, b| inward(a).total_cmp(&inward(b)));
-        corner.map(|corner| center_of(*corner))
-    };
-    let corners = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].map(farthest);
-    let [Some(back_left), Some(back_right), Some(front_left), Some(front_right)] = corners else {
-        return Vec::new();
-    };
-    let between = |a: [f64; 2], b: [f64; 2], share: f64| {
-        [0, 1].map(|axis| a[axis] + share * (b[axis] - a[axis]))
-    };
-    let at = |[right, front]: [f64; 2]| {
-        let back = between(back_left, back_right, right);
-        SubpixelPoint::at(between(back, between(front_left, front_right, right), front))
-    };
-    shares.into_iter().map(at).collect()
 }
 
 /// Returns points at equal distances along an outline, from its first vertex and in its order.

@@ -125,11 +125,7 @@ impl Scene {
                 Extracted::Points(fab_vision::edge_middles(self.outline(outline)?))
             }
             Extractor::PointsOf { outline, points } => {
-                let shares = points.iter().map(|point| match *point {
-                    ClothPoint::Particle { right, front } => [right, front],
-                    ClothPoint::Center => [0.5, 0.5],
-                });
-                Extracted::Points(fab_vision::points_of(self.outline(outline)?, shares))
+                Extracted::Points(points_of(self.outline(outline)?, points))
             }
             Extractor::Along { outline, count } => {
                 Extracted::Points(fab_vision::along(self.outline(outline)?, *count))
@@ -137,10 +133,8 @@ impl Scene {
             Extractor::Toward { points, to, share } => {
                 let to = self.points_of(to).first().map(|point| point.at);
                 let points = self.points_of(points).iter();
-                let moved = |at: [f64; 2], to: [f64; 2]| {
-                    SubpixelPoint::at([0, 1].map(|axis| at[axis] + share * (to[axis] - at[axis])))
-                };
-                let moved = points.filter_map(|point| Some(moved(point.at, to?)));
+                let moved = points.filter_map(|point| Some(between(point.at, to?, *share)));
+                let moved = moved.map(SubpixelPoint::at);
                 Extracted::Points(moved.collect())
             }
             Extractor::Outermost { points, side } => outermost(self.points_of(points), *side)
@@ -175,6 +169,35 @@ fn of_pixels(observation: &Observation, is_inside: impl Fn(PixelPoint) -> bool) 
     Extracted::Mask(Mask::from_fn(width, height, |column, row| {
         is_inside(PixelPoint::new(column as i32, row as i32))
     }))
+}
+
+/// Returns the point at a share of the way from one to another.
+fn between(a: [f64; 2], b: [f64; 2], share: f64) -> [f64; 2] {
+    [0, 1].map(|axis| a[axis] + share * (b[axis] - a[axis]))
+}
+
+/// Returns points of a cloth that lies with its back up in the picture; none for an empty outline.
+///
+/// Its corners are the vertices farthest towards the picture's corners.
+fn points_of(outline: &[PixelPoint], points: &[ClothPoint]) -> Vec<SubpixelPoint> {
+    let corner = |right: i64, down: i64| {
+        let towards = |at: &PixelPoint| right * i64::from(at.u) + down * i64::from(at.v);
+        let farthest = outline.iter().copied().max_by_key(towards);
+        farthest.map(center_of)
+    };
+    let corners = [corner(-1, -1), corner(1, -1), corner(-1, 1), corner(1, 1)];
+    let [Some(back_left), Some(back_right), Some(front_left), Some(front_right)] = corners else {
+        return Vec::new();
+    };
+    let at = |point: &ClothPoint| {
+        let [right, front] = match *point {
+            ClothPoint::Particle { right, front } => [right, front],
+            ClothPoint::Center => [0.5, 0.5],
+        };
+        let back = between(back_left, back_right, right);
+        SubpixelPoint::at(between(back, between(front_left, front_right, right), front))
+    };
+    points.iter().map(at).collect()
 }
 
 /// Returns the point closest to a side of the picture; of several, the first.

@@ -135,29 +135,11 @@ fn of_equally_large_pieces_the_upper_one_is_taken_and_corners_join_pixels() {
 }
 
 #[test]
-fn points_of_a_cloth_turn_and_tilt_with_its_outline() {
-    let at = |outline: &[PixelPoint]| {
-        let shares = [[0.0, 0.0], [0.25, 0.0], [1.0, 0.5], [0.5, 0.5]];
-        let points = points_of(outline, shares).into_iter();
-        points.map(|point| point.pixel).collect::<Vec<_>>()
-    };
-    let flat = points([(20, 30), (40, 30), (40, 60), (20, 60)]);
-    let expected = points([(20, 30), (25, 30), (40, 45), (30, 45)]);
-    assert_eq!(at(&flat), expected);
-    // A point that the tolerance left on a side changes nothing.
-    let bent = points([(20, 30), (31, 30), (40, 30), (40, 60), (20, 60)]);
-    assert_eq!(at(&bent), expected);
-    let tilted = points([(50, 10), (90, 30), (70, 70), (30, 50)]);
-    assert_eq!(at(&tilted), points([(50, 10), (60, 15), (80, 50), (60, 40)]));
-}
-
-#[test]
 fn degenerate_outlines_have_few_sides() {
     let dot = contour(&drawn(&["...", ".#.", "..."]), 0.0).unwrap();
     assert_eq!(dot, points([(1, 1)]));
     assert_eq!(edge_middles(&dot), []);
     assert_eq!(along(&dot, 5), dot);
-    assert_eq!(points_of(&dot, [[1.0, 0.0]])[0].pixel, dot[0]);
     let line = contour(&drawn(&["....", "####"]), 1.0).unwrap();
     assert_eq!(line, points([(0, 1), (3, 1)]));
     assert_eq!(edge_middles(&line), points([(2, 1)]));
@@ -175,7 +157,6 @@ fn empty_masks_and_lists_give_nothing() {
     }
     assert_eq!(edge_middles(&[]), []);
     assert_eq!(along(&[], 4), []);
-    assert_eq!(points_of(&[], [[0.5, 0.5]]), []);
 }
 
 #[test]
