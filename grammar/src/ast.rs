@@ -753,7 +753,11 @@ fn number(text: &str) -> Option<f64> {
         return text.parse().ok();
     };
     let [above, below]: [f64; 2] = [above.parse().ok()?, below.parse().ok()?];
-    Some(if below > 0.0 { above / below } else { f64::INFINITY })
+    Some(if below > 0.0 {
+        above / below
+    } else {
+        f64::INFINITY
+    })
 }
 
 fn part(node: Node<'_>, number: usize) -> Expr<'_> {

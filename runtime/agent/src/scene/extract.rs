@@ -125,7 +125,8 @@ impl Scene {
                 Extracted::Points(fab_vision::edge_middles(self.outline(outline)?))
             }
             Extractor::PointsOf { outline, points } => {
-                Extracted::Points(points_of(self.outline(outline)?, points))
+                let found = points_of(self.outline(outline)?, points);
+                Extracted::Points(found.unwrap_or_default())
             }
             Extractor::Along { outline, count } => {
                 Extracted::Points(fab_vision::along(self.outline(outline)?, *count))
@@ -176,28 +177,26 @@ fn between(a: [f64; 2], b: [f64; 2], share: f64) -> [f64; 2] {
     [0, 1].map(|axis| a[axis] + share * (b[axis] - a[axis]))
 }
 
-/// Returns points of a cloth that lies with its back up in the picture; none for an empty outline.
+/// Returns points of a cloth that lies with its back up in the picture; `None` for an empty outline.
 ///
 /// Its corners are the vertices farthest towards the picture's corners.
-fn points_of(outline: &[PixelPoint], points: &[ClothPoint]) -> Vec<SubpixelPoint> {
+fn points_of(outline: &[PixelPoint], points: &[ClothPoint]) -> Option<Vec<SubpixelPoint>> {
     let corner = |right: i64, down: i64| {
         let towards = |at: &PixelPoint| right * i64::from(at.u) + down * i64::from(at.v);
         let farthest = outline.iter().copied().max_by_key(towards);
         farthest.map(center_of)
     };
-    let corners = [corner(-1, -1), corner(1, -1), corner(-1, 1), corner(1, 1)];
-    let [Some(back_left), Some(back_right), Some(front_left), Some(front_right)] = corners else {
-        return Vec::new();
-    };
+    let back = [corner(-1, -1)?, corner(1, -1)?];
+    let front = [corner(-1, 1)?, corner(1, 1)?];
     let at = |point: &ClothPoint| {
-        let [right, front] = match *point {
+        let [right, down] = match *point {
             ClothPoint::Particle { right, front } => [right, front],
             ClothPoint::Center => [0.5, 0.5],
         };
-        let back = between(back_left, back_right, right);
-        SubpixelPoint::at(between(back, between(front_left, front_right, right), front))
+        let [a, b] = [back, front].map(|[left, end]| between(left, end, right));
+        SubpixelPoint::at(between(a, b, down))
     };
-    points.iter().map(at).collect()
+    Some(points.iter().map(at).collect())
 }
 
 /// Returns the point closest to a side of the picture; of several, the first.
