@@ -486,8 +486,8 @@ views! {
 
     /// A number and its unit.
     Quantity(Quantity) {
-        /// Returns the number; too many digits give infinity, which no range accepts.
-        value: f64 = |node: Node<'_>| node.child(Kind::Token)?.text().parse().ok(),
+        /// Returns the number; too many digits, or a fraction of 0, give infinity, which no range accepts.
+        value: f64 = |node: Node<'_>| number(node.child(Kind::Token)?.text()),
     } {
         unit -> Option<Name<'t>> = |node| first(node);
     }
@@ -747,6 +747,19 @@ fn has_word(node: Node<'_>, word: &str) -> bool {
 }
 
 /// Returns the part with this index.
+/// Reads `0.25` or `1/3`.
+fn number(text: &str) -> Option<f64> {
+    let Some((above, below)) = text.split_once('/') else {
+        return text.parse().ok();
+    };
+    let [above, below]: [f64; 2] = [above.parse().ok()?, below.parse().ok()?];
+    Some(if below > 0.0 {
+        above / below
+    } else {
+        f64::INFINITY
+    })
+}
+
 fn part(node: Node<'_>, number: usize) -> Expr<'_> {
     let part = all(node).nth(number);
     part.expect("the grammar's rule for this node has the part")

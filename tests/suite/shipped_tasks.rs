@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-const NAMES: [&str; 12] = [
+const NAMES: [&str; 14] = [
     "all_corners_inward",
     "corners_edges_inward",
     "cupboard",
@@ -18,7 +18,9 @@ const NAMES: [&str; 12] = [
     "paper_plane",
     "pocket_envelope",
     "sash",
+    "shop_fold",
     "smoothing",
+    "thirds",
 ];
 
 /// Folds of small flaps of a material.
@@ -111,9 +113,15 @@ fn small_flaps_of_napkins_compile_without_a_warning() {
 /// Each fold is a goal that the expert reaches, and that a cloth that nobody touched does not.
 #[test]
 #[ignore = "long"]
-fn small_flaps_of_napkins_stay_where_an_expert_folds_them() {
+fn folds_stay_where_an_expert_folds_them() {
     let user = User::new();
-    for name in NAPKINS {
+    for (name, goal_mm) in [
+        ("hem", 10.0),
+        ("paper_plane", 15.0),
+        ("pocket_envelope", 10.0),
+        ("shop_fold", 10.0),
+        ("thirds", 10.0),
+    ] {
         let file = root().join(format!("tasks/{name}.fab"));
         let call = format!("run {} --policy expert --out {name} --json", file.display());
         let said = user.run(&call);
@@ -127,10 +135,6 @@ fn small_flaps_of_napkins_stay_where_an_expert_folds_them() {
             points
                 .map(|it| [it[0] as f32, it[1] as f32, it[2] as f32])
                 .collect::<Vec<_>>()
-        };
-        let goal_mm = match name {
-            "paper_plane" => 15.0,
-            _ => 10.0,
         };
         let (start, end) = (positions("start.npy"), positions("experts/1.npy"));
         let untouched_m = fab_world::metrics::mean_particle_distance_m(&start, &end).unwrap();

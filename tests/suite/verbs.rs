@@ -291,6 +291,8 @@ fn run_reaches_the_goals_of_the_other_folds() {
         ("house", 2),
         ("open_envelope", 3),
         ("sash", 2),
+        ("shop_fold", 4),
+        ("thirds", 4),
     ] {
         let report = run_shipped(task);
         assert_eq!(

@@ -403,6 +403,31 @@ getters! {
     colours Colours -> [[f64; 2]; 3];
 }
 
+macro_rules! lists {
+    ($($(#[$doc:meta])* $name:ident $variant:ident -> $type:ty;)*) => {
+        impl Args {
+            $($(#[$doc])* pub fn $name(&self, name: &str) -> Vec<$type> {
+                let one = |value: &ArgValue| match value {
+                    ArgValue::$variant(value) => value.clone(),
+                    _ => panic!("{ROW}: `{name}`"),
+                };
+                self.all(name).map(one).collect()
+            })*
+        }
+    };
+}
+
+lists! {
+    /// Returns the names of an argument.
+    names Name -> String;
+    /// Returns the pixels of an argument.
+    pixels Pixel -> PixelPoint;
+    /// Returns the points of the cloth of an argument.
+    cloth_points ClothPoint -> ClothPoint;
+    /// Returns the places of a drawing.
+    spots Spot -> Spot;
+}
+
 impl Args {
     /// Returns a whole number. The kinds that give one have limits far below the largest `u32`.
     pub fn whole(&self, name: &str) -> u32 {
@@ -430,33 +455,6 @@ impl Args {
             .iter()
             .filter(move |(known, _)| *known == name)
             .map(|(_, value)| value)
-    }
-
-    /// Returns the names of an argument.
-    pub fn names(&self, name: &str) -> Vec<String> {
-        let named = |value: &ArgValue| match value {
-            ArgValue::Name(named) => named.clone(),
-            _ => panic!("{ROW}: `{name}`"),
-        };
-        self.all(name).map(named).collect()
-    }
-
-    /// Returns the pixels of an argument.
-    pub fn pixels(&self, name: &str) -> Vec<PixelPoint> {
-        let pixel = |value: &ArgValue| match value {
-            ArgValue::Pixel(pixel) => *pixel,
-            _ => panic!("{ROW}: `{name}`"),
-        };
-        self.all(name).map(pixel).collect()
-    }
-
-    /// Returns the places of a drawing.
-    pub fn spots(&self, name: &str) -> Vec<Spot> {
-        let spot = |value: &ArgValue| match value {
-            ArgValue::Spot(spot) => spot.clone(),
-            _ => panic!("{ROW}: `{name}`"),
-        };
-        self.all(name).map(spot).collect()
     }
 
     /// Returns the first value of an argument.

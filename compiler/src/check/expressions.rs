@@ -433,6 +433,16 @@ pub(super) fn cloth_point(expr: Expr<'_>, context: &mut Context<'_>) -> Result<C
         let help = "write `point(0.5, 0.5)` for the middle of the cloth";
         return Err(context.refuse(Code::WrongForm, expr.span(), message, help));
     }
+    if let [a, b] = ["a", "b"].map(|end| args.get(end))
+        && a.is_some()
+        && a == b
+    {
+        let [a, b] = [&bound[0], &bound[1]].map(|(_, end)| *end);
+        let a = context.written(a.span());
+        let message = format!("there is nothing between `{a}` and the same point");
+        let help = format!("name another point here, or write `{a}` alone");
+        return Err(context.refuse(Code::WrongForm, b.span(), message, help));
+    }
     Ok(point)
 }
 

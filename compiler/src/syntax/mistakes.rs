@@ -95,6 +95,7 @@ mistakes! {
     ["!"] Anywhere, Write("not"), "write `not`", "`{}` is written `not` here";
     ["//"] AtStart, Write("#"), "write `#`", "`{}` is written `#` here";
     ["//"] Anywhere, MayWrite("#"), "write `#`", "`{}` is written `#` here";
+    ["/"] InBrackets, Nothing, "a fraction is two numbers without blanks, `1/3`";
     [";"] AtEnd, Write(""), "remove it: a statement ends with its line", "`{}` is not part of the language";
     ["and" "&" "+" ";" "|"] ExpectingOnly("`,`"), MayWrite(","), "write `,`";
     [";"] Anywhere, Nothing, "end the statement with its line", "`{}` is not part of the language";

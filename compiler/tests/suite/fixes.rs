@@ -282,9 +282,12 @@ impl Shipped {
         for folder in ["", "lib/", "real/", "textiles/", "rehearsed/"] {
             for entry in fs::read_dir(workspace().join(SHIPPED).join(folder)).unwrap() {
                 let path = entry.unwrap().path();
-                // The paper's folds of a textile, and those that are rehearsed, differ from those of the recorded cloth in a line or two.
+                // The paper's folds of a textile, those that are rehearsed, and the folds by parts of a side differ from
+                // other folds of the recorded cloth in a line or two.
                 let name = path.file_name().unwrap().to_string_lossy();
-                let is_again = ["cotton_", "towel_"].iter().any(|it| name.starts_with(it))
+                let is_again = ["cotton_", "shop_fold", "thirds", "towel_"]
+                    .iter()
+                    .any(|it| name.starts_with(it))
                     || folder == "rehearsed/" && name != "double_triangle.fab";
                 if path.extension().is_some_and(|it| it == "fab") && !is_again {
                     let name = format!("{folder}{name}");

@@ -1,6 +1,7 @@
 //! Keypoints: what is found in each observation, and the extractors that find it.
 
 use crate::data::camera::PixelPoint;
+use crate::data::folds::ClothPoint;
 use crate::data::shape::KeypointShape;
 use crate::vocabulary::{Arg, Args, Call, Default, Kind, Range};
 use crate::words::words;
@@ -139,6 +140,13 @@ pub enum Extractor {
     EdgeMiddles {
         /// The outline's name.
         outline: String,
+    },
+    /// Points named as those of a cloth whose outline has four sides, by their fractions of these. Gives points.
+    PointsOf {
+        /// The outline's name.
+        outline: String,
+        /// The points, in the order in which they are found.
+        points: Vec<ClothPoint>,
     },
     /// Points at equal distances along an outline, starting at its first one. Gives points.
     Along {
@@ -290,6 +298,7 @@ impl Extractor {
         match self {
             Extractor::Corners { max, .. } => Some(*max),
             Extractor::Along { count, .. } => Some(*count),
+            Extractor::PointsOf { points, .. } => u32::try_from(points.len()).ok(),
             Extractor::Fixed { points } => u32::try_from(points.len()).ok(),
             // Only earlier keypoints are used, so this ends.
             Extractor::Toward { points, .. } => {
@@ -340,6 +349,7 @@ impl Extractor {
                 (KeypointShape::Points, source)
             }
             Extractor::EdgeMiddles { .. }
+            | Extractor::PointsOf { .. }
             | Extractor::Along { .. }
             | Extractor::Toward { .. }
             | Extractor::Fixed { .. } => (KeypointShape::Points, Source::Picture),
@@ -619,6 +629,24 @@ pub const EXTRACTORS: &[ExtractorRow] = &[
         "the middle of each side of an outline",
         |args| Extractor::EdgeMiddles {
             outline: args.name("outline"),
+        },
+    ),
+    row(
+        "points_of",
+        KeypointShape::Points,
+        &[
+            OUTLINE,
+            Arg::rest(
+                "points",
+                Kind::ClothPoint,
+                "points of a cloth, as a demonstration names them",
+            ),
+            AT,
+        ],
+        "points of a cloth with this outline of four sides",
+        |args| Extractor::PointsOf {
+            outline: args.name("outline"),
+            points: args.cloth_points("points"),
         },
     ),
     row(

@@ -7,7 +7,7 @@ use fab_picture::depth_mask;
 use fab_picture::observation::Observation;
 use fab_picture::{Mask, SubpixelPoint};
 use fab_program::data::keypoints::PictureSide;
-use fab_program::{Extractor, Inside, PixelPoint};
+use fab_program::{ClothPoint, Extractor, Inside, PixelPoint};
 use fab_vision::CornerSearch;
 use std::borrow::Cow;
 
@@ -124,16 +124,18 @@ impl Scene {
             Extractor::EdgeMiddles { outline } => {
                 Extracted::Points(fab_vision::edge_middles(self.outline(outline)?))
             }
+            Extractor::PointsOf { outline, points } => {
+                let found = points_of(self.outline(outline)?, points);
+                Extracted::Points(found.unwrap_or_default())
+            }
             Extractor::Along { outline, count } => {
                 Extracted::Points(fab_vision::along(self.outline(outline)?, *count))
             }
             Extractor::Toward { points, to, share } => {
                 let to = self.points_of(to).first().map(|point| point.at);
                 let points = self.points_of(points).iter();
-                let moved = |at: [f64; 2], to: [f64; 2]| {
-                    SubpixelPoint::at([0, 1].map(|axis| at[axis] + share * (to[axis] - at[axis])))
-                };
-                let moved = points.filter_map(|point| Some(moved(point.at, to?)));
+                let moved = points.filter_map(|point| Some(between(point.at, to?, *share)));
+                let moved = moved.map(SubpixelPoint::at);
                 Extracted::Points(moved.collect())
             }
             Extractor::Outermost { points, side } => outermost(self.points_of(points), *side)
@@ -168,6 +170,33 @@ fn of_pixels(observation: &Observation, is_inside: impl Fn(PixelPoint) -> bool) 
     Extracted::Mask(Mask::from_fn(width, height, |column, row| {
         is_inside(PixelPoint::new(column as i32, row as i32))
     }))
+}
+
+/// Returns the point at a share of the way from one to another.
+fn between(a: [f64; 2], b: [f64; 2], share: f64) -> [f64; 2] {
+    [0, 1].map(|axis| a[axis] + share * (b[axis] - a[axis]))
+}
+
+/// Returns points of a cloth that lies with its back up in the picture; `None` for an empty outline.
+///
+/// Its corners are the vertices farthest towards the picture's corners.
+fn points_of(outline: &[PixelPoint], points: &[ClothPoint]) -> Option<Vec<SubpixelPoint>> {
+    let corner = |right: i64, down: i64| {
+        let towards = |at: &PixelPoint| right * i64::from(at.u) + down * i64::from(at.v);
+        let farthest = outline.iter().copied().max_by_key(towards);
+        farthest.map(center_of)
+    };
+    let back = [corner(-1, -1)?, corner(1, -1)?];
+    let front = [corner(-1, 1)?, corner(1, 1)?];
+    let at = |point: &ClothPoint| {
+        let [right, down] = match *point {
+            ClothPoint::Particle { right, front } => [right, front],
+            ClothPoint::Center => [0.5, 0.5],
+        };
+        let [a, b] = [back, front].map(|[left, end]| between(left, end, right));
+        SubpixelPoint::at(between(a, b, down))
+    };
+    Some(points.iter().map(at).collect())
 }
 
 /// Returns the point closest to a side of the picture; of several, the first.
