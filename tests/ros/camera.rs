@@ -39,20 +39,6 @@ fn peer_ros_pictures_arrive_bit_for_bit() {
 
 #[test]
 #[ignore = "needs ROS"]
-fn peer_ros_a_camera_may_have_colour_alone() {
-    let ros = Ros::with_arm();
-    let settings = RosSettings {
-        depth: None,
-        info: None,
-        ..ros.settings()
-    };
-    let shot = subscribe(&settings, PATIENCE_S).unwrap().shoot().unwrap();
-    assert!(shot.depth_m.pixels().all(|depth| depth.0 == [0.0]));
-    assert_eq!(shot.intrinsics, None);
-}
-
-#[test]
-#[ignore = "needs ROS"]
 fn peer_ros_a_camera_that_says_nothing_is_named() {
     let mut ros = Ros::with_arm();
     let aside = RosSettings {
@@ -79,5 +65,5 @@ fn peer_ros_a_camera_that_says_nothing_is_named() {
         ..ros.settings()
     };
     let refused = subscribe(&none, 1.0).err().unwrap().to_string();
-    assert_eq!(refused, "`[ros]` names no topic `color`");
+    assert_eq!(refused, "`[ros]` does not name the topics `color`, `depth` and `info`");
 }

@@ -54,8 +54,12 @@ const CASES: [(What, &str, End); 24] = [
     (Fails(LostGoal), "over_pick", Made),
     (Fails(LostResult), "over", Made),
     (Fails(ShortSilence), "down", Made),
-    (Fails(LostGoals), "over_pick", Made),
-    (LetsGoAndLostCancel, "over", Made),
+    (
+        Fails(LostGoals),
+        "over_pick",
+        Stopped("did not end within"),
+    ),
+    (LetsGoAndLostCancel, "over", Stopped("did not end within")),
     (
         Fails(RepeatedReading),
         "over",
@@ -157,9 +161,9 @@ fn rollout(seed: u64, what: What, when: &str, end: End) {
     };
     run.until(when);
     match what {
-        // During a motion: the request before the next one is to be lost, because a motion's own goal is sent only three
-        // times, and an arm that runs away before its motion never reaches its limits.
-        Fails(kind @ (LostGoals | Runaway)) => {
+        // During a motion: the request before the next one is to be lost, which is sent twice, because a motion's own goal is
+        // sent once; and an arm that runs away before its motion never reaches its limits.
+        Fails(kind @ (LostGoal | LostGoals | Runaway)) => {
             std::thread::sleep(3 * UNDER_WAY);
             lab.fail(kind);
         }

@@ -37,7 +37,7 @@ use fab_world::start::Start;
 use fab_world::{Look, World, WorldError};
 use fault::FaultKind;
 use faulty::{Fault, Faulty};
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Vector3};
 use serde_json::Value;
 use std::cell::{RefCell, RefMut};
 use std::collections::BTreeMap;
@@ -198,6 +198,10 @@ impl Port for SharedArm {
 
     fn probe(&mut self) -> Result<Option<GoalId>, PortError> {
         self.arm().probe()
+    }
+
+    fn moved_until_s(&mut self, rest: Option<&Vector3<f64>>) -> Option<f64> {
+        self.arm().moved_until_s(rest)
     }
 
     fn start(&mut self) -> Result<(), PortError> {

@@ -13,23 +13,24 @@ use std::time::Duration;
 
 /// Subscribes to the camera's topics of the settings; whether anything is published shows with the first picture.
 ///
-/// Registering, and each picture later, takes at most `timeout_s` seconds. Without a depth topic the depth is 0
-/// everywhere, which means no reading; without an info topic the projection is unknown.
+/// Registering, and each picture later, takes at most `timeout_s` seconds.
 pub fn subscribe(
     settings: &RosSettings,
     timeout_s: f64,
 ) -> Result<TopicCamera<impl Send + use<>>, RosError> {
     let timeout = Duration::from_secs_f64(timeout_s);
-    let Some(color) = settings.color.clone() else {
+    let RosSettings {
+        color: Some(color),
+        depth: Some(depth),
+        info: Some(info),
+        ..
+    } = settings.clone()
+    else {
         return Err(RosError::Setting(
-            "`[ros]` names no topic `color`".to_owned(),
+            "`[ros]` does not name the topics `color`, `depth` and `info`".to_owned(),
         ));
     };
-    let topics = CameraTopics {
-        color,
-        depth: settings.depth.clone(),
-        info: settings.info.clone(),
-    };
+    let topics = CameraTopics { color, depth, info };
     let link = Link::open(settings, "camera", timeout)?;
     let inbox = Inbox::default();
     let (node, names, into) = (link.node(), topics.clone(), inbox.clone());
@@ -39,14 +40,15 @@ pub fn subscribe(
             colors.color(image(message))
         })
         .await?;
-        if let Some(depth) = names.depth {
-            let depths = into.clone();
-            follow(&node, &depth, move |message| depths.depth(image(message))).await?;
-        }
-        if let Some(info) = names.info {
-            follow(&node, &info, move |message| into.info(projection(message))).await?;
-        }
-        Ok::<(), NodeError>(())
+        let depths = into.clone();
+        follow(&node, &names.depth, move |message| {
+            depths.depth(image(message))
+        })
+        .await?;
+        follow(&node, &names.info, move |message| {
+            into.info(projection(message))
+        })
+        .await
     });
     let why = match registered {
         Some(Ok(())) => return Ok(TopicCamera::new(topics, timeout, inbox, link)),

@@ -46,6 +46,7 @@ pub fn connect(settings: &RosSettings, model: &str, timeout_s: f64) -> Result<Ro
     };
     let mut port = RosPort {
         has_stop: false,
+        track: Default::default(),
         arm,
         names,
         clock,

@@ -11,6 +11,7 @@ mod connect;
 mod port;
 mod servers;
 mod topics;
+mod track;
 
 mod action;
 mod ledger;

@@ -9,8 +9,9 @@ use super::messages::actionlib_msgs::GoalID;
 use super::messages::kinova_msgs::{Start, StartRequest, Stop, StopRequest};
 use super::servers::{self, Fingers, ToolPose, Trajectory};
 use super::topics::{Names, Topics};
+use super::track::Track;
 use fab_arm::port::{Ending, GoalId, GoalState, Port, PortError, Readings, Waypoint};
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Vector3};
 use roslibrust::RosServiceType;
 use roslibrust::ros1::ServiceClient;
 use std::sync::Arc;
@@ -42,6 +43,7 @@ pub struct RosPort {
     /// Kept open, so that a stop does not need the master; `None` if the node has no such service, or it failed.
     pub(super) stop: Option<Arc<ServiceClient<Stop>>>,
     pub(super) has_stop: bool,
+    pub(super) track: Track,
     /// Dropped last, because everything above lives on its threads.
     pub(super) link: Link,
 }
@@ -155,6 +157,7 @@ impl Port for RosPort {
     }
 
     fn send_trajectory(&mut self, points: &[Waypoint]) -> Result<GoalId, PortError> {
+        self.track = Track::default();
         let Some(client) = &self.servers.trajectory else {
             return Err(PortError {
                 what: "a trajectory".to_owned(),
@@ -165,11 +168,13 @@ impl Port for RosPort {
     }
 
     fn send_pose(&mut self, tool: &Isometry3<f64>) -> Result<GoalId, PortError> {
+        self.track = Track::default();
         let message = servers::tool_pose(tool, &self.names.base_frame);
         send(&self.servers.pose, message)
     }
 
     fn send_fingers(&mut self, positions: &[f64]) -> Result<GoalId, PortError> {
+        self.track = Track::default();
         send(&self.servers.fingers, servers::fingers(positions))
     }
 
@@ -181,6 +186,7 @@ impl Port for RosPort {
     }
 
     fn cancel(&mut self, goal: &GoalId) -> Result<(), PortError> {
+        self.track.end();
         let servers = self.servers.all();
         let owner = servers
             .iter()
@@ -255,7 +261,15 @@ impl Port for RosPort {
     }
 
     fn state(&mut self) -> Readings {
-        self.topics.readings()
+        let readings = self.topics.readings();
+        if let Some(tool) = &readings.tool {
+            self.track.record(tool.at_s, tool.value.translation.vector);
+        }
+        readings
+    }
+
+    fn moved_until_s(&mut self, rest: Option<&Vector3<f64>>) -> Option<f64> {
+        self.track.moved_until_s(rest)
     }
 }
 

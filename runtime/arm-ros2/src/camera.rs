@@ -12,35 +12,36 @@ use std::time::Duration;
 
 /// Subscribes to the camera's topics of the settings; whether anything is published shows with the first picture.
 ///
-/// Each picture takes at most `timeout_s` seconds. Without a depth topic the depth is 0 everywhere, which means no
-/// reading; without an info topic the projection is unknown.
+/// Each picture takes at most `timeout_s` seconds.
 pub fn subscribe(
     settings: &Ros2Settings,
     timeout_s: f64,
 ) -> Result<TopicCamera<impl Send + use<>>, Ros2Error> {
-    let Some(color) = settings.color.clone() else {
+    let Ros2Settings {
+        color: Some(color),
+        depth: Some(depth),
+        info: Some(info),
+        ..
+    } = settings.clone()
+    else {
         return Err(Ros2Error::Setting(
-            "`[ros2]` names no topic `color`".to_owned(),
+            "`[ros2]` does not name the topics `color`, `depth` and `info`".to_owned(),
         ));
     };
-    let names = CameraTopics {
-        color,
-        depth: settings.depth.clone(),
-        info: settings.info.clone(),
-    };
+    let names = CameraTopics { color, depth, info };
     let (link, inbox) = (Link::open(settings)?, Inbox::default());
     let colors = inbox.clone();
     follow(&link, &names.color, move |message| {
         colors.color(image(message));
     })?;
-    if let Some(depth) = &names.depth {
-        let depths = inbox.clone();
-        follow(&link, depth, move |message| depths.depth(image(message)))?;
-    }
-    if let Some(info) = &names.info {
-        let infos = inbox.clone();
-        follow(&link, info, move |message| infos.info(projection(message)))?;
-    }
+    let depths = inbox.clone();
+    follow(&link, &names.depth, move |message| {
+        depths.depth(image(message));
+    })?;
+    let infos = inbox.clone();
+    follow(&link, &names.info, move |message| {
+        infos.info(projection(message));
+    })?;
     Ok(TopicCamera::new(
         names,
         Duration::from_secs_f64(timeout_s),

@@ -17,14 +17,13 @@ use super::settings::declare::{ANGLE, from, section};
 use fab_base::files;
 use fab_base::wording::quoted;
 use fab_program::nearest::nearest;
-use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use urdf::{Robot, Shape};
 
-/// The longest URDF file and the longest mesh accepted, bytes.
+/// The longest URDF file accepted, bytes.
 const MAX_URDF_BYTES: u64 = 4 << 20;
-const MAX_MESH_BYTES: u64 = 32 << 20;
 
 /// The largest angle that a joint's limits may name, degrees: cables allow two turns, and not more.
 const MAX_LIMIT_DEG: f64 = 720.0;
@@ -182,7 +181,6 @@ impl<'b> Builder<'b> {
             joint_from_link = at_joint;
             if joint.kind != "fixed" {
                 self.check_kind(joint);
-                self.check_axis(joint);
                 let turned = z_to(joint);
                 joints.push(Joint {
                     parent_from_joint_at_zero: at_joint * turned,
@@ -256,16 +254,6 @@ impl<'b> Builder<'b> {
              and one that moves by itself: no other joint is supported there",
             joint.name
         ));
-    }
-
-    /// Checks that a joint that moves has an axis.
-    fn check_axis(&mut self, joint: &urdf::Joint) {
-        if let Err(why) = &joint.axis {
-            self.faults.push(format!(
-                "the joint `{}` cannot be used: {why}; expected the direction about which it turns, or along which it slides",
-                joint.name
-            ));
-        }
     }
 
     fn stated(&self, joint: &urdf::Joint) -> Option<&'b JointLimits> {
@@ -487,8 +475,7 @@ impl<'b> Builder<'b> {
             ("fixed", _) => vec![Isometry3::identity()],
             _ if is_last && !self.arm.hand.is_empty() => Vec::new(),
             ("prismatic", Some(ends_m)) if is_last && ends_m[1] - ends_m[0] < 1.0 => {
-                self.check_axis(joint);
-                let place = |at_m| Translation3::from(axis(joint).into_inner() * at_m).into();
+                let place = |at_m| Translation3::from(joint.axis.into_inner() * at_m).into();
                 ends_m.map(place).to_vec()
             }
             (kind, _) => {
@@ -549,10 +536,8 @@ impl<'b> Builder<'b> {
             Shape::Balls { middles, radius_m } => (middles.clone(), *radius_m, false),
             Shape::Mesh { file, scale } => {
                 let wrong = |why: String| format!("the mesh `{file}`: {why}");
-                let format = mesh::Format::of(file).map_err(wrong)?;
                 let path = self.mesh_path(file)?;
-                let bytes = files::read(&path, MAX_MESH_BYTES).map_err(wrong)?;
-                let corners = mesh::corners(format, &bytes).map_err(wrong)?;
+                let corners = mesh::read(&path).map_err(wrong)?;
                 let scaled = corners.iter().map(|it| it.coords.component_mul(scale));
                 let scaled: Vec<_> = scaled.map(Point3::from).collect();
                 let far = scaled.iter().map(|it| it.coords.amax()).fold(0.0, f64::max);
@@ -597,14 +582,9 @@ impl<'b> Builder<'b> {
     }
 }
 
-/// Returns a joint's axis; z if it has none, which is a fault.
-fn axis(joint: &urdf::Joint) -> Unit<Vector3<f64>> {
-    joint.axis.as_ref().copied().unwrap_or(Vector3::z_axis())
-}
-
 /// Returns the rotation that brings z to a joint's axis.
 fn z_to(joint: &urdf::Joint) -> UnitQuaternion<f64> {
-    UnitQuaternion::rotation_between_axis(&Vector3::z_axis(), &axis(joint))
+    UnitQuaternion::rotation_between_axis(&Vector3::z_axis(), &joint.axis)
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI))
 }
 

@@ -5,14 +5,13 @@
 //! on a panic, the arm is stopped before anything else happens.
 
 use super::driver::{ArmError, ArmState, Halt, HandContents};
-use super::guard::Checked;
 use super::journal::{Entry, Journal};
 use super::limits::Limited;
 use super::port::Port;
 use super::route::{Act, Route, Segment, SegmentName};
 use super::supervisor::{MotionRequest, Supervisor, Watchdog};
 use fab_base::interrupt::Interrupt;
-use nalgebra::{Isometry3, Point3};
+use nalgebra::Point3;
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -87,15 +86,15 @@ impl<P: Port + ?Sized> Execution<'_, P> {
     pub fn run(
         &mut self,
         points: [Point3<f64>; 2],
-        route: &Checked<Route>,
+        route: &Route,
     ) -> Result<CompletedAction, FailedAction> {
         let Route {
             segments,
             after_missed_grasp,
             motions,
-        } = route.get();
+        } = route;
         self.arm.plan(motions);
-        let begun_s = self.arm.now_s();
+        let begun_s = self.arm.arm().now_s();
         let mut verified = None;
         let nothing_moved = |why| FailedAction {
             why,
@@ -146,7 +145,7 @@ impl<P: Port + ?Sized> Execution<'_, P> {
             contents,
             grasped_at,
             released_at: released_at.unwrap_or(grasped_at),
-            duration_s: self.arm.now_s() - begun_s,
+            duration_s: self.arm.arm().now_s() - begun_s,
         })
     }
 
@@ -167,14 +166,11 @@ impl<P: Port + ?Sized> Execution<'_, P> {
             match self.motion(segment) {
                 Err(ArmError::Paused) => continue,
                 Err(why) => return Err(why),
-                Ok((tool, contents)) => {
-                    let at_m: [f64; 3] = tool.translation.vector.into();
+                Ok(done) => {
+                    let at_m = done.at.into();
                     let written = self.log.write(&Entry::Done { at_m });
                     written.map_err(|error| ArmError::JournalAfterMotion(error.to_string()))?;
-                    return Ok(CompletedSegment {
-                        at: Point3::from(at_m),
-                        contents,
-                    });
+                    return Ok(done);
                 }
             }
         }
@@ -190,7 +186,7 @@ impl<P: Port + ?Sized> Execution<'_, P> {
     }
 
     /// Moves while watchdog, interrupt and supervisor are checked.
-    fn motion(&mut self, segment: &Segment) -> Result<(Isometry3<f64>, HandContents), ArmError> {
+    fn motion(&mut self, segment: &Segment) -> Result<CompletedSegment, ArmError> {
         self.watchdog.watch().map_err(silent_watchdog)?;
         let (interrupt, supervisor) = (self.interrupt, &mut *self.supervisor);
         let watchdog = &mut *self.watchdog;
@@ -208,15 +204,19 @@ impl<P: Port + ?Sized> Execution<'_, P> {
             }
         };
         let (arm, speed_m_s) = (&mut *self.arm, segment.speed_m_s);
-        let act = || match segment.act {
-            Act::Move(to) => {
-                let moved = arm.move_tool(&to, speed_m_s, &mut watch);
-                moved.map(|state| (state.tool, HandContents::Unknown))
-            }
-            Act::Hand(opening) => {
-                let moved = arm.move_fingers(opening, &mut watch);
-                moved.and_then(|contents| Ok((arm.state()?.tool, contents)))
-            }
+        let act = || {
+            let (state, contents) = match segment.act {
+                Act::Move(to) => {
+                    let state = arm.move_tool(&to, speed_m_s, &mut watch)?;
+                    (state, HandContents::Unknown)
+                }
+                Act::Hand(opening) => {
+                    let contents = arm.move_fingers(opening, &mut watch)?;
+                    (arm.arm().state()?, contents)
+                }
+            };
+            let at = state.tool.translation.vector.into();
+            Ok(CompletedSegment { at, contents })
         };
         // A panic becomes an error, so that the arm is stopped before anything else happens.
         let moved = catch_unwind(AssertUnwindSafe(act))

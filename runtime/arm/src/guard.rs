@@ -5,23 +5,17 @@
 //! stays in its box. No part of hand and links goes below the table, into a keep-out zone, or into another part.
 //!
 //! Where the arm's node finds the joint angles itself, the path of the links is the one that this crate's kinematics
-//! would take; the measured angles are checked while it moves. Without measured angles only the hand is checked.
+//! would take; the measured angles are checked while it moves.
 
 use super::driver::{ArmState, Deviation};
 use super::kinematics::chain::Chain;
-use super::kinematics::reach::Reach;
 use super::kinematics::shape::Capsule;
-use super::kinematics::straight::between;
 use super::kinematics::tool_down::tool_down;
 use super::port::Waypoint;
-use super::route::{Act, Route, Segment, SegmentName};
 use super::settings::Settings;
 use super::timing::JointLimits;
 use crate::calibration::Calibration;
 use nalgebra::{Isometry3, Point3, Vector3};
-
-/// The longest motion at once, metres; a longer one is a mistake in a place.
-const MAX_WAY_M: f64 = 0.9;
 
 /// The longest step between two checked points of a path, metres.
 pub const STEP_M: f64 = 0.01;
@@ -79,20 +73,14 @@ pub struct Motion {
     pub to: Isometry3<f64>,
     /// Speed of the tool, m/s.
     pub speed_m_s: f64,
-    /// What the joints do, from rest to rest, at most [`STEP_M`] apart: a single point if nothing moves, none if the
-    /// arm does not report its angles.
+    /// What the joints do, from rest to rest, at most [`STEP_M`] apart: a single point if nothing moves.
     pub waypoints: Vec<Waypoint>,
-    /// The highest speed of the tool that the joints allow, m/s; infinite if no joint turns or their angles are unknown. How
-    /// long they take to speed up does not count.
-    pub joints_allow_m_s: f64,
 }
 
 impl Motion {
-    /// Returns how long it takes, seconds; without joint angles, no less than the speed of the tool allows.
+    /// Returns how long it takes, seconds.
     pub fn takes_s(&self) -> f64 {
-        let way_m = (self.to.translation.vector - self.from.translation.vector).norm();
-        let timed = self.waypoints.last().map(|last| last.at_s);
-        timed.unwrap_or(way_m / self.speed_m_s)
+        self.waypoints.last().map_or(0.0, |last| last.at_s)
     }
 
     /// Returns whether the arm is where the motion begins, so that it can be sent as it was checked.
@@ -120,19 +108,6 @@ impl Checked<Motion> {
     }
 }
 
-/// A segment of a route that was checked.
-#[derive(Debug)]
-pub struct Step {
-    /// The segment.
-    pub segment: Segment,
-    /// The arm's state before it.
-    pub begin: ArmState,
-    /// The arm's state after it; `None` if it is not allowed.
-    pub end: Option<ArmState>,
-    /// The motion in it; `None` if only the fingers move, or if it is not allowed.
-    pub motion: Option<Checked<Motion>>,
-}
-
 /// The tool's height when the closed fingertips touch the table, at each place: a plane in the base frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
@@ -143,9 +118,7 @@ pub struct Surface {
 impl Surface {
     /// The plane that was touched for a calibration.
     pub fn of(calibration: &Calibration) -> Surface {
-        let at = |x, y| calibration.table_height_m([x, y]);
-        let level_m = at(0.0, 0.0);
-        Surface::tilted([level_m, at(1.0, 0.0) - level_m, at(0.0, 1.0) - level_m])
+        Surface::tilted(calibration.fit.height)
     }
 
     /// A level plane through the settings' table.
@@ -193,10 +166,10 @@ impl Guard {
     /// Guards the arm of the settings over a table.
     pub fn new(settings: &Settings, surface: Surface) -> Guard {
         let turn_rad = settings.motion.hand_turn_deg.to_radians();
-        let hand = hand_at(settings.chain(), &tool_down(&Point3::origin(), turn_rad));
-        let ends = hand
-            .iter()
-            .flat_map(|it| it.ends.map(|end| (it.radius_m, end)));
+        let down = tool_down(&Point3::origin(), turn_rad);
+        let (shapes, hand) = (settings.chain().shapes(), settings.chain().joints().len());
+        let hand = shapes.iter().filter(|shape| shape.link == hand);
+        let ends = hand.flat_map(|it| it.ends.map(|end| (it.radius_m, down * end)));
         let normal = surface.normal();
         let below_m = ends
             .clone()
@@ -222,11 +195,9 @@ impl Guard {
     /// while the arm rests. A capsule around a mesh is too wide to tell: it would forbid an arm to fold its elbow.
     fn pair_shapes(&mut self) {
         let (settings, chain) = (&self.settings, self.settings.chain());
-        let turn_rad = settings.motion.hand_turn_deg.to_radians();
-        let rest = Reach::tool_down(chain, turn_rad);
         // An arm that cannot be at rest moves nowhere, and is refused by that.
-        let rest_rad = rest.check(&settings.workspace.rest_m.into(), &[]);
-        let placed = rest_rad.and_then(|rest_rad| chain.placed_shapes(&rest_rad));
+        let rest = ArmState::hand_down(settings, &settings.workspace.rest_m.into());
+        let placed = rest.and_then(|rest| chain.placed_shapes(&rest.joints_rad));
         let placed = placed.unwrap_or_default();
         // The hand is fixed to the last joint's link.
         let link = |shape: &Capsule| shape.link.min(chain.joints().len() - 1);
@@ -274,7 +245,7 @@ impl Guard {
 
     /// Checks a straight motion of the tool from where the arm is; the error says why it is not allowed.
     ///
-    /// - `from`: the arm's state; without joint angles only the hand is checked along the way.
+    /// - `from`: the arm's state.
     /// - `to`: `base_from_tool`.
     pub fn motion(
         &self,
@@ -284,38 +255,26 @@ impl Guard {
     ) -> Result<Checked<Motion>, String> {
         self.ends(&from.tool, to, speed_m_s)?;
         let limits = JointLimits::of(&self.settings, self.chain());
+        let begin = self.chain().base_from_tool(&from.joints_rad)?;
+        let aside = Deviation::between(&begin, &from.tool);
+        // NaN must be refused.
+        let do_fit = aside.position_m <= ASIDE_M && aside.angle_rad <= ASIDE_RAD;
+        if !do_fit {
+            return Err(format!(
+                "the arm reports joints that bring its tool {aside} away from where it reports the tool: the readings do not \
+                 fit, or `model` names another arm"
+            ));
+        }
+        let points = self.chain().straight(&from.joints_rad, to, STEP_M);
+        let points = points.map_err(|why| format!("the arm cannot follow: {why}"))?;
+        let way_m = (to.translation.vector - begin.translation.vector).norm();
+        let waypoints = limits.time(&points, way_m, speed_m_s)?;
         let mut path = Vec::new();
-        let mut waypoints = Vec::new();
-        let mut joints_allow_m_s = f64::INFINITY;
-        if from.joints_rad.is_empty() {
-            let way_m = (to.translation.vector - from.tool.translation.vector).norm();
-            let steps = (way_m / STEP_M).ceil().max(1.0) as usize;
-            for step in 0..=steps {
-                let pose = between(&from.tool, to, step as f64 / steps as f64);
-                path.push(self.gaps(&hand_at(self.chain(), &pose)));
-            }
-        } else {
-            let begin = self.chain().base_from_tool(&from.joints_rad)?;
-            let aside = Deviation::between(&begin, &from.tool);
-            // NaN must be refused.
-            let do_fit = aside.position_m <= ASIDE_M && aside.angle_rad <= ASIDE_RAD;
-            if !do_fit {
-                return Err(format!(
-                    "the arm reports joints that bring its tool {aside} away from where it reports the tool: the readings do \
-                     not fit, or `model` names another arm"
-                ));
-            }
-            let points = self.chain().straight(&from.joints_rad, to, STEP_M);
-            let points = points.map_err(|why| format!("the arm cannot follow: {why}"))?;
-            let way_m = (to.translation.vector - begin.translation.vector).norm();
-            joints_allow_m_s = limits.allow_m_s(&points, way_m);
-            waypoints = limits.time(&points, way_m, speed_m_s)?;
-            for point in &waypoints {
-                let tool = self.chain().base_from_tool(&point.joints_rad)?;
-                path.push(self.gaps(&self.chain().placed_shapes(&point.joints_rad)?));
-                self.inside(&Point3::from(tool.translation.vector), 0.0)
-                    .map_err(|why| format!("the tool would be {why}"))?;
-            }
+        for point in &waypoints {
+            let tool = self.chain().base_from_tool(&point.joints_rad)?;
+            path.push(self.gaps(&self.chain().placed_shapes(&point.joints_rad)?));
+            self.inside(&Point3::from(tool.translation.vector), 0.0)
+                .map_err(|why| format!("the tool would be {why}"))?;
         }
         keeps_clear(&path)?;
         Ok(Checked(Motion {
@@ -323,53 +282,7 @@ impl Guard {
             to: *to,
             speed_m_s,
             waypoints,
-            joints_allow_m_s,
         }))
-    }
-
-    /// Checks a route, and then the way home after a missed grasp. Returns the steps of both up to the first that is not
-    /// allowed, and the route with its motions; or why that step is not allowed.
-    ///
-    /// - `from`: the arm's state before it, with joint angles.
-    pub fn route(
-        &self,
-        from: &ArmState,
-        route: Route,
-    ) -> (Vec<Step>, Result<Checked<Route>, String>) {
-        let mut steps: Vec<Step> = Vec::new();
-        let mut at = from.clone();
-        let mut grasped = None;
-        for (index, &segment) in route.all().enumerate() {
-            if index == route.segments.len() {
-                at = grasped.take().unwrap_or(at);
-            }
-            let begin = at.clone();
-            let moved = match segment.act {
-                Act::Move(to) => self.motion(&at, &to, segment.speed_m_s).map(Some),
-                Act::Hand(_) => Ok(None),
-            };
-            if let Ok(Some(Checked(motion))) = &moved {
-                let last = motion.waypoints.last();
-                at.joints_rad = last.map_or(Vec::new(), |last| last.joints_rad.clone());
-                at.tool = motion.to;
-            }
-            if segment.name == SegmentName::Grasp {
-                grasped = Some(at.clone());
-            }
-            let refused = moved.as_ref().err().cloned();
-            steps.push(Step {
-                segment,
-                begin,
-                end: moved.is_ok().then(|| at.clone()),
-                motion: moved.ok().flatten(),
-            });
-            if let Some(why) = refused {
-                return (steps, Err(why));
-            }
-        }
-        let motions = steps.iter().filter_map(|step| step.motion.clone());
-        let motions = motions.collect();
-        (steps, Ok(Checked(Route { motions, ..route })))
     }
 
     /// Checks a goal of the tool, wherever the tool is now; the error says why it is not allowed.
@@ -383,10 +296,7 @@ impl Guard {
         let at = Point3::from(state.tool.translation.vector);
         self.inside(&at, 0.0)
             .map_err(|why| format!("the tool is {why}"))?;
-        let shapes = match self.chain().placed_shapes(&state.joints_rad) {
-            Ok(shapes) => shapes,
-            Err(_) => hand_at(self.chain(), &state.tool),
-        };
+        let shapes = self.chain().placed_shapes(&state.joints_rad)?;
         for gap in self.gaps(&shapes) {
             // NaN must stop the arm too.
             let is_kept = gap.gap_m >= gap.worst_m;
@@ -417,12 +327,6 @@ impl Guard {
         if !(speed_m_s > 0.0 && speed_m_s <= most_m_s) {
             return Err(format!(
                 "a speed of `{speed_m_s}` m/s is not above 0 and at most `{most_m_s}` m/s"
-            ));
-        }
-        let way_m = (ends[1] - ends[0]).norm();
-        if way_m > MAX_WAY_M {
-            return Err(format!(
-                "a way of {way_m:.3} m is longer than `{MAX_WAY_M}` m, the longest that is allowed at once"
             ));
         }
         // Rotation speed is not limited, and every motion here keeps the rotation. NaN must fail these checks.
@@ -487,8 +391,7 @@ impl Guard {
             part: self.part(shape),
             place: format!("{:.0} mm below the table", mm(-gap_m)),
         });
-        let is_whole = shapes.len() == self.chain().shapes().len();
-        let pairs = self.apart.iter().filter(|_| is_whole).map(|pair| {
+        let pairs = self.apart.iter().map(|pair| {
             let [one, other] = pair.map(|index| &shapes[index]);
             (one.gap_m(other), [one, other])
         });
@@ -598,13 +501,6 @@ fn keeps_clear(path: &[Vec<Gap>]) -> Result<(), String> {
         }
     }
     Ok(())
-}
-
-/// Returns the hand's shapes with the tool at a pose.
-fn hand_at(chain: &Chain, tool: &Isometry3<f64>) -> Vec<Capsule> {
-    let (shapes, hand) = (chain.shapes().iter(), chain.joints().len());
-    let shapes = shapes.filter(|shape| shape.link == hand);
-    shapes.map(|shape| shape.at(tool)).collect()
 }
 
 fn place(point: &Point3<f64>) -> String {

@@ -11,24 +11,16 @@ use super::phase::{Event, Phase};
 use super::route::{Act, Segment, SegmentName};
 use fab_base::files;
 use fab_base::jsonl::{Appender, Reader};
-use fab_base::outbox::Outbox;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 /// Name of the journal in a run folder.
 pub const ARM_FILE: &str = "arm.jsonl";
 
 /// The longest journal accepted, and the longest file that names the last run.
 const MAX_BYTES: u64 = 64 << 20;
-
-/// The longest that a line may take to be on disk.
-const LONGEST: Duration = Duration::from_secs(5);
-
-/// The most lines that wait for a disk that hangs.
-const MAX_WAITING: usize = 4;
 
 /// A line of the journal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -89,9 +81,7 @@ impl JournalError {
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,
-    /// A disk that hangs must not hang this program.
-    lines: Outbox<Entry>,
-    longest: Duration,
+    file: Appender,
 }
 
 impl Journal {
@@ -99,29 +89,14 @@ impl Journal {
     pub fn open(folder: &Path) -> Result<Journal, JournalError> {
         let path = folder.join(ARM_FILE);
         match Appender::open_after_whole_lines(&path, MAX_BYTES) {
-            Ok(mut file) => Ok(Journal::to(path, LONGEST, move |entry| {
-                file.append(&entry).map_err(|error| error.to_string())
-            })),
+            Ok(file) => Ok(Journal { path, file }),
             Err(why) => Err(JournalError::of(&path, why)),
         }
     }
 
-    /// Writes lines by a function, each of which may take `longest`.
-    pub(crate) fn to(
-        path: PathBuf,
-        longest: Duration,
-        write: impl FnMut(Entry) -> Result<(), String> + Send + 'static,
-    ) -> Journal {
-        Journal {
-            path,
-            lines: Outbox::new(MAX_WAITING, write),
-            longest,
-        }
-    }
-
-    /// Writes a line and waits until it is on disk; fails if that takes too long.
+    /// Writes a line, and returns when it is on disk. The arm rests meanwhile: a disk that hangs keeps it from moving.
     pub fn write(&mut self, entry: &Entry) -> Result<(), JournalError> {
-        let written = self.lines.write(entry.clone(), self.longest);
+        let written = self.file.append(entry);
         written.map_err(|why| JournalError::of(&self.path, why))
     }
 

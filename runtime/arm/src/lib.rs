@@ -2,7 +2,7 @@
 //! cameras, and the same arm simulated.
 //!
 //! ```text
-//! Motion → plan → Guard → Checked route → Limited → Guard → Checked motion → Arm (a driver) → Port (messages) → an arm
+//! Motion → plan → Guard → Checked motions → Limited → Guard → Arm (a driver) → Port (messages) → an arm
 //! ```
 //!
 //! Lengths are metres and angles radians. The base frame is the arm's own (`link_base`): z points up along the axis of

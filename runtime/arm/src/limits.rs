@@ -48,16 +48,6 @@ impl<P: Port + ?Sized> Limited<P> {
         &mut self.arm
     }
 
-    /// Returns the time of the arm's clock, seconds.
-    pub fn now_s(&self) -> f64 {
-        self.arm.now_s()
-    }
-
-    /// Returns the arm's state; fails if its readings are stale.
-    pub fn state(&mut self) -> Result<ArmState, ArmError> {
-        self.arm.state()
-    }
-
     /// Moves the tool straight to a pose, `base_from_tool`, if the guard allows it from where the arm is. A planned motion
     /// that begins there is sent as it was checked; any other is checked now.
     ///

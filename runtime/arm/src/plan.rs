@@ -2,12 +2,11 @@
 //!
 //! In: settings, the guard, the arm's state, two points. Out: a [`Plan`]: each segment with its target, path length,
 //! duration, and joint angles at its end; or the reason why a segment is not allowed or not
-//! possible. A whole plan comes with its checked route, which alone can be executed. Nothing is executed here.
+//! possible. A whole plan comes with its route and checked motions. Nothing is executed here.
 
 use super::driver::{ArmState, Opening};
-use super::guard::{Checked, Guard, Motion, Step};
-use super::kinematics::reach::Reach;
-use super::route::{Act, Route, SegmentName};
+use super::guard::Guard;
+use super::route::{Act, Route, Segment, SegmentName};
 use super::settings::Settings;
 use fab_program::Manner;
 use nalgebra::Point3;
@@ -49,15 +48,13 @@ pub struct PlannedSegment {
     pub takes_s: f64,
     /// Joint angles at its end by this crate's kinematics, degrees; a node that takes tool poses may choose others.
     pub joints_deg: Vec<f64>,
-    /// The highest speed of the tool that the joints allow, m/s; not in a plan's file.
-    #[serde(skip)]
-    pub joints_allow_m_s: f64,
 }
 
 impl Plan {
-    /// Plans a pick and place with the hand pointing down; the route is there if all of it is possible.
+    /// Plans a pick and place with the hand pointing down, and then the way home after a missed grasp; the route is there if
+    /// all of it is possible.
     ///
-    /// - `from`: the arm's state; joint angles that it does not report are those of a posture with the elbow up.
+    /// - `from`: the arm's state.
     /// - `points`: pick and place, metres, base frame.
     /// - `manner`: how the cloth is carried; see [`Route::new`].
     pub fn make(
@@ -66,7 +63,7 @@ impl Plan {
         from: &ArmState,
         points: [Point3<f64>; 2],
         manner: &Manner,
-    ) -> (Plan, Option<Checked<Route>>) {
+    ) -> (Plan, Option<Route>) {
         let [pick, place] = points;
         let mut plan = Plan {
             model: settings.model.clone(),
@@ -77,22 +74,56 @@ impl Plan {
             after_missed_grasp: Vec::new(),
             refused: None,
         };
-        let from = match with_joints(settings, guard, from) {
-            Ok(from) => from,
-            Err(why) => {
-                plan.refused = Some(why);
+        let mut route = Route::new(settings, guard.surface(), &from.tool, &pick, &place, manner);
+        let n_segments = route.segments.len();
+        let segments: Vec<Segment> = route.all().copied().collect();
+        let mut at = from.clone();
+        let mut grasped = None;
+        for (index, segment) in segments.into_iter().enumerate() {
+            if index == n_segments {
+                at = grasped.take().unwrap_or(at);
+            }
+            let here = at.tool.translation.vector;
+            let (to, hand) = match segment.act {
+                Act::Move(to) => (to, None),
+                Act::Hand(opening) => (at.tool, Some(opening)),
+            };
+            let mut planned = PlannedSegment {
+                name: segment.name,
+                to_m: to.translation.vector.into(),
+                hand,
+                way_m: (to.translation.vector - here).norm(),
+                takes_s: 0.0,
+                joints_deg: Vec::new(),
+            };
+            if hand.is_none() {
+                match guard.motion(&at, &to, segment.speed_m_s) {
+                    Ok(motion) => {
+                        planned.takes_s = motion.get().takes_s();
+                        let last = motion.get().waypoints.last();
+                        at.joints_rad = last.map_or(Vec::new(), |last| last.joints_rad.clone());
+                        at.tool = to;
+                        route.motions.push(motion);
+                    }
+                    Err(why) => plan.refused = Some(why),
+                }
+            }
+            if plan.refused.is_none() {
+                planned.joints_deg = at.joints_rad.iter().map(|it| it.to_degrees()).collect();
+            }
+            if segment.name == SegmentName::Grasp {
+                grasped = Some(at.clone());
+            }
+            if index < n_segments {
+                plan.segments.push(planned);
+            } else {
+                plan.after_missed_grasp.push(planned);
+            }
+            if plan.refused.is_some() {
                 return (plan, None);
             }
-        };
-        let route = Route::new(settings, guard.surface(), &from.tool, &pick, &place, manner);
-        let n_segments = route.segments.len();
-        let (steps, route) = guard.route(&from, route);
-        plan.segments = steps.iter().map(PlannedSegment::of).collect();
-        if steps.len() > n_segments {
-            plan.after_missed_grasp = plan.segments.split_off(n_segments);
         }
-        plan.refused = route.as_ref().err().cloned();
-        (plan, route.ok())
+        (plan, Some(route))
     }
 
     /// Returns the total path length, metres.
@@ -118,40 +149,6 @@ impl Plan {
             }
             None => why.clone(),
         })
-    }
-}
-
-/// Returns the state with joint angles, if need be those of a posture with the elbow up.
-fn with_joints(settings: &Settings, guard: &Guard, from: &ArmState) -> Result<ArmState, String> {
-    let mut from = from.clone();
-    if from.joints_rad.is_empty() {
-        let turn_rad = settings.motion.hand_turn_deg.to_radians();
-        let here = Point3::from(from.tool.translation.vector);
-        let at_rest = Reach::tool_down(guard.chain(), turn_rad).check(&here, &[0.0]);
-        from.joints_rad = at_rest.map_err(|why| format!("where the tool is: {why}"))?;
-    }
-    Ok(from)
-}
-
-impl PlannedSegment {
-    /// Describes a step; a refused one has no joint angles.
-    fn of(step: &Step) -> PlannedSegment {
-        let motion = step.motion.as_ref().map(Checked::get);
-        let from = step.begin.tool;
-        let (to, hand) = match step.segment.act {
-            Act::Move(to) => (to, None),
-            Act::Hand(opening) => (from, Some(opening)),
-        };
-        let joints_rad = step.end.iter().flat_map(|end| &end.joints_rad);
-        PlannedSegment {
-            name: step.segment.name,
-            to_m: to.translation.vector.into(),
-            hand,
-            way_m: (to.translation.vector - from.translation.vector).norm(),
-            takes_s: motion.map_or(0.0, Motion::takes_s),
-            joints_deg: joints_rad.map(|angle| angle.to_degrees()).collect(),
-            joints_allow_m_s: motion.map_or(f64::INFINITY, |motion| motion.joints_allow_m_s),
-        }
     }
 }
 

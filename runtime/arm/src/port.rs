@@ -7,7 +7,7 @@ mod stamps;
 
 pub use stamps::Stamps;
 
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Vector3};
 
 /// A point of a joint trajectory, with how it is passed; each list goes from the base to the hand.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,33 +32,6 @@ impl Waypoint {
             accelerations_rad_s2: still,
             at_s,
         }
-    }
-
-    /// Returns the angles at a time between this point and a later one, radians, as controllers interpolate: with the
-    /// angles, speeds and accelerations of both.
-    ///
-    /// - `at_s`: seconds since the start of the trajectory.
-    pub fn towards(&self, next: &Waypoint, at_s: f64) -> Vec<f64> {
-        let whole_s = next.at_s - self.at_s;
-        let part = (at_s - self.at_s) / whole_s;
-        let ends = |point: &Waypoint, joint: usize| {
-            let or_still = |values: &[f64]| values.get(joint).copied().unwrap_or_default();
-            [
-                or_still(&point.speeds_rad_s) * whole_s,
-                or_still(&point.accelerations_rad_s2) * whole_s * whole_s,
-            ]
-        };
-        let angles = self.joints_rad.iter().zip(&next.joints_rad).enumerate();
-        let angles = angles.map(|(joint, (from, to))| {
-            let ([speed, bend], [end_speed, end_bend]) = (ends(self, joint), ends(next, joint));
-            let way = to - from;
-            let third = 10.0 * way - 6.0 * speed - 4.0 * end_speed - 1.5 * bend + 0.5 * end_bend;
-            let fourth = -15.0 * way + 8.0 * speed + 7.0 * end_speed + 1.5 * bend - end_bend;
-            let fifth = 6.0 * way - 3.0 * (speed + end_speed) - 0.5 * (bend - end_bend);
-            let curved = bend / 2.0 + part * (third + part * (fourth + part * fifth));
-            from + part * (speed + part * curved)
-        });
-        angles.collect()
     }
 
     /// Returns the time since the start as whole seconds and the nanoseconds that are left, below 1,000,000,000.
@@ -168,6 +141,14 @@ pub trait Port {
     /// after a stop, which then only ended the motion.
     fn probe(&mut self) -> Result<Option<GoalId>, PortError> {
         Ok(None)
+    }
+
+    /// Returns until when the tool moved if it came to rest at a place, or at that of its last reading, on this clock,
+    /// seconds; `None` without steady motion. Readings since the last goal count, until that is cancelled.
+    ///
+    /// For an arm whose node enables it when a goal is cancelled, whoever stopped it before. Others keep their stop.
+    fn moved_until_s(&mut self, _rest: Option<&Vector3<f64>>) -> Option<f64> {
+        Some(f64::INFINITY)
     }
 
     /// Enables a stopped arm. Called only at a person's request.

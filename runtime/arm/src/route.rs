@@ -8,7 +8,7 @@
 use super::driver::Opening;
 use super::guard::{Checked, Motion, Surface};
 use super::kinematics::tool_down::tool_down;
-use super::settings::{MotionSettings, Settings};
+use super::settings::Settings;
 use fab_program::Manner;
 use nalgebra::{Isometry3, Point3};
 use serde::{Deserialize, Serialize};
@@ -104,27 +104,17 @@ impl Route {
         place: &Point3<f64>,
         manner: &Manner,
     ) -> Route {
-        let MotionSettings {
-            pre_pick_m,
-            grasp_m,
-            lift_m,
-            release_m,
-            retreat_m,
-            hand_turn_deg,
-            speed_m_s,
-            ..
-        } = settings.motion;
-        let above_grasp_m = |stated: Option<f64>, usual_m: f64| match stated {
-            Some(above_m) => grasp_m + above_m,
-            None => usual_m,
-        };
-        let lift_m = above_grasp_m(manner.lift_m, lift_m);
-        let release_m = above_grasp_m(manner.release_height_m, release_m);
+        let motion = &settings.motion;
+        let (grasp_m, retreat_m) = (motion.grasp_m, motion.retreat_m);
+        let above_grasp_m =
+            |stated: Option<f64>, usual_m: f64| stated.map_or(usual_m, |above_m| grasp_m + above_m);
+        let lift_m = above_grasp_m(manner.lift_m, motion.lift_m);
+        let release_m = above_grasp_m(manner.release_height_m, motion.release_m);
         let travel_z = [pick, place]
             .map(|point| travel_height_m(settings, surface, point))
             .into_iter()
             .fold(f64::NEG_INFINITY, f64::max);
-        let turn_rad = hand_turn_deg.to_radians();
+        let turn_rad = motion.hand_turn_deg.to_radians();
         let pose = |x: f64, y: f64, z: f64| Act::Move(tool_down(&Point3::new(x, y, z), turn_rad));
         let over = |point: &Point3<f64>, above_m: f64| pose(point.x, point.y, point.z + above_m);
         let high = |x: f64, y: f64| pose(x, y, travel_z);
@@ -141,7 +131,7 @@ impl Route {
             ),
             (SegmentName::Open, open),
             (SegmentName::OverPick, high(pick.x, pick.y)),
-            (SegmentName::PrePick, over(pick, pre_pick_m)),
+            (SegmentName::PrePick, over(pick, motion.pre_pick_m)),
             (SegmentName::Down, over(pick, grasp_m)),
             (SegmentName::Grasp, Act::Hand(Opening::Closed)),
         ];
@@ -166,13 +156,13 @@ impl Route {
             (SegmentName::Away, high(pick.x, pick.y)),
             rest,
         ];
-        let carry_m_s = manner.speed_m_s.unwrap_or(speed_m_s);
+        let carry_m_s = manner.speed_m_s.unwrap_or(motion.speed_m_s);
         let named = |(name, act)| Segment {
             name,
             act,
             speed_m_s: match name {
                 SegmentName::Lift | SegmentName::Over | SegmentName::DownToPlace => carry_m_s,
-                _ => speed_m_s,
+                _ => motion.speed_m_s,
             },
         };
         Route {

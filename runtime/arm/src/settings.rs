@@ -10,7 +10,7 @@ pub(crate) mod declare;
 use super::description::ArmDescription;
 use super::kinematics::chain::Chain;
 use super::rgbd::Intrinsics;
-use declare::{ANGLE, MAX_SIDE_PX, Values, begins, from, named_settings, section};
+use declare::{ANGLE, MAX_SIDE_PX, Values, from, named_settings, section};
 use fab_base::files;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use serde::Deserialize;
@@ -192,21 +192,21 @@ section! {
     /// The connection to the arm's node and the camera over ROS 1.
     pub struct RosSettings {
         /// The master's address, e.g. `http://localhost:11311`.
-        master: String, begins("http://");
+        master: String;
         /// This machine's name for the other nodes, as `ROS_IP` or `ROS_HOSTNAME`; without it they are read.
         host: Option<String>;
         /// The namespace of the vendor's node, e.g. `/j2n6s200_driver`.
-        arm: String, begins("/");
+        arm: String;
         /// For `trajectory`: the controller's action.
-        trajectory: Option<String>, begins("/");
+        trajectory: Option<String>;
         /// For `trajectory`: the joints' names, from the base to the hand; without them those of the arm's URDF.
         joints: Vec<String> = [];
         /// For the camera `ros`: the topic of the colour picture.
-        color: Option<String>, begins("/");
+        color: Option<String>;
         /// The topic of the depth picture, aligned with it, in whole millimetres, 0 for no reading.
-        depth: Option<String>, begins("/");
+        depth: Option<String>;
         /// The topic of the camera's `CameraInfo`.
-        info: Option<String>, begins("/");
+        info: Option<String>;
     }
 
     /// The connection to an arm's controllers and the camera over ROS 2.
@@ -220,15 +220,15 @@ section! {
         /// without it all.
         interface: Option<String>;
         /// The topic of the joints' states.
-        joint_states: String = "/joint_states", begins("/");
+        joint_states: String = "/joint_states";
         /// The joints' names in states and trajectories, from the base to the hand; without them those of the arm's
         /// URDF.
         joints: Vec<String> = [];
         /// The controller's action, e.g. `/joint_trajectory_controller/follow_joint_trajectory`; needed for the driver
         /// `ros2`.
-        trajectory: Option<String>, begins("/");
+        trajectory: Option<String>;
         /// The gripper's action, e.g. `/gripper_controller/gripper_cmd`; needed for the driver `ros2`.
-        gripper: Option<String>, begins("/");
+        gripper: Option<String>;
         /// Its type of `control_msgs`.
         gripper_action: GripperAction = "gripper_command";
         /// The joints whose positions tell where the fingers are: one for each finger, or one that all follow; needed
@@ -238,13 +238,13 @@ section! {
         gripper_effort: f64 = 0.0, from(0.0, 1e4);
         /// A service of the type `std_srvs/Trigger` that stops the arm, called before all goals are cancelled; without
         /// it they are only cancelled.
-        stop: Option<String>, begins("/");
+        stop: Option<String>;
         /// For the camera `ros2`: the topic of the colour picture.
-        color: Option<String>, begins("/");
+        color: Option<String>;
         /// The topic of the depth picture, aligned with it, in whole millimetres (`16UC1`) or in metres (`32FC1`).
-        depth: Option<String>, begins("/");
+        depth: Option<String>;
         /// The topic of the camera's `CameraInfo`.
-        info: Option<String>, begins("/");
+        info: Option<String>;
     }
 
     /// The simulated arm and table of the driver `simulated`, which needs no real hardware.
@@ -369,7 +369,8 @@ impl Settings {
     /// - `folder`: the folder of the files that the text names.
     fn parse_in(folder: &Path, text: &str) -> Result<Settings, String> {
         let mut settings: Settings = declare::read(text)?;
-        settings.chain = check::check(&settings, folder)?;
+        let document = toml::from_str(text).map_err(|error| error.to_string())?;
+        settings.chain = check::check(&settings, &document, folder)?;
         settings.model = settings.chain.model().to_owned();
         let named = [
             settings.ros.as_mut().map(|ros| &mut ros.joints),

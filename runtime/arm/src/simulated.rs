@@ -4,11 +4,11 @@
 //! ten times a second. There are no dynamics: joints are where their trajectory says, which takes the time that plans
 //! state. A stop ends every motion at once, and the arm takes goals afterwards.
 
+use super::driver::ArmState;
 use super::kinematics::chain::Chain;
-use super::kinematics::reach::Reach;
 use super::port::{Ending, GoalId, GoalState, Port, PortError, Reading, Readings, Waypoint};
 use super::settings::{FingerSettings, Settings};
-use nalgebra::{Isometry3, Point3};
+use nalgebra::Isometry3;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -70,14 +70,12 @@ impl SimulatedArm {
         table: Option<Rc<RefCell<dyn SimulatedTable>>>,
     ) -> Result<SimulatedArm, String> {
         let (chain, hand) = (settings.chain().clone(), settings.fingers);
-        let turn_rad = settings.motion.hand_turn_deg.to_radians();
-        let joints_rad = Reach::tool_down(&chain, turn_rad)
-            .check(&Point3::from(settings.workspace.rest_m), &[0.0])
+        let rest = ArmState::hand_down(settings, &settings.workspace.rest_m.into())
             .map_err(|why| format!("the arm cannot rest at `rest_m`: {why}"))?;
         let mut arm = SimulatedArm {
             chain,
             hand,
-            joints_rad,
+            joints_rad: rest.joints_rad,
             fingers: vec![hand.open; hand.count],
             table,
             trajectory: None,
@@ -149,7 +147,9 @@ impl SimulatedArm {
         let pairs = motion.points.windows(2);
         let mut ahead = pairs.filter(|pair| pair[1].at_s > motion.for_s);
         if let Some(pair) = ahead.next() {
-            self.joints_rad = pair[0].towards(&pair[1], motion.for_s);
+            let share = (motion.for_s - pair[0].at_s) / (pair[1].at_s - pair[0].at_s);
+            let ends = pair[0].joints_rad.iter().zip(&pair[1].joints_rad);
+            self.joints_rad = ends.map(|(from, to)| from + share * (to - from)).collect();
             return;
         }
         if let Some(last) = motion.points.last() {

@@ -63,21 +63,6 @@ impl JointLimits {
         }
     }
 
-    /// Returns the highest speed of the tool that the joints' own speeds allow along a path, m/s; infinite if no joint
-    /// turns.
-    ///
-    /// - `path_rad`, `way_m`: as of [`JointLimits::time`].
-    pub fn allow_m_s(&self, path_rad: &[Vec<f64>], way_m: f64) -> f64 {
-        let step_m = way_m / (path_rad.len() - 1).max(1) as f64;
-        let steps = path_rad.windows(2).flat_map(|pair| {
-            let turns = pair[0].iter().zip(&pair[1]).map(|(a, b)| (b - a).abs());
-            let limits = self.speeds_rad_s.iter().zip(turns);
-            limits.map(|(limit, turn)| step_m * limit / turn)
-        });
-        // A joint that does not turn gives infinity, or no number on a way of no length.
-        steps.fold(f64::INFINITY, f64::min)
-    }
-
     /// Times a path; the error says why that is not possible. A path without motion is a single waypoint.
     ///
     /// - `path_rad`: joint angles at even steps along the path, both ends included.

@@ -15,9 +15,8 @@ pub use picture::simulated_table;
 pub use planning::{PLAN_FILE, PLAN_PICTURE, read_plan};
 pub use reach::WithinReach;
 
-use crate::driver::{ArmError, ArmState, HandContents, PortArm};
+use crate::driver::{ArmError, ArmState, Deviation, HandContents, PortArm};
 use crate::execute::{Execution, FailedAction};
-use crate::guard::Checked;
 use crate::journal::Journal;
 use crate::kinematics::tool_down::tool_down;
 use crate::limits::Limited;
@@ -104,7 +103,7 @@ impl ArmWorld {
     }
 
     /// Plans a grip from where the arm is; the route is there if all of it is possible.
-    fn plan(&self, from: &ArmState, asked: &Grip) -> (Plan, Option<Checked<Route>>) {
+    fn plan(&self, from: &ArmState, asked: &Grip) -> (Plan, Option<Route>) {
         let (settings, guard) = (&self.parts.files.settings, &self.reach.guard);
         let points = [&asked.pick, &asked.place];
         let points = points.map(|point| base_point(settings, guard.surface(), point));
@@ -143,28 +142,20 @@ impl World for ArmWorld {
     }
 
     fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
-        let tool = self
-            .arm
-            .state()
-            .map_err(|error| motion(error.to_string()))?
-            .tool;
+        let state = self.arm.arm().state();
+        let tool = state.map_err(|error| motion(error.to_string()))?.tool;
         let settings = &self.parts.files.settings;
         let rest = tool_down(
             &settings.workspace.rest_m.into(),
             settings.motion.hand_turn_deg.to_radians(),
         );
-        let away_m = (tool.translation.vector - rest.translation.vector).norm();
-        let turned_rad = tool.rotation.angle_to(&rest.rotation);
+        let off = Deviation::between(&tool, &rest);
         // NaN must fail this check.
-        let is_at_rest = away_m <= AT_REST_M && turned_rad <= TURNED_AT_REST_RAD;
+        let is_at_rest = off.position_m <= AT_REST_M && off.angle_rad <= TURNED_AT_REST_RAD;
         if !is_at_rest {
             return Err(motion(format!(
-                "the tool is at ({:.3}, {:.3}, {:.3}), turned by {:.0} degrees against straight down at `motion.hand_turn_deg`, \
-                 and not at `rest_m`, so that the arm may hide the cloth; bring it there by hand",
-                tool.translation.x,
-                tool.translation.y,
-                tool.translation.z,
-                turned_rad.to_degrees()
+                "the tool is {off} away from the hand straight down at `motion.hand_turn_deg`, and not at `rest_m`, so that the \
+                 arm may hide the cloth; bring it there by hand"
             )));
         }
         match &self.table {
@@ -179,7 +170,7 @@ impl World for ArmWorld {
         }
         self.is_laid = true;
         self.is_camera_checked = false;
-        self.begun_s = self.arm.now_s();
+        self.begun_s = self.arm.arm().now_s();
         Ok(())
     }
 
@@ -191,7 +182,8 @@ impl World for ArmWorld {
             why: format!("the camera `{}` gave no picture: {why}", self.camera.name()),
         })?;
         self.check_camera(&shot)?;
-        let seen = picture::square(&self.parts, &shot, self.arm.now_s() - self.begun_s);
+        let time_s = self.arm.arm().now_s() - self.begun_s;
+        let seen = picture::square(&self.parts, &shot, time_s);
         self.last_shot = Some(shot);
         seen
     }
@@ -208,7 +200,7 @@ impl World for ArmWorld {
         if let Some(why) = self.refuses(motion_asked) {
             return Err(motion(why));
         }
-        let from = self.arm.state();
+        let from = self.arm.arm().state();
         let from = from.map_err(|error| motion(error.to_string()))?;
         let (plan, route) = self.plan(&from, &asked);
         if let Acts::PlanIn(folder) = &self.acts {

@@ -88,10 +88,8 @@ pub fn run(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
         })?;
     }
     if arguments.jog {
-        let port = connect::port(&settings, settings.camera.timeout_s);
-        let mut port = port.map_err(Failure::environment)?;
-        let stale_s = settings.tolerance.stale_s;
-        let mut tool = || place_at_rest(port.as_mut(), stale_s);
+        let mut arm = connect::arm(&settings).map_err(Failure::environment)?;
+        let mut tool = || place_at_rest(&mut arm);
         let saved = path.with_extension("pairs.csv");
         pairs =
             io.read(|stdin| guided::points(&terms, pairs, &mut tool, tags, &saved, stdin, io))?;

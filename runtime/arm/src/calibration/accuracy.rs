@@ -21,7 +21,7 @@ const SAME_PX: f64 = 3.0;
 /// How far the window's middle may lie from `table.center_m`, millimetres: a window is placed to within a few pixels,
 /// and a turned or shifted base frame puts the table elsewhere.
 const MAX_MIDDLE_MM: f64 = 50.0;
-/// How far the table's middle and corners may be from the height in `table.center_m`, millimetres: fingers that close
+/// How far the table's corners may be from the height in `table.center_m`, millimetres: fingers that close
 /// so far above a cloth miss it.
 const MAX_HEIGHT_MM: f64 = 10.0;
 
@@ -100,9 +100,14 @@ impl Calibration {
         if agreement_mm.is_infinite() {
             return Err(UNDETERMINED.to_owned());
         }
+        let off = if rms_mm.is_finite() {
+            format!("{rms_mm:.1} mm from where the others put them (root mean square)")
+        } else {
+            "partly beyond the horizon by the others".to_owned()
+        };
         Err(format!(
-            "the points are {rms_mm:.1} mm from where the others put them (root mean square); at most {limit_mm} mm are \
-             accepted: without point {suspect} the others agree to {agreement_mm:.1} mm; touch it anew, or all with more care"
+            "the points are {off}; at most {limit_mm} mm are accepted: without point {suspect} the others agree to \
+             {agreement_mm:.1} mm; touch it anew, or all with more care"
         ))
     }
 
@@ -115,14 +120,6 @@ impl Calibration {
     ///
     /// Fails if the points mirror the table, lie elsewhere than the settings say, or do not determine its corners.
     pub fn over_table(&self, settings: &Settings) -> Result<[Corner; 4], String> {
-        let stated = &settings.camera.intrinsics;
-        if stated.is_some() && *stated != self.terms.intrinsics {
-            return Err(format!(
-                "the settings state another camera than the calibrated one: `camera.intrinsics` is {stated:?}, and was {:?}; \
-                 calibrate anew, or state the camera as it was",
-                self.terms.intrinsics
-            ));
-        }
         let window = settings.camera.window_px;
         check_window(window, self.terms.size_px)?;
         let middle_px = pixel_at(window, [0.5; 2]);
@@ -158,13 +155,12 @@ impl Calibration {
                 middle.x, middle.y
             ));
         }
-        for [x, y, z] in [
-            middle.into(),
-            first.at_m,
-            second.at_m,
-            third.at_m,
-            fourth.at_m,
-        ] {
+        let limit_mm = self.terms.limit_mm;
+        for Corner {
+            at_m: [x, y, z],
+            error_mm,
+        } in corners
+        {
             let off_mm = (z - center.z).abs() * 1000.0;
             if off_mm > MAX_HEIGHT_MM {
                 return Err(format!(
@@ -173,13 +169,6 @@ impl Calibration {
                      the fingertips on it"
                 ));
             }
-        }
-        let limit_mm = self.terms.limit_mm;
-        for Corner {
-            at_m: [x, y, _],
-            error_mm,
-        } in corners
-        {
             if error_mm > limit_mm {
                 return Err(format!(
                     "at the corner {x:.3}, {y:.3} the points know the table to {error_mm:.1} mm; at most {limit_mm} mm are \
@@ -197,15 +186,12 @@ impl Calibration {
         let [x, y] = [0, 1].map(|axis| shown[axis].max(least[axis]).min(most[axis]));
         let at = Point3::new(x, y, self.table_height_m([x, y]));
         let pixel = self.fit.pixel_from_world(at)?;
-        let elsewhere = self
-            .others
-            .iter()
-            .map(|other| other.world_from_pixel(pixel));
-        let off_mm = elsewhere.map(|it| it.map_or(f64::INFINITY, |it| (it - at).norm() * 1000.0));
+        let off_mm = |other: &Plane| Some((other.world_from_pixel(pixel)? - at).norm() * 1000.0);
+        let off_mm: Option<Vec<f64>> = self.others.iter().map(off_mm).collect();
         let scale = (self.others.len() as f64 - 1.0).sqrt();
         Some(Corner {
             at_m: at.into(),
-            error_mm: scale * root_mean_square(off_mm),
+            error_mm: scale * root_mean_square(off_mm?.into_iter()),
         })
     }
 }

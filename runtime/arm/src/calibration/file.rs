@@ -4,11 +4,8 @@
 //! it is read. Keys of earlier versions, which repeated what follows from the points, are passed over.
 
 use super::{Calibration, Pair, Terms};
-use crate::rgbd::Intrinsics;
-use crate::settings::declare;
 use fab_base::files;
 use fab_picture::png;
-use serde::de::{Deserializer, Error};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -78,27 +75,4 @@ impl Calibration {
             "# Written by `fabc calibrate`: the points that the camera saw and the arm touched.\n{text}"
         )
     }
-}
-
-/// Reads an array; fails if it has more values, which serde alone would drop.
-pub(super) fn exactly<'de, T, D, const N: usize>(array: D) -> Result<[T; N], D::Error>
-where
-    T: Deserialize<'de>,
-    D: Deserializer<'de>,
-{
-    let values = Vec::<T>::deserialize(array)?;
-    let found = values.len();
-    values
-        .try_into()
-        .map_err(|_| D::Error::custom(format!("{found} values where {N} are expected")))
-}
-
-/// Reads a camera's projection as the settings do.
-pub(super) fn intrinsics<'de, D>(section: D) -> Result<Option<Intrinsics>, D::Error>
-where
-    D: Deserializer<'de>,
-{
-    let section = toml::Table::deserialize(section)?;
-    let intrinsics = declare::read(&section.to_string());
-    intrinsics.map(Some).map_err(D::Error::custom)
 }

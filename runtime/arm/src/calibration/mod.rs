@@ -42,10 +42,8 @@ const UNDETERMINED: &str = "the points lie on a line, or all but one do, and det
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pair {
     /// Its position in the camera's own picture, `[column, row]`; the middle of the pixel in column 3 is at 3.5.
-    #[serde(deserialize_with = "file::exactly")]
     pub pixel: [f64; 2],
     /// Position of the tool when the fingertips touch the point, metres, base frame.
-    #[serde(deserialize_with = "file::exactly")]
     pub base_m: [f64; 3],
 }
 
@@ -55,14 +53,9 @@ pub struct Terms {
     /// The largest error of a point that the others predict, root mean square, millimetres.
     pub limit_mm: f64,
     /// Width and height of the camera's own picture, pixels.
-    #[serde(deserialize_with = "file::exactly")]
     pub size_px: [u32; 2],
     /// The camera's projection, if it is known; its distortion is taken out of the pixels.
-    #[serde(
-        default,
-        skip_serializing_if = "Option::is_none",
-        deserialize_with = "file::intrinsics"
-    )]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub intrinsics: Option<Intrinsics>,
 }
 

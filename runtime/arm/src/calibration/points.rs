@@ -1,8 +1,8 @@
 //! Calibration points as lines of text.
 //!
-//! In: CSV with the columns `u,v,x,y,z`, which a first line may name, as spreadsheets and pandas write it; the name of a
-//! printed tag, such as `tag7`, may stand in place of `u,v`; comments start with `#`. Out: [`Pair`]s, or the line that is
-//! wrong. Finding tags is left to `fab-vision`; whether the numbers are plausible is checked later, on all points.
+//! In: CSV with the columns `u,v,x,y,z`, which a first line may name; the name of a printed tag, such as `tag7`, may
+//! stand in place of `u,v`; comments start with `#`. Out: [`Pair`]s, or the line that is wrong. Finding tags is left to
+//! `fab-vision`; whether the numbers are plausible is checked later, on all points.
 
 use super::Pair;
 use fab_base::files;
@@ -34,16 +34,11 @@ pub fn read_pairs(path: &Path, seen: SeenTags<'_>) -> Result<Vec<Pair>, String> 
 /// Reads points, one per line; `seen` are the tags in the camera's picture. The error names the line.
 pub fn parse_pairs(text: &str, seen: SeenTags<'_>) -> Result<Vec<Pair>, String> {
     let lines = (1..).zip(text.lines().map(fields));
-    let mut lines = lines.filter(|(_, fields)| !fields.iter().all(String::is_empty));
+    let mut lines = lines.filter(|(_, fields)| !fields.is_empty());
     let mut lines = lines.by_ref().peekable();
-    // A table of pandas begins with a column without a name, its index.
-    let is_named = |fields: &[String]| fields.join(",").to_lowercase() == COLUMNS.join(",");
-    let begins = lines.next_if(|(_, names)| is_named(names) || is_named(&names[1..]));
-    let n_skipped = begins.map_or(0, |(_, names)| names.len() - COLUMNS.len());
-    let pairs = lines.map(|(line, fields)| {
-        let point = point(fields.get(n_skipped..).unwrap_or_default(), seen);
-        point.map_err(|why| format!("line {line}: {why}"))
-    });
+    lines.next_if(|(_, names)| *names == COLUMNS);
+    let pairs = lines
+        .map(|(line, fields)| point(&fields, seen).map_err(|why| format!("line {line}: {why}")));
     let pairs: Vec<Pair> = pairs.collect::<Result<_, String>>()?;
     if pairs.len() > MAX_PAIRS {
         return Err(format!("there are more than {MAX_PAIRS} points"));
@@ -65,22 +60,14 @@ pub fn csv_line(pair: &Pair) -> String {
     numbers.collect::<Vec<String>>().join(",")
 }
 
-/// Splits a line at its separators, without its quotes and its comment.
-///
-/// The separator is the first of these that the line has: semicolon, tab, comma; or blanks.
-fn fields(line: &str) -> Vec<String> {
-    let content = line.split('#').next().unwrap_or_default().replace('"', "");
-    let mut separators = [';', '\t', ','].into_iter();
-    let Some(separator) = separators.find(|it| content.contains(*it)) else {
-        return content.split_whitespace().map(str::to_owned).collect();
-    };
-    // Spreadsheets add separators for columns that are empty.
-    let content = content.trim_end().trim_end_matches(separator);
-    let fields = content.split(separator);
-    fields.map(|field| field.trim().to_owned()).collect()
+/// Splits a line at commas, semicolons and blanks, without its comment.
+fn fields(line: &str) -> Vec<&str> {
+    let content = line.split('#').next().unwrap_or_default();
+    let fields = content.split([',', ';', ' ', '\t', '\r']);
+    fields.filter(|field| !field.is_empty()).collect()
 }
 
-fn point(fields: &[String], seen: SeenTags<'_>) -> Result<Pair, String> {
+fn point(fields: &[&str], seen: SeenTags<'_>) -> Result<Pair, String> {
     let (pixel, [x, y, z]) = pixel(fields, seen)? else {
         return Err(format!("{} values; {FORM}", fields.len()));
     };
@@ -89,7 +76,10 @@ fn point(fields: &[String], seen: SeenTags<'_>) -> Result<Pair, String> {
 }
 
 /// Reads the pixel at the beginning of a line; returns the fields after it as well.
-fn pixel<'a>(fields: &'a [String], seen: SeenTags<'_>) -> Result<([f64; 2], &'a [String]), String> {
+fn pixel<'a, 't>(
+    fields: &'a [&'t str],
+    seen: SeenTags<'_>,
+) -> Result<([f64; 2], &'a [&'t str]), String> {
     match fields {
         [tag, place @ ..] if tag.starts_with("tag") => Ok((tag_pixel(tag, seen)?, place)),
         [u, v, place @ ..] => Ok(([number(u)?, number(v)?], place)),
@@ -97,10 +87,9 @@ fn pixel<'a>(fields: &'a [String], seen: SeenTags<'_>) -> Result<([f64; 2], &'a 
     }
 }
 
-/// Reads a number, also one with a decimal comma.
 fn number(field: &str) -> Result<f64, String> {
-    let number = field.replace(',', ".").parse::<f64>();
-    let number = number.ok().filter(|number| number.is_finite());
+    let number = field.parse::<f64>().ok();
+    let number = number.filter(|number| number.is_finite());
     number.ok_or_else(|| {
         let shown: String = field.chars().take(20).collect();
         format!("`{shown}` is not a number; {FORM}")

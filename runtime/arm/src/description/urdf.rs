@@ -68,8 +68,8 @@ pub(super) struct Joint {
     pub parent: String,
     pub child: String,
     pub parent_from_joint: Isometry3<f64>,
-    /// The axis about which it turns or along which it slides, or why it has none. That of a fixed joint means nothing.
-    pub axis: Result<Unit<Vector3<f64>>, String>,
+    /// The axis about which it turns or along which it slides. That of another joint means nothing.
+    pub axis: Unit<Vector3<f64>>,
     /// The least and the largest position, radians or metres.
     pub limits: Option<[f64; 2]>,
     /// rad/s or m/s; none if it is not stated or 0.
@@ -188,12 +188,16 @@ fn read_joint(node: &Node) -> Result<Joint, String> {
             .ok_or_else(|| format!("{}: a joint has no `<{name}>`", line(node)))?;
         Ok::<_, String>(attribute(&part, "link")?.to_owned())
     };
-    let axis = child(node, "axis").map(|axis| required(&axis, "xyz", ANY));
+    let (name, kind) = (attribute(node, "name")?, attribute(node, "type")?);
     // The format's default.
-    let axis = axis.unwrap_or(Ok([1.0, 0.0, 0.0])).and_then(|axis| {
-        Unit::try_new(Vector3::from(axis), 1e-6)
-            .ok_or_else(|| format!("{}: its axis has no direction", line(node)))
-    });
+    let mut axis = Vector3::x_axis();
+    if let Some(stated) = child(node, "axis")
+        && ["revolute", "continuous", "prismatic"].contains(&kind)
+    {
+        let xyz = Vector3::from(required(&stated, "xyz", ANY)?);
+        axis = Unit::try_new(xyz, 1e-6)
+            .ok_or_else(|| format!("{}: the axis of `{name}` has no direction", line(&stated)))?;
+    }
     let (mut limits, mut max_speed) = (None, None);
     if let Some(limit) = child(node, "limit") {
         let number = |name: &str| {
@@ -208,8 +212,8 @@ fn read_joint(node: &Node) -> Result<Joint, String> {
     }
     let mimics = child(node, "mimic").map(|mimic| attribute(&mimic, "joint").map(str::to_owned));
     Ok(Joint {
-        name: attribute(node, "name")?.to_owned(),
-        kind: attribute(node, "type")?.to_owned(),
+        name: name.to_owned(),
+        kind: kind.to_owned(),
         parent: link("parent")?,
         child: link("child")?,
         parent_from_joint: origin(node)?,

@@ -1,26 +1,18 @@
 //! Executes one goal: sends it, watches the arm, pauses it on request, and returns how the goal ended.
 //!
-//! In: a goal, a time limit, a watch callback. Out: the server's terminal status, or a timeout. A goal that no server
-//! acknowledges may have been lost, so it is sent again, but only while the arm rests where the goal begins.
+//! In: a goal, a time limit, a watch callback. Out: the server's terminal status, or a timeout.
 //!
-//! A pause must not release a stop that somebody pressed. kinova-ros handles a cancellation by stopping the arm and
-//! starting it again, and it checks for a cancellation before it checks for a stop. A stop pressed up to 0.1 s before the
-//! cancellation is therefore released, and nothing reports it. So a goal that is almost done runs to its end. Any other
-//! goal is cancelled, and the tool must have kept moving until the cancellation was sent; if it came to rest earlier,
-//! the arm counts as stopped. A stop that is pressed while the cancellation is in transit looks the same as the
-//! cancellation; the arm then rests until a person resumes the motion.
+//! A pause must not release a stop that somebody pressed, and the node of some arms enables them when a goal is cancelled
+//! ([`Port::moved_until_s`]). So a goal that is almost done runs to its end. Any other goal is cancelled, and the tool
+//! must have kept moving until the cancellation was sent; if it came to rest earlier, the arm counts as stopped. A stop
+//! that is pressed while the cancellation is in transit looks the same as the cancellation; the arm then rests until a
+//! person resumes the motion.
 
-use super::readings::{POLL_S, REST_M};
+use super::readings::POLL_S;
 use super::{ArmError, ArmState, Deviation, Halt, PortArm, Watch};
 use crate::guard::Checked;
 use crate::port::{Ending, GoalId, GoalState, Port, Waypoint};
-use nalgebra::{Isometry3, Vector3};
-
-/// How long a server may take to accept a goal before it counts as lost, seconds.
-const ACCEPT_S: f64 = 1.0;
-
-/// How often an unacknowledged goal is sent again.
-const RESENDS: u32 = 2;
+use nalgebra::Isometry3;
 
 /// A tool this close to its target is left to arrive, metres: a few cycles of the node at the allowed speeds.
 const NEAR_M: f64 = 0.02;
@@ -37,12 +29,8 @@ const LET_END_S: f64 = 3.0;
 /// How long to wait for steady motion, seconds: a goal takes effect within 0.15 s, and then three readings are needed.
 const EVEN_S: f64 = 0.6;
 
-/// How long a cancellation may take before it counts as lost, seconds, and how often it is sent.
+/// How long a cancelled goal may take to end, seconds.
 const CANCEL_S: f64 = 0.5;
-const CANCELS: u32 = 3;
-
-/// A tool slower than this counts as not moving, m/s.
-const SLOW_M_S: f64 = 0.01;
 
 /// How long before the cancellation the tool may appear to have come to rest, seconds: readings have 1 mm resolution.
 const SLACK_S: f64 = 0.012;
@@ -65,8 +53,6 @@ pub(crate) enum Goal {
 pub(super) enum Outcome {
     /// The server reported this status.
     Ended(Ending),
-    /// The arm moved and came to rest, and the server reported nothing.
-    Unreported,
     /// The time limit passed without a terminal status.
     TimedOut,
     /// The arm has no goal that a stop refuses.
@@ -81,7 +67,7 @@ impl Outcome {
             Outcome::Ended(Ending::Preempted) => "given up",
             Outcome::Ended(Ending::Aborted) => "aborted",
             Outcome::Ended(Ending::Rejected) => "refused",
-            Outcome::Unreported | Outcome::TimedOut | Outcome::NotProbed => "nothing",
+            Outcome::TimedOut | Outcome::NotProbed => "nothing",
         }
     }
 
@@ -116,22 +102,17 @@ impl<P: Port + ?Sized> PortArm<P> {
         watch: &mut Watch<'_>,
     ) -> Result<Outcome, ArmError> {
         let begun_s = self.port.now_s();
-        let mut sent_s = begun_s;
-        let mut resends = 0;
-        let mut track = Track::default();
         let begun_at = self.state()?.tool;
-        let Some(mut id) = self.send(goal)? else {
+        let Some(id) = self.send(goal)? else {
             return Ok(Outcome::NotProbed);
         };
         loop {
             self.port.wait(POLL_S);
-            let now_s = self.port.now_s();
             let state = self.state()?;
-            track.record(&state);
             match watch(&state) {
                 Ok(()) => {}
                 Err(Halt::Pause) => {
-                    self.pause(goal, &id, track, watch)?;
+                    self.pause(goal, &id, watch)?;
                     return Err(ArmError::Paused);
                 }
                 Err(Halt::Stop(why)) => return Err(why),
@@ -139,50 +120,25 @@ impl<P: Port + ?Sized> PortArm<P> {
             if *goal == Goal::Probe {
                 stays(&begun_at, &state)?;
             }
-            match self.port.goal(&id) {
-                GoalState::Ended(ending) => return Ok(Outcome::Ended(ending)),
-                GoalState::Sent if now_s - sent_s > ACCEPT_S => {
-                    // An arm that has moved has taken the goal: only its status was lost.
-                    let has_moved = Deviation::between(&begun_at, &state.tool).position_m > REST_M;
-                    if has_moved && track.is_at_rest() {
-                        return Ok(Outcome::Unreported);
-                    }
-                    if !has_moved && resends < RESENDS {
-                        resends += 1;
-                        sent_s = now_s;
-                        // A late trajectory would be under way when the second one leads back to its start. Poses and
-                        // fingers go to their target from anywhere, and a cancellation would enable a stopped arm.
-                        if let Goal::Trajectory(_) = goal {
-                            self.port.cancel(&id)?;
-                        }
-                        id = self.send(goal)?.unwrap_or(id);
-                    }
-                }
-                GoalState::Sent | GoalState::Active => {}
+            if let GoalState::Ended(ending) = self.port.goal(&id) {
+                return Ok(Outcome::Ended(ending));
             }
-            if now_s - begun_s > limit_s {
+            if self.port.now_s() - begun_s > limit_s {
                 return Ok(Outcome::TimedOut);
             }
         }
     }
 
     /// Ends a running goal; afterwards the arm is verified to be at rest, and its stop state is unchanged.
-    fn pause(
-        &mut self,
-        goal: &Goal,
-        id: &GoalId,
-        mut track: Track,
-        watch: &mut Watch<'_>,
-    ) -> Result<(), ArmError> {
+    fn pause(&mut self, goal: &Goal, id: &GoalId, watch: &mut Watch<'_>) -> Result<(), ArmError> {
         let asked_s = self.port.now_s();
         loop {
             let state = self.watched(watch)?;
-            track.record(&state);
             let for_s = self.port.now_s() - asked_s;
             let keep_waiting = if goal.ends_soon(&state) {
                 for_s < LET_END_S
             } else {
-                for_s < EVEN_S && !track.is_even()
+                for_s < EVEN_S && self.port.moved_until_s(None).is_none()
             };
             if let GoalState::Ended(_) = self.port.goal(id) {
                 return self.wait_until_at_rest(watch).map(drop);
@@ -194,8 +150,8 @@ impl<P: Port + ?Sized> PortArm<P> {
         }
         let cancelled_s = self.port.now_s();
         let ending = self.cancel(id, watch)?;
-        let rest = self.wait_until_at_rest(watch)?;
-        let moved_until_s = track.moved_until_s(&rest.tool.translation.vector);
+        let rest = self.wait_until_at_rest(watch)?.tool.translation.vector;
+        let moved_until_s = self.port.moved_until_s(Some(&rest));
         let kept_moving = moved_until_s.is_some_and(|until_s| until_s >= cancelled_s - SLACK_S);
         // Only with this ending does the node start a stopped arm.
         if ending == Ending::Preempted && !kept_moving {
@@ -206,20 +162,28 @@ impl<P: Port + ?Sized> PortArm<P> {
         Ok(())
     }
 
-    /// Cancels a goal until its server reports an end.
+    /// Cancels a goal, and waits for its end.
     fn cancel(&mut self, id: &GoalId, watch: &mut Watch<'_>) -> Result<Ending, ArmError> {
-        for _ in 0..CANCELS {
-            self.port.cancel(id)?;
-            let sent_s = self.port.now_s();
-            while self.port.now_s() - sent_s < CANCEL_S {
-                self.port.wait(POLL_S);
-                self.watched(watch)?;
-                if let GoalState::Ended(ending) = self.port.goal(id) {
-                    return Ok(ending);
-                }
+        self.port.cancel(id)?;
+        let ending = self.ending(id, watch)?;
+        ending.ok_or_else(|| ArmError::timed_out(CANCEL_S))
+    }
+
+    /// Waits for the end of a cancelled or replaced goal; `None` if none is reported in time.
+    pub(super) fn ending(
+        &mut self,
+        id: &GoalId,
+        watch: &mut Watch<'_>,
+    ) -> Result<Option<Ending>, ArmError> {
+        let begun_s = self.port.now_s();
+        while self.port.now_s() - begun_s < CANCEL_S {
+            self.port.wait(POLL_S);
+            self.watched(watch)?;
+            if let GoalState::Ended(ending) = self.port.goal(id) {
+                return Ok(Some(ending));
             }
         }
-        Err(ArmError::timed_out(f64::from(CANCELS) * CANCEL_S))
+        Ok(None)
     }
 }
 
@@ -230,10 +194,8 @@ impl Goal {
             Goal::Fingers(_) | Goal::Probe => true,
             Goal::Pose(pose) => Deviation::between(pose.get(), &state.tool).position_m < NEAR_M,
             Goal::Trajectory(points) => points.get().last().is_some_and(|last| {
-                // There may be no recent reading of the joints.
                 let pairs = last.joints_rad.iter().zip(&state.joints_rad);
-                state.joints_rad.len() == last.joints_rad.len()
-                    && pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < NEAR_RAD
+                pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < NEAR_RAD
             }),
         }
     }
@@ -251,48 +213,4 @@ fn stays(place: &Isometry3<f64>, state: &ArmState) -> Result<(), ArmError> {
         "the tool moved by {:.0} mm while nothing told it to",
         moved_m * 1000.0
     )))
-}
-
-/// The last readings of the tool's position during a goal.
-#[derive(Clone, Debug, Default)]
-struct Track(Vec<(f64, Vector3<f64>)>);
-
-impl Track {
-    fn record(&mut self, state: &ArmState) {
-        if self.0.last().is_none_or(|(at_s, _)| state.at_s > *at_s) {
-            self.0.push((state.at_s, state.tool.translation.vector));
-        }
-        if self.0.len() > 3 {
-            self.0.remove(0);
-        }
-    }
-
-    /// Returns the time until which the tool moved if it came to rest at `rest`, seconds. `None` without steady motion:
-    /// the first of three readings may be from before the motion.
-    fn moved_until_s(&self, rest: &Vector3<f64>) -> Option<f64> {
-        let [first, second, third] = self.0.as_slice() else {
-            return None;
-        };
-        let speed_m_s = |from: &(f64, Vector3<f64>), to: &(f64, Vector3<f64>)| {
-            (to.1 - from.1).norm() / (to.0 - from.0)
-        };
-        let lately_m_s = speed_m_s(second, third);
-        if speed_m_s(first, second) < SLOW_M_S || lately_m_s < SLOW_M_S {
-            return None;
-        }
-        Some(third.0 + (rest - third.1).norm() / lately_m_s)
-    }
-
-    /// Returns whether the last three readings agree.
-    fn is_at_rest(&self) -> bool {
-        let [first, .., last] = self.0.as_slice() else {
-            return false;
-        };
-        self.0.len() == 3 && (last.1 - first.1).norm() < REST_M
-    }
-
-    fn is_even(&self) -> bool {
-        let last = self.0.last().map(|(_, place)| *place);
-        last.is_some_and(|place| self.moved_until_s(&place).is_some())
-    }
 }

@@ -14,7 +14,10 @@ pub use error::{ArmError, Deviation};
 
 pub use port_arm::{Commands, PortArm};
 
-use nalgebra::Isometry3;
+use crate::kinematics::reach::Reach;
+use crate::kinematics::tool_down::tool_down;
+use crate::settings::Settings;
+use nalgebra::{Isometry3, Point3};
 
 /// The state of an arm, from recent readings.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,10 +26,25 @@ pub struct ArmState {
     pub at_s: f64,
     /// Pose of the tool, `base_from_tool`.
     pub tool: Isometry3<f64>,
-    /// Angles of the joints from the base to the hand, radians; empty if there is no recent reading.
+    /// Angles of the joints from the base to the hand, radians.
     pub joints_rad: Vec<f64>,
     /// Positions of the fingers, in the arm's own units.
     pub fingers: Vec<f64>,
+}
+
+impl ArmState {
+    /// Returns the state of an arm that rests with its hand down at a point; the error says why it cannot be there.
+    ///
+    /// - `point`: the tool's, base frame, metres.
+    pub fn hand_down(settings: &Settings, point: &Point3<f64>) -> Result<ArmState, String> {
+        let turn_rad = settings.motion.hand_turn_deg.to_radians();
+        Ok(ArmState {
+            at_s: 0.0,
+            tool: tool_down(point, turn_rad),
+            joints_rad: Reach::tool_down(settings.chain(), turn_rad).check(point, &[])?,
+            fingers: Vec::new(),
+        })
+    }
 }
 
 /// The commanded opening of the hand.

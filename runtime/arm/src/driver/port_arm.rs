@@ -25,17 +25,6 @@ const PROBES: u32 = 2;
 /// How often a stop is requested until it is verified.
 const STOPS: u32 = 3;
 
-/// How long a cancelled trajectory may take to end, seconds, and how often that is polled.
-const CANCEL_S: f64 = 0.5;
-const CANCEL_LOOK_S: f64 = 0.02;
-
-/// How far from the joints' angles a trajectory may begin, radians: it begins where they were when it was checked, and
-/// the readings of an arm at rest differ by less.
-const BEGIN_RAD: f64 = 0.002;
-
-/// How far the tool may be from where a motion was checked, metres; readings of an arm at rest differ by less.
-const BEGIN_M: f64 = 0.002;
-
 /// How an arm is told to move its tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Commands {
@@ -141,7 +130,7 @@ impl<P: Port + ?Sized> PortArm<P> {
     pub fn recover(&mut self) -> Result<(), ArmError> {
         if self.commands != Commands::Poses || self.trajectory.is_some() {
             // Replace whatever trajectory the controller still has, whoever sent it.
-            let here = self.current_with_joints()?;
+            let here = self.state()?;
             let outcome = self.execute(&hold_position(&here), PROBE_S, &mut unwatched)?;
             // Acceptance is enough: servers differ in whether a held arm counts as arrived.
             let is_accepted = match (outcome, &self.trajectory) {
@@ -179,7 +168,7 @@ impl<P: Port + ?Sized> PortArm<P> {
                 }
                 Outcome::Ended(Ending::Preempted) => break,
                 // The report of its end may have been lost.
-                Outcome::Unreported | Outcome::TimedOut => {}
+                Outcome::TimedOut => {}
             }
         }
         Err(ArmError::timed_out(PROBE_S))
@@ -206,31 +195,24 @@ impl<P: Port + ?Sized> PortArm<P> {
         if !self.phase.takes_motions() {
             return Err(ArmError::Stopped);
         }
-        let from = if by_pose {
-            self.state()?
-        } else {
-            self.current_with_joints()?
-        };
+        let from = self.state()?;
         match watch(&from) {
             Ok(()) => {}
             Err(Halt::Pause) => return Err(ArmError::Paused),
             Err(Halt::Stop(why)) => return Err(why),
         }
-        let moved = Deviation::between(&from.tool, &motion.get().from);
-        // NaN must be refused.
-        let is_where_it_was =
-            moved.position_m <= BEGIN_M && moved.angle_rad <= self.tolerance.angle_deg.to_radians();
-        if !is_where_it_was {
+        if !motion.get().begins_at(&from) {
+            let moved = Deviation::between(&from.tool, &motion.get().from);
             return Err(ArmError::OutOfLimits(format!(
-                "the tool has moved by {:.1} mm and {:.1} degrees since this motion was checked",
-                moved.position_m * 1000.0,
-                moved.angle_rad.to_degrees()
+                "the arm has moved since this motion was checked, its tool by {moved}"
             )));
         }
         let goal = if by_pose {
             Goal::Pose(motion.pose())
+        } else if motion.get().waypoints.len() > 1 {
+            Goal::Trajectory(motion.trajectory())
         } else {
-            trajectory(&from, motion)?
+            hold_position(&from)
         };
         self.phase = self.phase.after(Event::Begin);
         let takes_s = motion.get().takes_s();
@@ -258,9 +240,7 @@ impl<P: Port + ?Sized> PortArm<P> {
         let why =
             format!("the arm reported `{reported}`, but its tool is {deviation} from its target");
         Err(match outcome {
-            Outcome::Ended(Ending::Succeeded) | Outcome::Unreported | Outcome::NotProbed => {
-                ArmError::Short(why)
-            }
+            Outcome::Ended(Ending::Succeeded) | Outcome::NotProbed => ArmError::Short(why),
             Outcome::Ended(Ending::Preempted) => ArmError::Failed(format!(
                 "the arm stalled {deviation} before its goal: something may be in its way"
             )),
@@ -292,22 +272,17 @@ impl<P: Port + ?Sized> PortArm<P> {
             }
             // The server is done with it, but the controller may not be: only another trajectory replaces it.
             GoalState::Ended(Ending::Aborted) => {
-                let here = self.current_with_joints()?;
+                let here = self.state()?;
                 id = self.send(&hold_position(&here))?.unwrap_or(id);
             }
             GoalState::Sent | GoalState::Active => self.port.cancel(&id)?,
         }
-        let begun_s = self.port.now_s();
-        let mut last = GoalState::Sent;
-        while self.port.now_s() - begun_s < CANCEL_S && !matches!(last, GoalState::Ended(_)) {
-            self.port.wait(CANCEL_LOOK_S);
-            last = self.port.goal(&id);
-        }
-        match last {
-            GoalState::Ended(_) => self.trajectory = None,
-            // The goal never arrived.
-            GoalState::Sent => {}
-            GoalState::Active => return Err(ArmError::timed_out(CANCEL_S)),
+        if self.ending(&id, &mut unwatched)?.is_some() {
+            self.trajectory = None;
+        } else if self.port.goal(&id) == GoalState::Active {
+            return Err(ArmError::Failed(
+                "the controller does not end its trajectory".to_owned(),
+            ));
         }
         Ok(())
     }
@@ -333,40 +308,6 @@ impl<P: Port + ?Sized> PortArm<P> {
 
 fn unwatched(_: &ArmState) -> Result<(), Halt> {
     Ok(())
-}
-
-/// Returns the trajectory of a motion that begins where the joints are.
-fn trajectory(from: &ArmState, motion: &Checked<Motion>) -> Result<Goal, ArmError> {
-    let first = match motion.get().waypoints.as_slice() {
-        [] => {
-            let why = "the arm did not report its joints when this motion was checked";
-            return Err(ArmError::Refused(why.to_owned()));
-        }
-        [_] => return Ok(hold_position(from)),
-        [first, ..] => first,
-    };
-    if first.joints_rad.len() != from.joints_rad.len() {
-        return Err(ArmError::Refused(format!(
-            "the arm reports {} joints, and the motion is for {}",
-            from.joints_rad.len(),
-            first.joints_rad.len()
-        )));
-    }
-    let pairs = first.joints_rad.iter().zip(&from.joints_rad).enumerate();
-    for (joint, (begins_at, is_at)) in pairs {
-        // NaN must be refused.
-        let fits = (begins_at - is_at).abs() < BEGIN_RAD;
-        if !fits {
-            return Err(ArmError::Refused(format!(
-                "the arm reports joint {} at {:.1} degrees, and its tool where that joint would be at {:.1}: the \
-                 readings do not fit, or `model` names another arm",
-                joint + 1,
-                is_at.to_degrees(),
-                begins_at.to_degrees()
-            )));
-        }
-    }
-    Ok(Goal::Trajectory(motion.trajectory()))
 }
 
 /// Returns a trajectory that holds the joints where they are. It has two points because kinova-ros's controller needs

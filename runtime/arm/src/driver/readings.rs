@@ -35,12 +35,12 @@ impl<P: Port + ?Sized> PortArm<P> {
         })
     }
 
-    /// Returns the arm's state. Fails on a stale tool or finger reading; stale joint angles are left empty.
+    /// Returns the arm's state; fails on a stale reading.
     pub fn state(&mut self) -> Result<ArmState, ArmError> {
         let readings = self.port.state();
         let tool = self.fresh(readings.tool, "tool is")?;
         let fingers = self.fresh(readings.fingers, "fingers are")?;
-        let joints = self.fresh(readings.joints_rad, "joints are");
+        let joints = self.fresh(readings.joints_rad, "joints are")?;
         if !is_pose(&tool.value) {
             return Err(ArmError::OutOfLimits(
                 "the arm reports a tool position that is not finite".to_owned(),
@@ -49,18 +49,8 @@ impl<P: Port + ?Sized> PortArm<P> {
         Ok(ArmState {
             at_s: tool.at_s,
             tool: tool.value,
-            joints_rad: joints.map(|joints| joints.value).unwrap_or_default(),
+            joints_rad: joints.value,
             fingers: fingers.value,
-        })
-    }
-
-    /// Returns the arm's state; stale joint angles are an error too.
-    pub(super) fn current_with_joints(&mut self) -> Result<ArmState, ArmError> {
-        let joints = self.port.state().joints_rad;
-        let joints_rad = self.fresh(joints, "joints are")?.value;
-        Ok(ArmState {
-            joints_rad,
-            ..self.state()?
         })
     }
 
@@ -136,7 +126,7 @@ impl<P: Port + ?Sized> PortArm<P> {
     }
 
     /// Returns whether the tool stays in place, without a watch.
-    pub(super) fn is_at_rest(&mut self) -> Result<bool, ArmError> {
+    pub(crate) fn is_at_rest(&mut self) -> Result<bool, ArmError> {
         let before = self.state()?;
         self.port.wait(2.0 * REST_S);
         let after = self.state()?;

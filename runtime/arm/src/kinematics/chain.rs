@@ -74,11 +74,6 @@ impl Chain {
         &self.joints
     }
 
-    /// Returns the tool's pose in the frame of the last joint; its z axis points out of the hand.
-    pub fn last_from_tool(&self) -> &Isometry3<f64> {
-        &self.last_from_tool
-    }
-
     /// Returns the tool's pose at these angles.
     ///
     /// - `joints_rad`: one for each joint, from the base; limits are not checked.

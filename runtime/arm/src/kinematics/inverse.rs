@@ -1,8 +1,8 @@
 //! Inverse kinematics: joint angles that move the tool to a pose.
 //!
 //! In: a tool pose in the base frame, and angles to stay near. Out: angles within the limits, otherwise how close the
-//! best attempt came and which joint blocked it. Damped least squares runs from each of a fixed list of starts, with the
-//! damping of Sugihara ("Solvability-Unconcerned Inverse Kinematics by the Levenberg-Marquardt Method", 2011): it grows
+//! attempt came and which joint blocked it. Damped least squares runs from those angles, or from each of a fixed list of
+//! starts, with the damping of Sugihara ("Solvability-Unconcerned Inverse Kinematics by the Levenberg-Marquardt Method", 2011): it grows
 //! with the remaining error, so no step has to be undone. Equal input gives equal angles. Collisions are not checked.
 
 use super::chain::{Angles, Chain, Jacobian, Joint, MAX_JOINTS, METRES_PER_RAD, nearest_turn};
@@ -21,10 +21,6 @@ const FINE: f64 = 1e-9;
 
 /// The most steps of an attempt. Of successful attempts, 99 in 100 take fewer than 25.
 const MAX_STEPS: usize = 40;
-
-/// The most attempts, including the one from the given angles. Of 300 000 poses of random joints, 98 are not found with
-/// 12 attempts, 13 with 20, and none with 40.
-const MAX_ATTEMPTS: usize = 64;
 
 /// The largest turn of a joint in a step, radians; the linear model is not valid farther away.
 const MAX_TURN_RAD: f64 = 0.6;
@@ -49,32 +45,9 @@ impl Attempt {
     pub(super) fn reached(&self) -> bool {
         self.distance_m <= POSITION_TOLERANCE_M && self.angle_rad <= ANGLE_TOLERANCE_RAD
     }
-
-    fn cost(&self) -> f64 {
-        (self.distance_m / METRES_PER_RAD).hypot(self.angle_rad)
-    }
 }
 
 impl Chain {
-    /// Returns joint angles within the limits that bring the tool to a pose, to within 0.1 mm and 0.01 degrees; the error says
-    /// how near the best attempt came, and which joint was at its limit.
-    ///
-    /// - `base_from_tool`: the pose.
-    /// - `near_rad`: the arm's current angles. Attempts start there, so a solution nearby is found first; joints
-    ///   without limits are given the turn closest to these angles.
-    pub fn solve(
-        &self,
-        base_from_tool: &Isometry3<f64>,
-        near_rad: &[f64],
-    ) -> Result<Vec<f64>, String> {
-        let near = self.angles(near_rad)?;
-        if !is_pose(base_from_tool) {
-            return Err(NO_POSE.to_owned());
-        }
-        let best = self.best_attempt(base_from_tool, &near);
-        Ok(self.of_joints(&self.judged(&near, &best)?))
-    }
-
     /// Returns whether a pose is farther from the shoulder than the stretched arm reaches, with all links in one line.
     fn is_beyond(&self, base_from_tool: &Isometry3<f64>) -> bool {
         let links = self.links_at(&Angles::default());
@@ -88,7 +61,7 @@ impl Chain {
         let shoulder = Translation3::from(axis * up_m) * links[0];
         let links_m = links[1..].windows(2).map(|pair| away_m(&pair[0], &pair[1]));
         let stretched_m = away_m(&shoulder, &links[1]) + links_m.sum::<f64>();
-        let wrist = base_from_tool * self.last_from_tool().inverse();
+        let wrist = base_from_tool * self.last_from_tool.inverse();
         away_m(&shoulder, &wrist) > stretched_m + POSITION_TOLERANCE_M
     }
 
@@ -120,22 +93,6 @@ impl Chain {
             best.distance_m * 1e3,
             best.angle_rad.to_degrees()
         ))
-    }
-
-    fn best_attempt(&self, base_from_tool: &Isometry3<f64>, near: &Angles) -> Attempt {
-        // The last joint alone rotates the hand; if the steps did it, a large rotation would lead to another posture.
-        let mut turned = *near;
-        turned[self.last()] += self.last_joint_between(&self.tool_at(near), base_from_tool);
-        let mut best = self.approach(base_from_tool, &turned);
-        let mut others = self.search(*base_from_tool).take(MAX_ATTEMPTS - 1);
-        while !best.reached()
-            && let Some(other) = others.next()
-        {
-            if other.cost() < best.cost() {
-                best = other;
-            }
-        }
-        best
     }
 
     /// Attempts a pose from one start after the other, the arm's home first; nothing for a pose that is too far away.

@@ -92,7 +92,7 @@ fn no_jump(angles: &Angles, before: &Angles) -> Result<(), String> {
 }
 
 /// Interpolates between two poses, at a fraction from 0 to 1.
-pub(crate) fn between(from: &Isometry3<f64>, to: &Isometry3<f64>, part: f64) -> Isometry3<f64> {
+fn between(from: &Isometry3<f64>, to: &Isometry3<f64>, part: f64) -> Isometry3<f64> {
     let place = from.translation.vector.lerp(&to.translation.vector, part);
     // Half a turn has no shorter direction; any will do.
     let turned = from.rotation.try_slerp(&to.rotation, part, 1e-9);

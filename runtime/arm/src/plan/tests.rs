@@ -5,7 +5,6 @@
 use super::*;
 use crate::guard::Surface;
 use crate::kinematics::chain::Chain;
-use crate::kinematics::tool_down::tool_down;
 
 const ROBOT: &str = "
 name = 'lab'
@@ -30,12 +29,7 @@ fn plan_of(robot: &str, points_m: [[f64; 3]; 2]) -> (Plan, Chain) {
     let settings = Settings::parse(robot).unwrap();
     let chain = Chain::of_model("j2n6s200").unwrap();
     let guard = Guard::new(&settings, Surface::level(&settings));
-    let from = ArmState {
-        at_s: 0.0,
-        tool: tool_down(&settings.workspace.rest_m.into(), 0.0),
-        joints_rad: Vec::new(),
-        fingers: Vec::new(),
-    };
+    let from = ArmState::hand_down(&settings, &settings.workspace.rest_m.into()).unwrap();
     let points = points_m.map(Point3::from);
     let (plan, route) = Plan::make(&settings, &guard, &from, points, &Manner::default());
     assert_eq!(route.is_some(), plan.refused.is_none());

@@ -17,8 +17,8 @@ const PAIR_NS: u64 = 50_000_000;
 /// How far a stamp may be ahead of this machine's clock.
 const AHEAD_NS: i64 = 50_000_000;
 
-/// The most pictures of a kind that wait for their counterpart.
-const MAX_PENDING: usize = 8;
+/// The pictures of a kind that are kept: they arrive in any order.
+const MAX_KEPT: usize = 8;
 
 /// A picture in a message (`sensor_msgs/Image`); nothing in it has been checked.
 #[derive(Clone, Debug, Default)]
@@ -63,60 +63,46 @@ pub struct CameraInfo {
 pub struct CameraTopics {
     /// The colour picture.
     pub color: String,
-    /// The depth picture, aligned with it. Without one the depth is 0 everywhere, which means no reading.
-    pub depth: Option<String>,
-    /// The projection; unknown without one.
-    pub info: Option<String>,
+    /// The depth picture, aligned with it.
+    pub depth: String,
+    /// The projection.
+    pub info: String,
 }
 
 /// Where messages of the camera's topics are put.
 #[derive(Clone, Default)]
 pub struct Inbox(Arc<Mutex<Arrived>>);
 
-/// What arrived since the request.
+/// The last messages.
 #[derive(Default)]
 struct Arrived {
-    /// The time of the request, nanoseconds since 1970; `None` without one.
-    from_ns: Option<i64>,
     colors: Pictures,
     depths: Pictures,
-    /// It outlives a request, because some cameras publish it only once.
     info: Option<CameraInfo>,
 }
 
-/// The pictures of one topic.
+/// The last pictures of one topic, the newest first.
 #[derive(Default)]
 struct Pictures {
-    pending: VecDeque<Image>,
-    /// How far the last refused stamp was from the request: before it (negative), or ahead of the clock.
-    off_ns: Option<i64>,
+    kept: VecDeque<Image>,
+    /// The newest stamp, also of a picture from a clock that is ahead, which is not kept.
+    newest_ns: Option<i64>,
 }
 
 impl Inbox {
     /// Takes a colour picture.
     pub fn color(&self, image: Image) {
-        let mut arrived = self.lock();
-        let from_ns = arrived.from_ns;
-        arrived.colors.take(image, from_ns);
+        self.lock().colors.keep(image);
     }
 
     /// Takes a depth picture.
     pub fn depth(&self, image: Image) {
-        let mut arrived = self.lock();
-        let from_ns = arrived.from_ns;
-        arrived.depths.take(image, from_ns);
+        self.lock().depths.keep(image);
     }
 
     /// Takes a projection.
     pub fn info(&self, info: CameraInfo) {
         self.lock().info = Some(info);
-    }
-
-    /// Forgets earlier pictures, and takes those from now on; or none, without a request.
-    fn request(&self, from_ns: Option<i64>) {
-        let mut arrived = self.lock();
-        arrived.from_ns = from_ns;
-        (arrived.colors, arrived.depths) = Default::default();
     }
 
     fn lock(&self) -> MutexGuard<'_, Arrived> {
@@ -125,34 +111,29 @@ impl Inbox {
 }
 
 impl Pictures {
-    /// Keeps a picture that was taken since the request.
-    fn take(&mut self, image: Image, from_ns: Option<i64>) {
-        let Some(from_ns) = from_ns else {
-            return;
-        };
-        let before_ns = image.stamp_ns.saturating_sub(from_ns);
-        let ahead_ns = image.stamp_ns.saturating_sub(now_ns());
-        if before_ns < 0 || ahead_ns > AHEAD_NS {
-            self.off_ns = Some(before_ns.min(ahead_ns));
-            return;
+    fn keep(&mut self, image: Image) {
+        self.newest_ns = Some(image.stamp_ns);
+        if image.stamp_ns <= now_ns().saturating_add(AHEAD_NS) {
+            self.kept.truncate(MAX_KEPT - 1);
+            self.kept.push_front(image);
         }
-        self.pending.truncate(MAX_PENDING - 1);
-        self.pending.push_front(image);
+    }
+
+    fn since(&self, begun_ns: i64) -> impl Iterator<Item = &Image> {
+        let pictures = self.kept.iter();
+        pictures.filter(move |image| image.stamp_ns >= begun_ns)
     }
 }
 
 impl Arrived {
-    /// Returns a colour picture with the depth nearest in time, or with none if none is needed.
-    fn pair(&self, needs_depth: bool) -> Option<(Image, Option<Image>)> {
-        let mut colors = self.colors.pending.iter();
-        if !needs_depth {
-            return colors.next().map(|color| (color.clone(), None));
-        }
+    /// Returns a colour picture since a time with the depth nearest to it.
+    fn pair(&self, begun_ns: i64) -> Option<(Image, Image)> {
+        let mut colors = self.colors.since(begun_ns);
         colors.find_map(|color| {
             let apart_ns = |depth: &&Image| depth.stamp_ns.abs_diff(color.stamp_ns);
-            let nearest = self.depths.pending.iter().min_by_key(apart_ns)?;
+            let nearest = self.depths.since(begun_ns).min_by_key(apart_ns)?;
             let is_near = apart_ns(&nearest) <= PAIR_NS;
-            is_near.then(|| (color.clone(), Some(nearest.clone())))
+            is_near.then(|| (color.clone(), nearest.clone()))
         })
     }
 }
@@ -184,52 +165,33 @@ impl<L> TopicCamera<L> {
     }
 
     /// Explains why no picture came in time.
-    fn missing(&self, arrived: &Arrived) -> String {
+    fn missing(&self, arrived: &Arrived, begun_ns: i64) -> String {
         let CameraTopics { color, depth, info } = &self.topics;
-        let nothing = |topic: &String| {
-            let timeout_s = self.timeout.as_secs_f64();
-            format!(
-                "nothing came on `{topic}` within {timeout_s} s: is the camera's driver started?"
-            )
-        };
-        for (topic, pictures) in [
-            (Some(color), &arrived.colors),
-            (depth.as_ref(), &arrived.depths),
-        ] {
-            let Some(topic) = topic.filter(|_| pictures.pending.is_empty()) else {
+        for (topic, pictures) in [(color, &arrived.colors), (depth, &arrived.depths)] {
+            if pictures.since(begun_ns).next().is_some() {
                 continue;
-            };
-            let Some(off_ns) = pictures.off_ns else {
-                return nothing(topic);
-            };
-            let by_s = off_ns as f64 / 1e9;
-            return format!(
-                "`{topic}` is stamped {by_s:+.2} s from the request: do the clocks of both machines agree?"
-            );
+            }
+            if let Some(newest_ns) = pictures.newest_ns {
+                let by_s = newest_ns.saturating_sub(begun_ns) as f64 / 1e9;
+                return format!(
+                    "the newest picture of `{topic}` is stamped {by_s:+.2} s from the request: is the camera's driver \
+                     running, and do the clocks of both machines agree?"
+                );
+            }
+            return self.nothing(topic);
         }
-        match info {
-            Some(topic) if arrived.info.is_none() => nothing(topic),
-            _ => format!(
-                "no colour and depth were stamped within {} ms of each other",
-                PAIR_NS / 1_000_000
-            ),
+        if arrived.info.is_none() {
+            return self.nothing(info);
         }
+        format!(
+            "no colour and depth were stamped within {} ms of each other",
+            PAIR_NS / 1_000_000
+        )
     }
 
-    fn read(
-        &self,
-        color: &Image,
-        depth: Option<&Image>,
-        info: Option<&CameraInfo>,
-    ) -> Result<Shot, String> {
-        let rgb = picture::color(color)?;
-        let size_px = [rgb.width(), rgb.height()];
-        let depth_m = depth.map(picture::depth).transpose()?;
-        let intrinsics = info
-            .map(|info| picture::intrinsics(info, size_px))
-            .transpose()?
-            .flatten();
-        Shot::aligned(rgb, depth_m, intrinsics)
+    fn nothing(&self, topic: &str) -> String {
+        let timeout_s = self.timeout.as_secs_f64();
+        format!("nothing came on `{topic}` within {timeout_s} s: is the camera's driver started?")
     }
 }
 
@@ -240,23 +202,22 @@ impl<L> RgbdSource for TopicCamera<L> {
 
     fn shoot(&mut self) -> Result<Shot, String> {
         let deadline = Instant::now() + self.timeout;
-        self.inbox.request(Some(now_ns()));
-        let found = loop {
+        let begun_ns = now_ns();
+        let (color, depth, info) = loop {
             let is_last = Instant::now() >= deadline;
             let arrived = self.inbox.lock();
-            let needs_info = self.topics.info.is_some() && arrived.info.is_none();
-            let pair = arrived.pair(self.topics.depth.is_some());
-            match pair.filter(|_| !needs_info) {
-                Some(pair) => break Ok((pair, arrived.info.clone())),
-                None if is_last => break Err(self.missing(&arrived)),
-                None => {}
+            if let (Some((color, depth)), Some(info)) = (arrived.pair(begun_ns), &arrived.info) {
+                break (color, depth, info.clone());
+            }
+            if is_last {
+                return Err(self.missing(&arrived, begun_ns));
             }
             drop(arrived);
             std::thread::sleep(POLL);
         };
-        self.inbox.request(None);
-        let ((color, depth), info) = found?;
-        self.read(&color, depth.as_ref(), info.as_ref())
+        let rgb = picture::color(&color)?;
+        let intrinsics = picture::intrinsics(&info, [rgb.width(), rgb.height()])?;
+        Shot::aligned(rgb, Some(picture::depth(&depth)?), intrinsics)
     }
 }
 

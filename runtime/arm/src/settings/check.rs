@@ -9,6 +9,7 @@ use fab_base::wording::quoted;
 use std::fmt::Debug;
 use std::net::Ipv4Addr;
 use std::path::Path;
+use toml::Value;
 
 /// How far below the table's middle the workspace may end, metres: fingers give way, and readings have 1 mm
 /// resolution.
@@ -19,14 +20,14 @@ const EXACT_M: f64 = 1e-9;
 
 /// Checks settings, and returns their arm; fails with all faults, one per line.
 ///
-/// - `folder`: the folder of the files that they name.
-pub(super) fn check(settings: &Settings, folder: &Path) -> Result<Chain, String> {
+/// - `document`: the keys that are there; `folder`: that of the files that they name.
+pub(super) fn check(settings: &Settings, document: &Value, folder: &Path) -> Result<Chain, String> {
     let mut faults = Faults::default();
     let chain = arm(settings, folder, &mut faults);
     workspace(settings, &mut faults);
     heights(settings, &mut faults);
     fingers(settings, &mut faults);
-    connections(settings, &mut faults);
+    connections(settings, document, &mut faults);
     if let Some(chain) = &chain {
         joint_names(settings, chain, &mut faults);
     }
@@ -45,19 +46,6 @@ impl Faults {
         if !holds {
             self.0
                 .push(format!("`{key}` is `{value:?}`; expected {expected}"));
-        }
-    }
-
-    /// Notes what a driver or a camera lacks.
-    ///
-    /// - `keys`: those of a part that it needs, and whether they are there; `None` if the part is not.
-    fn needs(&mut self, who: &str, part: &str, keys: Option<Vec<(&str, bool)>>) {
-        let Some(keys) = keys else {
-            self.0.push(format!("{who}, which needs a part `[{part}]`"));
-            return;
-        };
-        for (key, _) in keys.into_iter().filter(|(_, is_there)| !is_there) {
-            self.0.push(format!("{who}, which needs `{part}.{key}`"));
         }
     }
 }
@@ -180,63 +168,44 @@ fn fingers(settings: &Settings, faults: &mut Faults) {
 }
 
 /// Checks that driver and camera have every key that they need.
-fn connections(settings: &Settings, faults: &mut Faults) {
-    let (driver, camera) = (settings.driver, &settings.camera);
-    let (ros, ros2) = (settings.ros.as_ref(), settings.ros2.as_ref());
-    let driver_is = format!("`driver` is `{}`", driver.name());
-    let camera_is = format!("`camera.source` is `{}`", camera.source.name());
-    match driver {
-        DriverKind::Simulated => {}
-        DriverKind::Kinova => faults.needs(&driver_is, "ros", ros.map(|_| Vec::new())),
-        DriverKind::Trajectory => {
-            let keys = ros.map(|ros| vec![("trajectory", ros.trajectory.is_some())]);
-            faults.needs(&driver_is, "ros", keys);
-        }
-        DriverKind::Ros2 => {
-            let keys = ros2.map(|ros2| {
-                vec![
-                    ("trajectory", ros2.trajectory.is_some()),
-                    ("gripper", ros2.gripper.is_some()),
-                    ("gripper_joints", !ros2.gripper_joints.is_empty()),
-                ]
-            });
-            faults.needs(&driver_is, "ros2", keys);
-        }
-    }
-    let topics = |[color, depth, info]: [&Option<String>; 3]| {
-        let [color, depth, info] = [color, depth, info].map(Option::is_some);
-        vec![("color", color), ("depth", depth), ("info", info)]
+fn connections(settings: &Settings, document: &Value, faults: &mut Faults) {
+    let camera = &settings.camera;
+    let driver: &[&str] = match settings.driver {
+        DriverKind::Simulated => &[],
+        DriverKind::Kinova => &["ros"],
+        DriverKind::Trajectory => &["ros.trajectory"],
+        DriverKind::Ros2 => &["ros2.trajectory", "ros2.gripper", "ros2.gripper_joints"],
     };
-    match camera.source {
-        CameraSource::Ros => {
-            let keys = ros.map(|ros| topics([&ros.color, &ros.depth, &ros.info]));
-            faults.needs(&camera_is, "ros", keys);
-        }
-        CameraSource::Ros2 => {
-            let keys = ros2.map(|ros2| topics([&ros2.color, &ros2.depth, &ros2.info]));
-            faults.needs(&camera_is, "ros2", keys);
-        }
-        CameraSource::Directory => {
-            let keys = vec![("folder", camera.folder.is_some())];
-            faults.needs(&camera_is, "camera", Some(keys));
-        }
-        CameraSource::Simulated if driver == DriverKind::Simulated => {}
-        CameraSource::Simulated => faults
-            .0
-            .push(format!("{camera_is}, which needs `driver = \"simulated\"`")),
+    let source: &[&str] = match camera.source {
+        CameraSource::Simulated => &[],
+        CameraSource::Directory => &["camera.folder"],
+        CameraSource::Ros => &["ros.color", "ros.depth", "ros.info"],
+        CameraSource::Ros2 => &["ros2.color", "ros2.depth", "ros2.info"],
+    };
+    let driver_is = format!("`driver` is `{}`", settings.driver.name());
+    let camera_is = format!("`camera.source` is `{}`", camera.source.name());
+    for (who, keys) in [(&driver_is, driver), (&camera_is, source)] {
+        let is_missing = |key: &&&str| {
+            let mut parts = key.split('.');
+            let value = parts.try_fold(document, |at, part| at.get(part));
+            value.is_none_or(|value| value.as_array().is_some_and(Vec::is_empty))
+        };
+        let missing = keys.iter().filter(is_missing);
+        let missing = missing.map(|key| format!("{who}, which needs `{key}`"));
+        faults.0.extend(missing);
+    }
+    if camera.source == CameraSource::Simulated && settings.driver != DriverKind::Simulated {
+        let needs = "which needs `driver = \"simulated\"`";
+        faults.0.push(format!("{camera_is}, {needs}"));
     }
     let [left, top, side] = camera.window_px;
     let whole_px = camera.intrinsics.as_ref().map(|it| it.size_px);
     let [width, height] = whole_px.unwrap_or([u32::MAX; 2]);
-    let expected = "a square with a side above 0, inside of `camera.intrinsics.size_px`";
+    let expected = "a square with a side above 0, inside of `camera.intrinsics.size_px`".to_owned();
     let holds = side > 0 && left + side <= width && top + side <= height;
-    faults.unless(
-        holds,
-        "camera.window_px",
-        &camera.window_px,
-        expected.to_owned(),
-    );
-    let Some(ros2) = ros2 else { return };
+    let window = &camera.window_px;
+    faults.unless(holds, "camera.window_px", window, expected);
+    let Some(ros2) = &settings.ros2 else { return };
     let (joints, count) = (&ros2.gripper_joints, settings.fingers.count);
     let expected = format!("one name, or one for each finger of `fingers.count`, {count}");
     let holds = joints.len() <= 1 || joints.len() == count;

@@ -76,8 +76,8 @@ pub(crate) struct Key {
 
 /// The values that a key accepts.
 pub(crate) enum Accepts {
-    /// A text that begins like this, and is not blank.
-    Text(&'static str),
+    /// A text that is not blank.
+    Text,
     /// One of these words.
     OneOf(Vec<&'static str>),
     Number(Values),
@@ -87,13 +87,11 @@ pub(crate) enum Accepts {
     Section(Vec<Key>),
 }
 
-/// Values of a type that are accepted: numbers of a range with both ends, or texts.
+/// Numbers that are accepted.
 #[derive(Clone, Copy)]
 pub(crate) struct Values {
     least: f64,
     most: f64,
-    /// How a text begins.
-    begins: &'static str,
 }
 
 /// Every value of a type.
@@ -107,16 +105,7 @@ pub(crate) const MAX_SIDE_PX: f64 = 16_384.0;
 
 /// Numbers of a range, both ends included.
 pub(crate) const fn from(least: f64, most: f64) -> Values {
-    Values {
-        least,
-        most,
-        begins: "",
-    }
-}
-
-/// Texts that begin like this.
-pub(crate) const fn begins(begins: &'static str) -> Values {
-    Values { begins, ..ANY }
+    Values { least, most }
 }
 
 /// A type of settings.
@@ -162,8 +151,8 @@ plain_settings! {
     u16: Accepts::Whole;
     u32: Accepts::Whole;
     usize: Accepts::Whole;
-    String: |values: Values| Accepts::Text(values.begins);
-    PathBuf: |values: Values| Accepts::Text(values.begins);
+    String: |_| Accepts::Text;
+    PathBuf: |_| Accepts::Text;
 }
 
 /// Reads a section, and checks every key of it by its declaration; fails with all faults, one per line.
@@ -252,9 +241,7 @@ impl Accepts {
 
     fn takes(&self, value: &Value) -> bool {
         match (self, value) {
-            (Accepts::Text(begins), Value::String(text)) => {
-                text.starts_with(begins) && !text.trim().is_empty()
-            }
+            (Accepts::Text, Value::String(text)) => !text.trim().is_empty(),
             (Accepts::OneOf(words), Value::String(word)) => words.contains(&word.as_str()),
             (Accepts::Number(values), Value::Float(number)) => values.holds(*number),
             (Accepts::Number(values) | Accepts::Whole(values), Value::Integer(number)) => {
@@ -271,8 +258,7 @@ impl Accepts {
     fn expected(&self) -> String {
         let range = |values: &Values| format!("{} to {}", values.least, values.most);
         match self {
-            Accepts::Text("") => "a text".to_owned(),
-            Accepts::Text(begins) => format!("a text that begins with `{begins}`"),
+            Accepts::Text => "a text".to_owned(),
             Accepts::OneOf(words) => format!("`{}`", words.join("`, `")),
             Accepts::Number(values) => range(values),
             Accepts::Whole(values) => format!("a whole number, {}", range(values)),

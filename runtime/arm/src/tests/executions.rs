@@ -7,8 +7,6 @@ use crate::route::SegmentName;
 use crate::supervisor::{MotionRequest, NoWatchdog, Unattended};
 use fab_world::start::Start;
 use std::fs;
-use std::sync::mpsc::{Sender, channel};
-use std::time::Duration;
 
 fn entries(folder: &Path) -> Vec<Entry> {
     let text = fs::read_to_string(folder.join(ARM_FILE)).unwrap();
@@ -362,42 +360,4 @@ fn a_watchdog_is_called_off_when_a_stop_is_verified_and_not_before() {
         assert_eq!(watchdog.is_watching, !is_verified, "{broken}");
         assert_eq!(watchdog.n_stops, u32::from(!is_verified), "{broken}");
     }
-}
-
-/// A disk that hangs at the `n`th line.
-fn hanging(n: usize) -> (Journal, Sender<()>) {
-    let (release, hangs) = channel::<()>();
-    let mut n_lines = 0;
-    let log = Journal::to("arm.jsonl".into(), Duration::from_millis(50), move |_| {
-        n_lines += 1;
-        if n_lines == n {
-            let _ = hangs.recv();
-        }
-        Ok(())
-    });
-    (log, release)
-}
-
-#[test]
-fn a_journal_that_hangs_moves_nothing_and_hangs_nothing() {
-    // Before the first motion, and after it.
-    let (mut log, _release) = hanging(1);
-    let mut bench = Bench::with(&[]);
-    let broken = bench.run_with(&mut log, &mut Unattended, &mut NoWatchdog);
-    let broken = broken.unwrap_err();
-    assert!(
-        matches!(&broken.why, ArmError::JournalBeforeMotion(why) if why.contains("not written within")),
-        "{broken}"
-    );
-    assert!(bench.off_m(bench.settings.workspace.rest_m) < 1e-6);
-    let (mut log, _release) = hanging(2);
-    let mut bench = Bench::with(&[]);
-    let broken = bench.run_with(&mut log, &mut Unattended, &mut NoWatchdog);
-    let broken = broken.unwrap_err();
-    assert!(
-        matches!(broken.why, ArmError::JournalAfterMotion(_)),
-        "{broken}"
-    );
-    assert_eq!(broken.stopped, Some(Ok(())));
-    bench.stays_stopped();
 }

@@ -50,6 +50,7 @@ pub struct Faulty {
     n_lost: u32,
     /// What the sender hears of goals, where it is not the truth.
     heard: HashMap<GoalId, GoalState>,
+    track: track::Track,
     readings: Readings,
     /// The tool's place when the arm was stopped, and its largest distance from there since, metres.
     since_stop: Option<(Vector3<f64>, f64)>,
@@ -83,6 +84,7 @@ impl Faulty {
             goals_to_lose: 0,
             n_lost: 0,
             heard: HashMap::new(),
+            track: track::Track::default(),
         }
     }
 
@@ -175,6 +177,7 @@ impl Faulty {
         is_motion: bool,
         send: impl FnOnce(&mut KinovaArm) -> Result<GoalId, PortError>,
     ) -> Result<GoalId, PortError> {
+        self.track = track::Track::default();
         let now_s = self.arm.now_s();
         self.goals_to_lose += 3 * u32::from(self.take(FaultKind::LostGoals, now_s));
         self.goals_to_lose += u32::from(self.take(FaultKind::LostGoal, now_s));
@@ -251,6 +254,9 @@ impl DerefMut for Faulty {
     }
 }
 
+#[path = "../../../arm-ros/src/track.rs"]
+mod track;
+
 impl Port for Faulty {
     fn now_s(&self) -> f64 {
         self.arm.now_s()
@@ -305,6 +311,7 @@ impl Port for Faulty {
     }
 
     fn cancel(&mut self, goal: &GoalId) -> Result<(), PortError> {
+        self.track.end();
         if self.take(FaultKind::LostCancel, self.arm.now_s()) {
             return Ok(());
         }
@@ -333,6 +340,13 @@ impl Port for Faulty {
     }
 
     fn state(&mut self) -> Readings {
+        if let Some(tool) = &self.readings.tool {
+            self.track.record(tool.at_s, tool.value.translation.vector);
+        }
         self.readings.clone()
+    }
+
+    fn moved_until_s(&mut self, rest: Option<&Vector3<f64>>) -> Option<f64> {
+        self.track.moved_until_s(rest)
     }
 }

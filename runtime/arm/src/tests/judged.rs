@@ -120,11 +120,9 @@ fn judged_plan(settings: &Settings, height: [f64; 3], points: [Point3<f64>; 2]) 
     let guard = Guard::new(settings, Surface::tilted(height));
     let turn_rad = settings.motion.hand_turn_deg.to_radians();
     let rest = crate::kinematics::tool_down::tool_down(&settings.workspace.rest_m.into(), turn_rad);
-    let from = ArmState {
-        at_s: 0.0,
-        tool: rest,
-        joints_rad: Vec::new(),
-        fingers: Vec::new(),
+    let rest_m = settings.workspace.rest_m.into();
+    let Ok(from) = ArmState::hand_down(settings, &rest_m) else {
+        return false;
     };
     let (plan, route) = Plan::make(settings, &guard, &from, points, &Default::default());
     let told = || format!("{settings:#?}\n{height:?} {points:?}");
@@ -179,7 +177,7 @@ fn judged_plan(settings: &Settings, height: [f64; 3], points: [Point3<f64>; 2]) 
         segments,
         after_missed_grasp,
         ..
-    } = route.get();
+    } = &route;
     let grasp = segments
         .iter()
         .position(|it| it.name == crate::route::SegmentName::Grasp);

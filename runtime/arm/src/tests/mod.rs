@@ -23,6 +23,7 @@ use super::guard::{Guard, Surface};
 use super::journal::Journal;
 use super::kinematics::chain::Chain;
 use super::limits::Limited;
+use super::plan::Plan;
 use super::port::{GoalId, GoalState, Port, PortError, Readings, Waypoint};
 use super::route::Route;
 use super::settings::Settings;
@@ -33,7 +34,7 @@ use fab_base::interrupt::Interrupt;
 use fab_program::Manner;
 use fault::FaultKind;
 use faulty::{Fault, Faulty};
-use nalgebra::{Isometry3, Point3};
+use nalgebra::{Isometry3, Point3, Vector3};
 use std::cell::RefCell;
 use std::path::Path;
 use std::rc::Rc;
@@ -173,16 +174,11 @@ impl Bench {
     }
 
     fn route(&mut self) -> Route {
-        let here = self.port().tool();
-        let surface = Surface::level(&self.settings);
-        Route::new(
-            &self.settings,
-            &surface,
-            &here,
-            &PICK_M.into(),
-            &PLACE_M.into(),
-            &self.manner,
-        )
+        let here = self.driver().state().unwrap();
+        let points = [PICK_M, PLACE_M].map(Point3::from);
+        let guard = guard(&self.settings);
+        let (plan, route) = Plan::make(&self.settings, &guard, &here, points, &self.manner);
+        route.unwrap_or_else(|| panic!("{:?}", plan.refused))
     }
 
     /// Executes a pick and place.
@@ -191,20 +187,8 @@ impl Bench {
         supervisor: &mut dyn Supervisor,
         watchdog: &mut dyn Watchdog,
     ) -> Result<CompletedAction, FailedAction> {
-        let mut log = Journal::open(self.folder()).unwrap();
-        self.run_with(&mut log, supervisor, watchdog)
-    }
-
-    /// Does the same with a journal.
-    fn run_with(
-        &mut self,
-        log: &mut Journal,
-        supervisor: &mut dyn Supervisor,
-        watchdog: &mut dyn Watchdog,
-    ) -> Result<CompletedAction, FailedAction> {
+        let log = &mut Journal::open(self.folder()).unwrap();
         let route = self.route();
-        let here = self.driver().state().unwrap();
-        let route = guard(&self.settings).route(&here, route).1.unwrap();
         let execution = &mut Execution {
             arm: &mut self.arm,
             log,
@@ -325,6 +309,12 @@ impl Port for Tapped {
         }
         self.arm.probe()
     }
+    fn moved_until_s(&mut self, rest: Option<&Vector3<f64>>) -> Option<f64> {
+        if self.is_generic {
+            return Some(f64::INFINITY);
+        }
+        self.arm.moved_until_s(rest)
+    }
     fn start(&mut self) -> Result<(), PortError> {
         self.arm.start()
     }
@@ -336,6 +326,35 @@ impl Port for Tapped {
             heard.value[0] += self.off_rad;
         }
         readings
+    }
+}
+
+impl Waypoint {
+    /// Returns the angles at a time between this point and a later one, radians, as controllers interpolate: with the
+    /// angles, speeds and accelerations of both.
+    ///
+    /// - `at_s`: seconds since the start of the trajectory.
+    pub fn towards(&self, next: &Waypoint, at_s: f64) -> Vec<f64> {
+        let whole_s = next.at_s - self.at_s;
+        let part = (at_s - self.at_s) / whole_s;
+        let ends = |point: &Waypoint, joint: usize| {
+            let or_still = |values: &[f64]| values.get(joint).copied().unwrap_or_default();
+            [
+                or_still(&point.speeds_rad_s) * whole_s,
+                or_still(&point.accelerations_rad_s2) * whole_s * whole_s,
+            ]
+        };
+        let angles = self.joints_rad.iter().zip(&next.joints_rad).enumerate();
+        let angles = angles.map(|(joint, (from, to))| {
+            let ([speed, bend], [end_speed, end_bend]) = (ends(self, joint), ends(next, joint));
+            let way = to - from;
+            let third = 10.0 * way - 6.0 * speed - 4.0 * end_speed - 1.5 * bend + 0.5 * end_bend;
+            let fourth = -15.0 * way + 8.0 * speed + 7.0 * end_speed + 1.5 * bend - end_bend;
+            let fifth = 6.0 * way - 3.0 * (speed + end_speed) - 0.5 * (bend - end_bend);
+            let curved = bend / 2.0 + part * (third + part * (fourth + part * fifth));
+            from + part * (speed + part * curved)
+        });
+        angles.collect()
     }
 }
 

@@ -107,15 +107,6 @@ fn a_stop_that_is_pressed_before_a_pause_is_not_lifted_unnoticed() {
 }
 
 #[test]
-fn a_cancellation_that_is_lost_is_sent_again() {
-    for by in By::BOTH {
-        let mut bench = Bench::driven(by, &[(FaultKind::LostCancel, 0.0)]);
-        assert_eq!(go(&mut bench, 0.5), Err(ArmError::Paused));
-        assert!(bench.off_m([0.40, -0.25, 0.20]) > 0.02);
-    }
-}
-
-#[test]
 fn a_pause_lets_the_fingers_end_and_their_hand_not_leave() {
     for by in By::BOTH {
         let mut bench = Bench::driven(by, &[]);

@@ -27,18 +27,6 @@ const KEPT: f64 = 0.05;
 /// The speeds that the vendor's data sheets state, degrees/s.
 const SPEEDS_DEG_S: [f64; 6] = [36.0, 36.0, 36.0, 48.0, 48.0, 48.0];
 
-fn over_rest(settings: &Settings, joints_rad: Vec<f64>) -> ArmState {
-    ArmState {
-        at_s: 0.0,
-        tool: tool_down(
-            &settings.workspace.rest_m.into(),
-            settings.motion.hand_turn_deg.to_radians(),
-        ),
-        joints_rad,
-        fingers: Vec::new(),
-    }
-}
-
 /// Checks what the joints do in a motion, from where they are.
 fn keeps_limits(
     guard: &Guard,
@@ -123,15 +111,13 @@ fn keeps_limits(
 fn walked(settings: &Settings, points: [Point3<f64>; 2]) -> usize {
     let guard = guard(settings);
     let limits = JointLimits::of(settings, guard.chain());
-    let rest = over_rest(settings, Vec::new());
+    let Ok(rest) = ArmState::hand_down(settings, &settings.workspace.rest_m.into()) else {
+        return 0;
+    };
     let (plan, Some(route)) = Plan::make(settings, &guard, &rest, points, &Default::default())
     else {
         return 0;
     };
-    let start = SimulatedArm::new(settings, None)
-        .unwrap()
-        .joints_rad()
-        .to_vec();
     let mut motions = 0;
     let mut walk =
         |from: ArmState, segments: &[Segment], planned: &[crate::plan::PlannedSegment]| {
@@ -165,8 +151,7 @@ fn walked(settings: &Settings, points: [Point3<f64>; 2]) -> usize {
             }
             grasped
         };
-    let route = route.get();
-    let grasped = walk(over_rest(settings, start), &route.segments, &plan.segments);
+    let grasped = walk(rest, &route.segments, &plan.segments);
     walk(
         grasped.unwrap(),
         &route.after_missed_grasp,
@@ -239,7 +224,7 @@ fn the_simulated_arm_keeps_the_times_that_a_plan_states() {
             &Default::default(),
         );
         let route = route.unwrap();
-        for (segment, planned) in route.get().segments.iter().zip(&plan.segments) {
+        for (segment, planned) in route.segments.iter().zip(&plan.segments) {
             let Act::Move(to) = segment.act else { continue };
             arm.port().moved_s = None;
             go_to(&mut arm, &settings, &to, SPEED_M_S, &mut nobody).unwrap();

@@ -11,7 +11,7 @@ use crate::guard::{Guard, Surface};
 use crate::kinematics::reach::Reach;
 use crate::kinematics::tool_down::tool_down;
 use crate::plan::Plan;
-use crate::route::{self, SegmentName};
+use crate::route;
 use crate::settings::{DriverKind, Settings};
 use fab_world::{Grip, Motion, World, WorldPoint, Wrapper};
 use nalgebra::Point3;
@@ -95,19 +95,34 @@ impl ArmReach {
                     .to_owned(),
             );
         }
-        let motion = &settings.motion;
-        let rest = ArmState {
-            at_s: 0.0,
-            tool: tool_down(
-                &settings.workspace.rest_m.into(),
-                motion.hand_turn_deg.to_radians(),
-            ),
-            joints_rad: Vec::new(),
-            fingers: Vec::new(),
+        let (usual_m_s, most_m_s) = (settings.motion.speed_m_s, self.guard.max_speed_m_s());
+        let why_slower = |speed_m_s: f64| {
+            if settings.driver == DriverKind::Kinova && speed_m_s != usual_m_s {
+                return Some(format!(
+                    "the arm takes poses and moves at a speed of its own, `motion.speed_m_s` of {usual_m_s} m/s"
+                ));
+            }
+            let is_too_fast = speed_m_s > most_m_s;
+            is_too_fast.then(|| {
+                format!("the tool moves at most at `workspace.max_speed_m_s` of {most_m_s} m/s")
+            })
         };
+        if let Some(speed_m_s) = manner.speed_m_s
+            && let Some(why) = why_slower(speed_m_s)
+        {
+            return Some(format!("`speed` of {speed_m_s} m/s is not possible: {why}"));
+        }
         let points = [&asked.pick, &asked.place];
         let points = points.map(|point| base_point(settings, self.guard.surface(), point));
-        let (plan, _) = Plan::make(settings, &self.guard, &rest, points, manner);
+        let rest = ArmState::hand_down(settings, &settings.workspace.rest_m.into());
+        let why = match rest {
+            Ok(rest) => {
+                Plan::make(settings, &self.guard, &rest, points, manner)
+                    .0
+                    .refused?
+            }
+            Err(why) => format!("the arm cannot rest at `rest_m`: {why}"),
+        };
         let stated_m = [
             ("lift", manner.lift_m),
             ("release_height", manner.release_height_m),
@@ -116,28 +131,7 @@ impl ArmReach {
             Some(format!("`{name}` of {:.0} mm", height_m? * 1000.0))
         });
         let stated: Vec<String> = stated.collect();
-        if let (Some(why), false) = (&plan.refused, stated.is_empty()) {
-            return Some(format!("{} is not possible: {why}", stated.join(" with ")));
-        }
-        let speed_m_s = manner.speed_m_s?;
-        let carries = |name| (SegmentName::Lift..=SegmentName::DownToPlace).contains(&name);
-        let carried = plan.segments.iter().filter(|it| carries(it.name));
-        let joints_m_s = carried
-            .map(|it| it.joints_allow_m_s)
-            .fold(f64::INFINITY, f64::min);
-        let (usual_m_s, most_m_s) = (motion.speed_m_s, self.guard.max_speed_m_s());
-        let why = if settings.driver == DriverKind::Kinova && speed_m_s != usual_m_s {
-            format!(
-                "the arm takes poses and moves at a speed of its own, `motion.speed_m_s` of {usual_m_s} m/s"
-            )
-        } else if speed_m_s > most_m_s {
-            format!("the tool moves at most at `workspace.max_speed_m_s` of {most_m_s} m/s")
-        } else if speed_m_s > joints_m_s {
-            format!("on this way the arm's joints allow at most {joints_m_s:.3} m/s")
-        } else {
-            return None;
-        };
-        Some(format!("`speed` of {speed_m_s} m/s is not possible: {why}"))
+        (!stated.is_empty()).then(|| format!("{} is not possible: {why}", stated.join(" with ")))
     }
 }
 

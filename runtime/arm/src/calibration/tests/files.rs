@@ -31,27 +31,11 @@ fn damaged_files_are_refused() {
     made.save(&path).unwrap();
     let text = fs::read_to_string(&path).unwrap();
     let pixel = format!("pixel = {:?}", made.pairs[4].pixel);
-    let cases: [(&str, &str, &str); 7] = [
+    let cases: [(&str, &str, &str); 3] = [
         (
             &pixel,
             "pixel = [1.0, 1.0]",
             "without point 5 the others agree",
-        ),
-        (
-            &pixel,
-            "pixel = [1.0, 1.0, 1.0]",
-            "3 values where 2 are expected",
-        ),
-        (&pixel, "pixel = [1.0]", "1 values where 2 are expected"),
-        (
-            "focal_px = [600.0, 602.0]",
-            "focal_px = [600.0, 602.0, 600.0]",
-            "`focal_px` is `[600.0, 602.0, 600.0]`; expected 2 numbers",
-        ),
-        (
-            "size_px = [640, 480]",
-            "size_px = [640, 480, 1]",
-            "3 values where 2 are expected",
         ),
         (
             "format = 2",

@@ -6,7 +6,6 @@
 use super::*;
 use crate::driver::ArmState;
 use crate::guard::Guard;
-use crate::kinematics::tool_down::tool_down;
 use crate::plan::Plan;
 use crate::route::{Act, Route, SegmentName};
 use fab_base::chance::Chance;
@@ -156,13 +155,7 @@ impl Arm {
         let settings = &self.settings;
         let guard = Guard::level(settings);
         let table_m = settings.table.center_m[2];
-        let turn_rad = settings.motion.hand_turn_deg.to_radians();
-        let from = ArmState {
-            at_s: 0.0,
-            tool: tool_down(&settings.workspace.rest_m.into(), turn_rad),
-            joints_rad: Vec::new(),
-            fingers: Vec::new(),
-        };
+        let from = ArmState::hand_down(settings, &settings.workspace.rest_m.into()).unwrap();
         let mut chance = Chance::seeded(2024);
         let mut angles: Vec<Vec<f64>> = Vec::new();
         let (mut asked, mut allowed, mut refusal) = (0, 0, String::new());
@@ -195,7 +188,7 @@ impl Arm {
                 segments,
                 after_missed_grasp,
                 ..
-            } = route.get();
+            } = &route;
             let grasp = segments
                 .iter()
                 .position(|it| it.name == SegmentName::Grasp)

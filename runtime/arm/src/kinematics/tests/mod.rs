@@ -9,6 +9,7 @@ mod shape;
 mod straight;
 
 use super::chain::{Chain, MIN_JOINTS};
+use super::inverse::is_pose;
 use nalgebra::Isometry3;
 use proptest::prelude::*;
 use std::f64::consts::TAU;
@@ -26,6 +27,26 @@ fn chain_of(model: &str) -> Chain {
 }
 
 impl Chain {
+    /// Returns angles for a pose: near others, or else those to which one of 64 starts leads.
+    pub(crate) fn solve(
+        &self,
+        pose: &Isometry3<f64>,
+        near_rad: &[f64],
+    ) -> Result<Vec<f64>, String> {
+        let near = self.angles(near_rad)?;
+        if !is_pose(pose) {
+            return Err("no pose".to_owned());
+        }
+        let mut start = near;
+        start[self.last()] += self.last_joint_between(&self.tool_at(&near), pose);
+        let mut others = self.search(*pose).take(64);
+        let found = self.next(pose, &start).or_else(|why| {
+            let found = others.find(|attempt| attempt.reached());
+            found.map(|it| it.angles).ok_or(why)
+        });
+        Ok(self.of_joints(&self.turns_nearest(&found?, &near)))
+    }
+
     /// Returns whether no angle exceeds a limit of its joint.
     pub(crate) fn is_within_limits(&self, joints_rad: &[f64]) -> bool {
         let mut pairs = self.joints().iter().zip(joints_rad);

@@ -12,8 +12,8 @@ fn pictures(stamps_ms: &[i64]) -> Pictures {
         ..Image::default()
     };
     Pictures {
-        pending: stamps_ms.iter().map(image).collect(),
-        off_ns: None,
+        kept: stamps_ms.iter().map(image).collect(),
+        newest_ns: None,
     }
 }
 
@@ -24,8 +24,8 @@ fn pair(colors_ms: &[i64], depths_ms: &[i64]) -> Option<(i64, i64)> {
         depths: pictures(depths_ms),
         ..Arrived::default()
     };
-    let (color, depth) = arrived.pair(true)?;
-    Some((color.stamp_ns / MS, depth.unwrap().stamp_ns / MS))
+    let (color, depth) = arrived.pair(0)?;
+    Some((color.stamp_ns / MS, depth.stamp_ns / MS))
 }
 
 #[test]
@@ -40,25 +40,19 @@ fn colour_is_joined_with_the_depth_that_is_nearest() {
 }
 
 #[test]
-fn only_pictures_that_were_taken_since_are_kept() {
+fn only_pictures_that_were_taken_since_count() {
     let inbox = Inbox::default();
     let shift = |by_ms: i64| Image {
         stamp_ns: now_ns() + by_ms * MS,
         ..Image::default()
     };
-    let kept = |inbox: &Inbox| {
-        let arrived = inbox.lock();
-        (arrived.colors.pending.len(), arrived.colors.off_ns)
-    };
-    inbox.color(shift(0));
-    assert_eq!(kept(&inbox), (0, None));
-    inbox.request(Some(now_ns()));
+    let begun_ns = now_ns();
+    let n_found = |inbox: &Inbox| inbox.lock().colors.since(begun_ns).count();
+    // Before the request, and by a clock that is ahead.
     inbox.color(shift(-200));
-    assert!(kept(&inbox).1.unwrap() <= -199 * MS);
     inbox.color(shift(500));
-    assert!(kept(&inbox).1.unwrap() >= 400 * MS);
+    assert_eq!(n_found(&inbox), 0);
+    assert!(inbox.lock().colors.newest_ns.unwrap() >= begun_ns + 400 * MS);
     inbox.color(shift(0));
-    assert_eq!(kept(&inbox).0, 1);
-    inbox.request(None);
-    assert_eq!(kept(&inbox), (0, None));
+    assert_eq!(n_found(&inbox), 1);
 }

@@ -156,8 +156,6 @@ fn each_number_that_cannot_be_meant_is_refused_by_its_key() {
         ("camera.intrinsics.focal_px", "[0, 480]"),
         ("camera.intrinsics.focal_px", "[600, 600, 600]"),
         ("camera.intrinsics.middle_px", "[320.0, -1.0]"),
-        ("ros.master", "'localhost'"),
-        ("ros.arm", "'j2n6s200_driver'"),
         ("simulated.camera_height_m", "0.0"),
         ("simulated.camera_offset_m", "[nan, 0.0]"),
         ("simulated.camera_turn_deg", "1e9"),
@@ -272,11 +270,7 @@ fn what_is_missing_or_of_another_type_is_named() {
 #[test]
 fn what_one_part_needs_of_another_is_said() {
     for (key, value, expected) in [
-        (
-            "ros",
-            "-",
-            "`driver` is `kinova`, which needs a part `[ros]`",
-        ),
+        ("ros", "-", "`driver` is `kinova`, which needs `ros`"),
         (
             "driver",
             "'trajectory'",
@@ -290,12 +284,12 @@ fn what_one_part_needs_of_another_is_said() {
         (
             "driver",
             "'ros2'",
-            "`driver` is `ros2`, which needs a part `[ros2]`",
+            "`driver` is `ros2`, which needs `ros2.gripper`",
         ),
         (
             "camera.source",
             "'ros2'",
-            "`camera.source` is `ros2`, which needs a part `[ros2]`",
+            "`camera.source` is `ros2`, which needs `ros2.color`",
         ),
         (
             "camera.source",

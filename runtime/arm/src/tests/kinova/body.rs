@@ -108,8 +108,8 @@ impl Body {
             });
             let mut reached = *to;
             reached.translation = Translation3::from(to.translation.vector + off);
-            let reached = self.chain.solve(&reached, &commanded);
-            let reached = reached.map_err(|why| why.to_string())?;
+            let reached = self.chain.straight(&commanded, &reached, STEP_M)?;
+            let reached = reached.last().cloned().unwrap_or_default();
             // Where the joints are differs from where they are commanded to be, and that changes evenly.
             let steps = (points.len() - 1).max(1) as f64;
             for (step, point) in points.iter_mut().enumerate() {
