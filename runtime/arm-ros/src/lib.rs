@@ -11,7 +11,6 @@ mod connect;
 mod port;
 mod servers;
 mod topics;
-mod track;
 
 mod action;
 mod ledger;

@@ -4,8 +4,10 @@
 //! receives: the driver decides what a lost message or an aborted goal means.
 
 mod stamps;
+mod track;
 
 pub use stamps::Stamps;
+pub use track::Track;
 
 use nalgebra::{Isometry3, Vector3};
 

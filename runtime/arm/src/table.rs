@@ -3,10 +3,11 @@
 //! In: the pose of the hand, step by step, and whether it is closed. Out: a cloth that follows it, and the camera's
 //! pictures. The hand grasps one particle, like the picker of the simulated world, and touches nothing on its path.
 
+mod sheets;
+
 use crate::rgbd::{RgbdSource, Shot};
 use crate::settings::{Settings, SimulatedSettings};
 use crate::simulated::SimulatedTable;
-use fab_base::chance::Chance;
 use fab_program::Material;
 use fab_sim::{Grid, ImageUp, Params, Simulator, TopDownCamera};
 use fab_world::WorldError;
@@ -14,7 +15,6 @@ use fab_world::simulated::{self, Look, stopped};
 use fab_world::start::Start;
 use nalgebra::{Isometry3, Point3};
 use std::cell::RefCell;
-use std::ops::Range;
 use std::rc::Rc;
 
 /// How far from the fingertips cloth can be grasped: horizontally, and above or below them. Metres.
@@ -27,11 +27,6 @@ const LAYER_M: f64 = 0.0005;
 /// Everything up to this height above the table counts as the table, metres: cloth lies higher.
 const TABLE_M: f64 = 0.001;
 
-/// A frame of printed squares around the middle of the table makes a moved camera detectable. It lies outside the area
-/// of a cloth, and is grey, so that a colour mask ignores it. Where it lies along x and y, and the side of a square, metres.
-const FRAME_M: Range<f64> = 0.33..0.40;
-const SQUARE_M: f64 = 0.012;
-
 /// A cloth on a table.
 pub struct ClothTable {
     cloth: Option<Simulator>,
@@ -39,6 +34,8 @@ pub struct ClothTable {
     look: Look,
     lens: TopDownCamera,
     camera: SimulatedSettings,
+    /// What is printed on the table in each pixel of a picture, row by row.
+    printed: Vec<Option<u8>>,
     world_from_base: Isometry3<f64>,
     /// The hand's last position, world frame, while it holds cloth.
     holds_at: Option<[f32; 3]>,
@@ -64,6 +61,7 @@ impl ClothTable {
             why: error.to_string(),
         })?;
         Ok(ClothTable {
+            printed: printed(&camera),
             cloth: None,
             params: Params {
                 material: material.map(simulated::material),
@@ -131,20 +129,18 @@ impl ClothTable {
             .collect();
         let frame = self.lens.render(grid, &seen, &self.look);
         let (mut rgb, depth_m) = simulated::pictures(frame);
-        let (height_m, lens) = (self.camera.camera_height_m, self.camera.intrinsics());
-        let m_per_px = height_m / lens.focal_px[0];
-        for (column, row, color) in rgb.enumerate_pixels_mut() {
-            let is_table = f64::from(depth_m.get_pixel(column, row).0[0]) >= height_m - TABLE_M;
-            let [right, down] = [column, row].map(|at| f64::from(at) + 0.5 - lens.middle_px[0]);
-            let at = world_from_camera * Point3::new(right * m_per_px, -down * m_per_px, 0.0);
-            if is_table && let Some(grey) = printed_at(at.x, at.y) {
+        let height_m = self.camera.camera_height_m;
+        let pixels = rgb.pixels_mut().zip(depth_m.pixels());
+        for ((color, depth_m), printed) in pixels.zip(&self.printed) {
+            let is_table = f64::from(depth_m.0[0]) >= height_m - TABLE_M;
+            if is_table && let Some(grey) = *printed {
                 color.0 = [grey; 3];
             }
         }
         Shot {
             rgb,
             depth_m,
-            intrinsics: Some(lens),
+            intrinsics: Some(self.camera.intrinsics()),
         }
     }
 }
@@ -170,11 +166,20 @@ fn grasped(positions: &[[f32; 3]], tip: [f32; 3]) -> Option<usize> {
         .map(|(particle, _)| particle)
 }
 
-/// Returns the grey printed at a place of the table, metres, world frame; `None` outside the frame.
-fn printed_at(x_m: f64, y_m: f64) -> Option<u8> {
-    let [column, row] = [x_m, y_m].map(|at_m| (at_m / SQUARE_M).floor() as i64);
-    let is_on = FRAME_M.contains(&x_m.abs().max(y_m.abs()));
-    is_on.then(|| Chance::seeded((column * 1000 + row) as u64).below(256) as u8)
+/// Returns what is printed on the table in each pixel of a picture, row by row.
+fn printed(camera: &SimulatedSettings) -> Vec<Option<u8>> {
+    let world_from_camera = camera.world_from_camera();
+    let lens = camera.intrinsics();
+    let m_per_px = camera.camera_height_m / lens.focal_px[0];
+    let [width, height] = lens.size_px;
+    let pixels = (0..height).flat_map(|row| (0..width).map(move |column| [column, row]));
+    pixels
+        .map(|[column, row]| {
+            let [right, down] = [column, row].map(|at| f64::from(at) + 0.5 - lens.middle_px[0]);
+            let at = world_from_camera * Point3::new(right * m_per_px, -down * m_per_px, 0.0);
+            sheets::printed([at.x, at.y])
+        })
+        .collect()
 }
 
 impl SimulatedTable for ClothTable {

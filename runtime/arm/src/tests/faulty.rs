@@ -4,7 +4,7 @@
 //! file by its path, with `fault.rs` and `kinova` beside it and the crate as `arm`.
 
 use super::arm::kinematics::chain::Chain;
-use super::arm::port::{Ending, GoalId, GoalState, Port, PortError, Readings, Waypoint};
+use super::arm::port::{Ending, GoalId, GoalState, Port, PortError, Readings, Track, Waypoint};
 use super::arm::settings::Settings;
 use super::arm::simulated::{SimulatedArm, SimulatedTable};
 use super::fault::FaultKind;
@@ -50,7 +50,7 @@ pub struct Faulty {
     n_lost: u32,
     /// What the sender hears of goals, where it is not the truth.
     heard: HashMap<GoalId, GoalState>,
-    track: track::Track,
+    track: Track,
     readings: Readings,
     /// The tool's place when the arm was stopped, and its largest distance from there since, metres.
     since_stop: Option<(Vector3<f64>, f64)>,
@@ -84,7 +84,7 @@ impl Faulty {
             goals_to_lose: 0,
             n_lost: 0,
             heard: HashMap::new(),
-            track: track::Track::default(),
+            track: Track::default(),
         }
     }
 
@@ -177,7 +177,7 @@ impl Faulty {
         is_motion: bool,
         send: impl FnOnce(&mut KinovaArm) -> Result<GoalId, PortError>,
     ) -> Result<GoalId, PortError> {
-        self.track = track::Track::default();
+        self.track = Track::default();
         let now_s = self.arm.now_s();
         self.goals_to_lose += 3 * u32::from(self.take(FaultKind::LostGoals, now_s));
         self.goals_to_lose += u32::from(self.take(FaultKind::LostGoal, now_s));
@@ -253,9 +253,6 @@ impl DerefMut for Faulty {
         &mut self.arm
     }
 }
-
-#[path = "../../../arm-ros/src/track.rs"]
-mod track;
 
 impl Port for Faulty {
     fn now_s(&self) -> f64 {
