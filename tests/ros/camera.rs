@@ -65,5 +65,8 @@ fn peer_ros_a_camera_that_says_nothing_is_named() {
         ..ros.settings()
     };
     let refused = subscribe(&none, 1.0).err().unwrap().to_string();
-    assert_eq!(refused, "`[ros]` does not name the topics `color`, `depth` and `info`");
+    assert_eq!(
+        refused,
+        "`[ros]` does not name the topics `color`, `depth` and `info`"
+    );
 }

@@ -142,7 +142,10 @@ fn peer_ros_an_arm_that_is_guided_gives_its_places() {
         Ok(())
     })
     .unwrap();
-    line_with(&mut lines, "error: the arm still moves, or reports nothing new");
+    line_with(
+        &mut lines,
+        "error: the arm still moves, or reports nothing new",
+    );
     drop(typed);
     // Two points are too few; they are saved.
     assert_eq!(child.wait().unwrap().code(), Some(2));

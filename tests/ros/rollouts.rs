@@ -54,11 +54,7 @@ const CASES: [(What, &str, End); 24] = [
     (Fails(LostGoal), "over_pick", Made),
     (Fails(LostResult), "over", Made),
     (Fails(ShortSilence), "down", Made),
-    (
-        Fails(LostGoals),
-        "over_pick",
-        Stopped("did not end within"),
-    ),
+    (Fails(LostGoals), "over_pick", Stopped("did not end within")),
     (LetsGoAndLostCancel, "over", Stopped("did not end within")),
     (
         Fails(RepeatedReading),
