@@ -746,7 +746,6 @@ fn has_word(node: Node<'_>, word: &str) -> bool {
     node.all(Kind::Token).any(|token| token.text() == word)
 }
 
-/// Returns the part with this index.
 /// Reads `0.25` or `1/3`.
 fn number(text: &str) -> Option<f64> {
     let Some((above, below)) = text.split_once('/') else {
@@ -760,6 +759,7 @@ fn number(text: &str) -> Option<f64> {
     })
 }
 
+/// Returns the part with this index.
 fn part(node: Node<'_>, number: usize) -> Expr<'_> {
     let part = all(node).nth(number);
     part.expect("the grammar's rule for this node has the part")

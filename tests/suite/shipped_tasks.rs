@@ -145,6 +145,24 @@ fn folds_stay_where_an_expert_folds_them() {
     }
 }
 
+/// What a newcomer runs first. Smoothing is judged by its suite.
+#[test]
+#[ignore = "long"]
+fn every_shipped_fold_reaches_its_goal_with_the_default_command_and_with_the_expert() {
+    let user = User::new();
+    for name in NAMES.into_iter().filter(|name| *name != "smoothing") {
+        for policy in ["", " --policy expert"] {
+            let said = user.run(&format!("run {name}{policy} --json"));
+            assert_eq!(said.code, 0, "{name}{policy}: {}", said.stderr);
+            let report: serde_json::Value = serde_json::from_str(&said.stdout).unwrap();
+            assert_eq!(
+                report["outcome"], "goal_reached",
+                "{name}{policy}: {report}"
+            );
+        }
+    }
+}
+
 #[test]
 fn the_nearest_place_wins() {
     let user = User::new();

@@ -54,13 +54,14 @@ fn not_offered(program: &Program, ends: &[Unoffered]) -> (String, String) {
         )
     });
     let why = nearest.collect::<Vec<_>>().join(", and ");
+    let shape_of = |name: &str| program.keypoint(name).map(|it| it.extractor.shape());
     let keypoint = |field: &ActionField| {
         let end = ends.iter().find(|it| it.end == field.name)?;
         end.keypoint.as_deref()
     };
     let fields = program.actions.iter().filter(|field| field.is_point());
     if fields.clone().filter_map(keypoint).count() < ends.len() {
-        let help = "no field can offer it yet: declare a keypoint that has this point, and name it in `actions`";
+        let help = "no field can offer it yet: declare a keypoint that has this point, such as `points_of(outline, …)` with the words of the fold, and name it in `actions`";
         return (why, help.to_owned());
     }
     // The task may inherit its fields, and a block of its own replaces them all.
@@ -69,7 +70,13 @@ fn not_offered(program: &Program, ends: &[Unoffered]) -> (String, String) {
         format!("`{}: {choices}`", field.name)
     });
     let lines = lines.collect::<Vec<_>>().join(" and ");
-    (why, format!("write {lines} in `actions`"))
+    let mut help = format!("write {lines} in `actions`");
+    let is_mask =
+        |it: &Unoffered| it.keypoint.as_deref().and_then(shape_of) == Some(KeypointShape::Mask);
+    if ends.iter().any(is_mask) {
+        help.push_str("; or offer just the points of the folds, as `fabc explain F0513` shows");
+    }
+    (why, help)
 }
 
 /// Writes a field's choices with one more keypoint; any pixel of a mask includes what the field offers now.

@@ -38,7 +38,6 @@ pub mod jsonl;
 pub mod kinds;
 mod named;
 pub mod npy;
-pub mod outbox;
 pub mod parallel;
 pub mod table;
 pub mod wording;

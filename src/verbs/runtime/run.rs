@@ -257,8 +257,8 @@ pub fn play(arguments: &RunArguments, resumed: Option<&Path>, io: &Io) -> Result
         events.write(&run, event);
     });
     let may_have_moved = !arguments.plan_only && arm.as_ref().is_some_and(setting::arm::is_real);
-    if may_have_moved && let Err(why) = preflight::check(arguments.arm.robot()) {
-        io.talk(&format!("note: {why}"));
+    if may_have_moved && let Some(left) = preflight::to_recover(arguments.arm.robot()) {
+        io.talk(&format!("note: this is how the arm was left: {left}"));
     }
     let video = film.get().map(|recorder| video::finish(recorder, io));
     let report = done.map_err(|error| match error {

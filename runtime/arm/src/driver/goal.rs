@@ -29,8 +29,8 @@ const LET_END_S: f64 = 3.0;
 /// How long to wait for steady motion, seconds: a goal takes effect within 0.15 s, and then three readings are needed.
 const EVEN_S: f64 = 0.6;
 
-/// How long a cancelled goal may take to end, seconds.
-const CANCEL_S: f64 = 0.5;
+/// How long a cancelled goal may take to end, seconds; a controller slows down first.
+const CANCEL_S: f64 = 1.0;
 
 /// How long before the cancellation the tool may appear to have come to rest, seconds: readings have 1 mm resolution.
 const SLACK_S: f64 = 0.012;

@@ -107,6 +107,16 @@ fn a_stop_that_is_pressed_before_a_pause_is_not_lifted_unnoticed() {
 }
 
 #[test]
+fn a_cancellation_that_is_lost_fails_the_motion() {
+    for by in By::BOTH {
+        let mut bench = Bench::driven(by, &[(FaultKind::LostCancel, 0.0)]);
+        let paused = go(&mut bench, 0.5);
+        let is_told = matches!(&paused, Err(ArmError::Failed(why)) if why.contains("did not end"));
+        assert!(is_told, "{by:?}: {paused:?}");
+    }
+}
+
+#[test]
 fn a_pause_lets_the_fingers_end_and_their_hand_not_leave() {
     for by in By::BOTH {
         let mut bench = Bench::driven(by, &[]);

@@ -12,7 +12,7 @@ use fab_program::PixelPoint;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Decision {
     pub action: Action,
-    /// The listed corners.
+    /// The points to pick: the listed corners, and what else the question offers.
     pub picks: Vec<PixelPoint>,
     /// The points to place on, if an action ends on a point.
     pub places: Vec<PixelPoint>,
@@ -49,14 +49,8 @@ impl Action {
     fn stated(&self) -> String {
         let end = match &self.end {
             End::Place(at) => format!("Place Point = {at}"),
-            End::Pull(
-                Choice {
-                    words: direction, ..
-                },
-                Choice {
-                    words: distance, ..
-                },
-            ) => {
+            End::Pull(direction, distance) => {
+                let [direction, distance] = [direction, distance].map(|it| it.words.as_str());
                 format!("Direction = {direction}\nDistance = {distance}")
             }
         };

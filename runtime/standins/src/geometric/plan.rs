@@ -8,7 +8,7 @@ use super::decision::{self, Action, Decision, End};
 use super::frame::Frame;
 use super::instruction::{Instruction, Spot};
 use super::prompt::{self, Listed};
-use super::spoken;
+use super::{all_words, spoken};
 use fab_model::{Message, Speaker};
 use fab_picture::hull::{self, Point};
 use fab_program::PixelPoint;
@@ -60,7 +60,8 @@ pub fn choose(messages: &[Message]) -> Result<Decision, String> {
     if listed.corners.is_empty() {
         return Err("no corners are listed".to_owned());
     }
-    let (turn, pairs) = plan(&instruction, &listed)?;
+    let picks = listed.picks(&all_words(&messages[..=at]));
+    let (turn, pairs) = plan(&instruction, &listed, &picks)?;
     let actions = pairs.into_iter().map(|(pick, at)| Action {
         pick,
         end: End::Place(at),
@@ -69,7 +70,7 @@ pub fn choose(messages: &[Message]) -> Result<Decision, String> {
     Ok(Decision {
         action: action.ok_or("every likely pair of listed points was refused")?,
         places: listed.places(),
-        picks: listed.corners,
+        picks,
         directions: Vec::new(),
         center: listed.center,
         question,
@@ -84,10 +85,13 @@ pub fn choose(messages: &[Message]) -> Result<Decision, String> {
 
 /// Ranks the pairs for an instruction, best first; returns the cloth's rotation relative to the pictures, too, radians
 /// counter-clockwise.
-fn plan(instruction: &Instruction, listed: &Listed) -> Result<(f64, Vec<Pair>), String> {
+fn plan(
+    instruction: &Instruction,
+    listed: &Listed,
+    picks: &[PixelPoint],
+) -> Result<(f64, Vec<Pair>), String> {
     let places = listed.places();
-    let pairs = listed
-        .corners
+    let pairs = picks
         .iter()
         .flat_map(|pick| places.iter().map(|place| (*pick, *place)));
     let mut pairs: Vec<Pair> = pairs.filter(|(pick, place)| pick != place).collect();
@@ -105,8 +109,8 @@ fn plan(instruction: &Instruction, listed: &Listed) -> Result<(f64, Vec<Pair>), 
                 .map(|&point| hull::distance(up(point), target));
             offs.min_by(f64::total_cmp)
         };
-        let picks = nearest(ends[0], &listed.corners).unwrap_or(0.0);
-        picks + nearest(ends[1], &places).unwrap_or(0.0)
+        let pick = nearest(ends[0], picks).unwrap_or(0.0);
+        pick + nearest(ends[1], &places).unwrap_or(0.0)
     };
     let hull = hull::around(listed.corners.iter().copied().map(up));
     if let Some((frame, turn)) = turn_to(instruction, &hull, off_px) {

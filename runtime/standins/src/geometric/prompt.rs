@@ -13,8 +13,8 @@ use fab_program::{Manner, PixelPoint};
 pub struct Listed {
     /// Current corners of the cloth; they can be picked, and show the cloth's pose.
     pub corners: Vec<PixelPoint>,
-    /// Other points that can be placed on.
-    pub others: Vec<PixelPoint>,
+    /// Other points that can be placed on, each with its list's name in lower case.
+    pub others: Vec<(String, PixelPoint)>,
     /// The initial position of the cloth's center.
     pub center: Option<PixelPoint>,
 }
@@ -22,8 +22,22 @@ pub struct Listed {
 impl Listed {
     /// Returns all points that can be placed on.
     pub fn places(&self) -> Vec<PixelPoint> {
-        let corners = self.corners.iter().chain(&self.others);
+        let others = self.others.iter().map(|(_, point)| point);
+        let corners = self.corners.iter().chain(others);
         corners.chain(&self.center).copied().collect()
+    }
+
+    /// Returns all points that can be picked: the corners, and those of lists that a sentence names as such, for example
+    /// `Choose the pick point from the listed corners or the listed side points.`
+    pub fn picks(&self, asked: &str) -> Vec<PixelPoint> {
+        let asked = flat(asked).to_lowercase();
+        let offers = |name: &str| {
+            let mut sentences = asked.split(". ");
+            sentences.any(|it| it.contains("pick point from") && it.contains(name))
+        };
+        let others = self.others.iter().filter(|(name, _)| offers(name));
+        let others = others.map(|(_, point)| point);
+        self.corners.iter().chain(others).copied().collect()
     }
 }
 
@@ -34,7 +48,7 @@ pub fn listed(text: &str) -> Listed {
     let mut listed = Listed::default();
     for line in text.lines() {
         let (label, list) = line.split_at(line.find(['(', '[']).unwrap_or(line.len()));
-        let (label, mut found) = (label.trim_end().to_lowercase(), points(list));
+        let (label, found) = (label.trim_end().to_lowercase(), points(list));
         if found.is_empty() || label.contains(" px ") {
             continue;
         }
@@ -42,8 +56,12 @@ pub fn listed(text: &str) -> Listed {
             listed.corners = found;
         } else if label.contains("cent") {
             listed.center = Some(found[0]);
-        } else if label.ends_with(':') && !list.contains(char::is_alphabetic) {
-            listed.others.append(&mut found);
+        } else if let Some(name) = label.strip_suffix(':')
+            && !list.contains(char::is_alphabetic)
+        {
+            let name = name.trim_start_matches(['-', '*', ' ']);
+            let found = found.into_iter().map(|point| (name.to_owned(), point));
+            listed.others.extend(found);
         }
     }
     listed
@@ -58,9 +76,12 @@ pub fn lengths(text: &str, word: &str) -> Vec<(Vec<PixelPoint>, f64)> {
         let is_it = sentence.to_lowercase().contains(word) && px >= 1.0;
         is_it.then(|| (points(sentence), px))
     };
-    // A sentence may span lines.
-    let flat = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    flat.split(". ").filter_map(of).collect()
+    flat(text).split(". ").filter_map(of).collect()
+}
+
+/// Joins the lines of a text, since a sentence may span them.
+fn flat(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// One of the values that an answer's line offers.

@@ -23,15 +23,24 @@ pub fn claim(robot: &Path) -> Result<(), String> {
 
 /// Fails if the arm needs recovery after its last run.
 pub fn check(robot: &Path) -> Result<(), String> {
+    to_recover(robot).map_or(Ok(()), |left| {
+        Err(format!(
+            "nothing is moved, because of how the last run with the arm of `{}` ended: {left}",
+            robot.display()
+        ))
+    })
+}
+
+/// Returns how the last run left the arm and what to do about it; `None` if there is nothing to do.
+pub fn to_recover(robot: &Path) -> Option<String> {
     let left = journal::left(robot);
     if left.as_ref().is_ok_and(RunState::is_clear) {
-        return Ok(());
+        return None;
     }
-    let robot = robot.display();
-    Err(format!(
-        "nothing is moved, because of how the last run with the arm of `{robot}` ended: {}; see to the arm, and say so with \
-         `fabc robot recover --robot {robot}`",
-        told(&left)
+    Some(format!(
+        "{}; see to the arm, and say so with `fabc robot recover --robot {}`",
+        told(&left),
+        robot.display()
     ))
 }
 

@@ -137,6 +137,19 @@ fn points_besides_the_corners_are_places_and_no_picks() {
         points_of(&reply),
         [PixelPoint::new(90, 45), PixelPoint::new(110, 180)]
     );
+    // Unless the prompt offers them.
+    let offered = "Choose the pick point from the listed corners or the\nlisted points of the sides. Be brief.";
+    let messages = [(Speaker::System, offered), (Speaker::User, prompt)];
+    let reply = ask(
+        ModelRole::Text,
+        messages
+            .map(|(speaker, text)| Message::text(speaker, text))
+            .to_vec(),
+    );
+    assert_eq!(
+        points_of(&reply),
+        [PixelPoint::new(110, 40), PixelPoint::new(110, 180)]
+    );
 }
 
 #[test]
