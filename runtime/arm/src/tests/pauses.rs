@@ -110,7 +110,9 @@ fn a_stop_that_is_pressed_before_a_pause_is_not_lifted_unnoticed() {
 fn a_cancellation_that_is_lost_fails_the_motion() {
     for by in By::BOTH {
         let mut bench = Bench::driven(by, &[(FaultKind::LostCancel, 0.0)]);
-        let paused = go(&mut bench, 0.5);
+        // Far enough that it does not arrive before it is noticed.
+        let far = tool_down(&Point3::new(0.40, 0.30, 0.20), 0.0);
+        let paused = bench.arm.move_tool(&far, SPEED_M_S, &mut lets_go(0.5));
         let is_told = matches!(&paused, Err(ArmError::Failed(why)) if why.contains("did not end"));
         assert!(is_told, "{by:?}: {paused:?}");
     }
